@@ -1,6 +1,6 @@
-// Controls, paths, vectors and turns of a scene, compiled: what they are at a time, and all expressions of
-// them as one program. A control that a command has set keeps that value; the column of such values is the
-// only state there is.
+// Controls, paths, vectors and turns of a scene, compiled: their values at a time, and all expressions of
+// them as one program. A control set by a command keeps that value; the column of such values is the only
+// state.
 #pragma once
 #include <array>
 #include <optional>
@@ -54,7 +54,7 @@ class Driver {
   /// The turn at time t, or at the frame that t falls in when there is a frame rate.
   Quat turn_at(size_t turn, double t) const { return turns_[turn].sample(frame_time(t, frame_rate_)); }
 
-  /// What couplings take along by name: a path (3 numbers), a vector, a turn (w, x, y, z).
+  /// What couplings access by name: a path (3 numbers), a vector, a turn (w, x, y, z).
   struct Channel {
     enum class Kind : uint8_t { path, vector, turn } kind = Kind::path;
     size_t index = 0, width = 3;
@@ -62,10 +62,10 @@ class Driver {
   std::optional<Channel> channel(Channel::Kind kind, std::string_view name) const;
   /// Names of all of a kind, for messages.
   std::string channel_names(Channel::Kind kind) const;
-  /// `width` numbers at time t (s), which is that of a frame where there are frames.
+  /// `width` numbers at time t (s), or at the frame that t falls in when there is a frame rate.
   void sample(const Channel& channel, double t, std::span<double> out) const;
 
-  /// set_parameter of a control: true when `name` is one. A value of another kind is refused by its caller.
+  /// set_parameter of a control: true when `name` is one. Its caller refuses values of another kind.
   bool apply(State& state, State::Column column, const Command& command) const;
   /// Values of all controls, as control.<name>.
   void observe(double t, std::span<const double> set, Observables& out) const;

@@ -1,7 +1,7 @@
-// What moves an animation, as a scene writes it: controls (numbers by expression or keys), paths (places
-// through keys), vectors (any number of numbers through keys) and turns (orientations through keys). Joints,
-// shapes and weights are expressions of t and of these names; a path p gives p_x, p_y and p_z, a vector v
-// gives v_0, v_1 and so on. Shared by keyframes, skeleton and blend_shapes.
+// The inputs of an animation as a scene writes them: controls (numbers by expression or keys), paths
+// (positions through keys), vectors (any number of numbers through keys) and turns (orientations through
+// keys). Joints, shapes and weights are expressions of t and of these names; a path p gives p_x, p_y and p_z,
+// a vector v gives v_0, v_1 and so on. Shared by keyframes, skeleton and blend_shapes.
 #pragma once
 #include <optional>
 #include <string>

@@ -10,7 +10,7 @@ namespace truestep {
 namespace {
 
 constexpr double kCrease = 0.8;     // cosine of 37 degrees
-constexpr size_t kMostCells = 512;  // of a height field, a side
+constexpr size_t kMostCells = 512;  // per side of a height field
 
 using Triangle = std::array<uint32_t, 3>;
 
@@ -79,7 +79,7 @@ std::shared_ptr<const DrawnMesh> field_mesh(const HeightField& field) {
   const auto n = static_cast<uint32_t>(is.size());
   for (uint32_t j = 0; j + 1 < js.size(); ++j) {
     for (uint32_t i = 0; i + 1 < n; ++i) {
-      const uint32_t a = j * n + i;  // cut from (i, j + 1) to (i + 1, j), as the field is
+      const uint32_t a = j * n + i;  // cut from (i, j + 1) to (i + 1, j), like the collision surface
       add(a, a + n, a + 1);
       add(a + 1, a + n, a + n + 1);
     }

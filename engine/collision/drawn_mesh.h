@@ -1,7 +1,8 @@
-// Solids as triangles for drawing: hulls, meshes and height fields as they are. A corner's normal is the
-// area-weighted mean over the triangles around it that bend by less than the crease angle from its own,
+// Solids as triangles for drawing: hulls, meshes and height fields with their own triangles. A corner's
+// normal is the area-weighted mean over the triangles around it that bend by less than the crease angle from
+// its own,
 //   n = sum over { t : n_t . n_own > cos(crease) } of (b - a) x (c - a),
-// so flat faces stay flat and round ones look round.
+// so that flat faces stay flat and round ones look round.
 #pragma once
 #include <memory>
 #include <span>

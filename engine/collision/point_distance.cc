@@ -26,7 +26,8 @@ PointDistance cylinder_distance(const Vec3& p, double r, double half) {
   return {d, (side * a + end * b) / d};
 }
 
-// Inside, the plane of the nearest face; outside, the distance of two convex sets, one a point.
+// Inside, the distance to the plane of the nearest face; outside, that between two convex sets, one of them a
+// point.
 std::optional<PointDistance> hull_distance_of(const Solid& s, const Vec3& p, double within) {
   PointDistance best{-HUGE_VAL, {0, 1, 0}};
   for (const HullFace& f : s.hull->faces) {
@@ -51,11 +52,12 @@ void of_triangle(const MeshTriangle& t, const Vec3& p, double within, std::optio
   if (d <= within && (!best || d < best->distance)) best = {d, d > 0 ? r / d : t.normal};
 }
 
-/// The nearest of the triangles that enclose a volume. Where several are equally near the point is on an
-/// edge's or a corner's side, and the triangle that it stands highest over, on either side, says on which.
+/// The nearest of the triangles that enclose a volume. Where several are equally near, the nearest point is
+/// on an edge or a corner, and the triangle whose plane is farthest from the point (on either side) decides
+/// the sign.
 struct Enclosing {
   double distance = HUGE_VAL, height = 0;
-  Vec3 way;  ///< from the nearest place
+  Vec3 way;  ///< unit, from the nearest point of the surface
 
   void take(const MeshTriangle& t, const Vec3& p) {
     constexpr double kEqual = 1e-9;

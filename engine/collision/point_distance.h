@@ -1,5 +1,5 @@
-// Signed distance of a point to a solid in the solid's own frame, for any solid: used by contacts of many
-// points. Does not allocate.
+// Signed distance of a point to any solid, in the solid's own frame: used by contacts of many points. Does
+// not allocate.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -13,13 +13,13 @@ struct PointDistance {
   Vec3 normal;          ///< unit, outward
 };
 
-/// Whether a mesh is only the front of its triangles, or what these enclose is inside of it.
+/// Whether a mesh is only the front sides of its triangles, or also has the enclosed volume as its inside.
 enum class MeshSides : uint8_t { front, enclosed };
-/// front of a mesh with a border, else enclosed.
+/// `front` for a mesh with a border, otherwise `enclosed`.
 MeshSides mesh_sides(const Solid& solid);
 
-/// Nothing beyond `within` (m), of an enclosed mesh on either side; of the front of a mesh and of a height
-/// field the triangles that the point is in front of.
+/// Empty beyond `within` (m), which holds on both sides of an enclosed mesh. The front of a mesh and a height
+/// field only count the triangles that the point is in front of.
 std::optional<PointDistance> point_distance(const Solid& solid, const Vec3& p, double within,
                                             MeshSides sides = MeshSides::front);
 

@@ -1,6 +1,6 @@
-// Bodies that something else moves, a bone or a path: put where they are wanted, with the velocities wanted.
-// Free bodies simply are there then; those with an access go as near as what joins them lets them, where
-// their owner knows how (BodyCarrier).
+// Bodies moved by something else, such as a bone or a path: placed at given poses with given velocities. Free
+// bodies take these exactly; those with an access come as close as their joints allow, if their owner
+// supports it (BodyCarrier).
 #pragma once
 #include "engine/core/body_port.h"
 
@@ -9,7 +9,7 @@ namespace truestep {
 class BodyCarrier {
  public:
   virtual ~BodyCarrier() = default;
-  /// Puts rows, where `given` is 1, as near to these motions as what joins them lets them.
+  /// Moves rows, where `given` is 1, as close to these motions as their joints allow.
   virtual void carry(State& state, std::span<const BodyMotion> to, std::span<const uint8_t> given,
                      Workspace& memory) const = 0;
 };
@@ -19,7 +19,7 @@ inline bool can_be_carried(const BodyPort& port) {
   return !port.access() || dynamic_cast<const BodyCarrier*>(port.owner);
 }
 
-/// Rows scratch of carry: one each of all rows.
+/// Scratch of `carry`, with one element per row.
 struct CarriedBodies {
   std::vector<BodyMotion> motions;
   std::vector<uint8_t> given;
@@ -27,7 +27,7 @@ struct CarriedBodies {
   void want(size_t row, const BodyMotion& motion) { motions[row] = motion, given[row] = 1; }
 };
 
-/// Puts rows of `port` into the wanted motions and wakes them; those of bodies that can be carried.
+/// Moves rows of `port` to the wanted motions and wakes them; can_be_carried must hold.
 inline void carry(State& state, const BodyPort& port, const CarriedBodies& wanted, Workspace& memory) {
   if (port.access()) {
     dynamic_cast<const BodyCarrier&>(*port.owner).carry(state, wanted.motions, wanted.given, memory);

@@ -40,7 +40,7 @@ class Coupling {
   /// After all couplings have begun: appends the bodies immersed in b, a medium, for input.h.
   virtual void immerse(const ConstCoupledStates& s, const StepInput& input,
                        std::vector<ImmersedBody>& out) const {}
-  /// Before `end`: takes back what the medium has done to them.
+  /// Before `end`: receives from the medium its effect on the bodies.
   virtual void emerge(const CoupledStates& s, const StepInput& input,
                       std::span<const ImmersedBody> bodies) const {}
   /// After both sides have advanced by input.h and before any coupling has ended. Must not write to them.

@@ -1,5 +1,5 @@
-// Time integration methods as table rows (the table: integrators/integrators.h). A row promises an order, a
-// stability interval and a structure, and tests hold it to each of them.
+// Time integration methods as table rows (the table: integrators/table/integrators.h). A row promises an
+// order, a stability interval and a structure, and tests hold it to each of them.
 #pragma once
 #include <optional>
 #include <span>

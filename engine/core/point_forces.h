@@ -26,7 +26,7 @@ class PointForces {
   virtual const PointColours& colours() const = 0;
   /// Acceleration of a point without interactions, m/s^2.
   virtual Vec3 free_acceleration(const State& state) const = 0;
-  /// What of an acceleration the point may follow: without components that are prescribed.
+  /// The part of an acceleration that the point can follow: without prescribed components.
   virtual Vec3 allowed(size_t point, const Vec3& a) const { return a; }
   /// out[k] = slope of points[k]; dissipative forces take positions from `x_lagged`.
   virtual void point_slopes(const Phase& at, std::span<const double> x_lagged, double h,

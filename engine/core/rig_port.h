@@ -1,7 +1,7 @@
-// RigPort: where couplings and file writers reach a skeleton without knowing its system: its tree of joints,
+// RigPort: how couplings and file writers access a skeleton without knowing its system: its tree of joints,
 // the columns with their poses, its bones as bodies, its skin; and how it is led when something else (a
-// ragdoll) determines where its bones are. Few systems have one, so it is obtained by rig_of, separately from
-// Ports.
+// ragdoll) determines the poses of its bones. Few systems have one, so it is obtained by rig_of, separately
+// from Ports.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -16,24 +16,25 @@ namespace truestep {
 
 /// How a skeleton returns to its own motion.
 struct PoseMatch {
-  double blend = 0;         ///< s, from the pose it was led to
-  double from = 0, to = 0;  ///< s, times of its own motion among which the most alike pose is looked for; the
-                            ///< same: its motion goes on as if it had never been led
+  double blend = 0;  ///< s, duration of the blend from the pose to which it was led
+  /// s, interval of its own motion that is searched for the most similar pose; if both are equal, its motion
+  /// continues as if it had never been led.
+  double from = 0, to = 0;
 };
 
 /// A skeleton that can be led by something else.
 class FollowsBones {
  public:
   virtual ~FollowsBones() = default;
-  /// Adds to the state what being led needs. Once, before the others.
+  /// Adds to the state what is needed for being led. Call once, before the others.
   virtual void prepare(State& state) const = 0;
   /// Sets the bones to `poses` (world, one per bone) where `given` is 1; other joints keep their coordinates.
-  /// Velocities are those of the way there in h (s), and are kept when h is 0. From now on it does not move
-  /// by itself.
+  /// Velocities are those of the motion from the previous poses in h (s), and unchanged when h is 0. From now
+  /// on the skeleton does not move by itself.
   virtual void follow(State& state, std::span<const Pose> poses, std::span<const uint8_t> given, double h,
                       Workspace& workspace) const = 0;
-  /// From t (s) on it moves by itself again. Its motion continues where the skeleton is, turned about y and
-  /// shifted to it.
+  /// From t (s) on the skeleton moves by itself again. Its motion continues from its present place, rotated
+  /// about y and shifted accordingly.
   virtual void resume(State& state, double t, const PoseMatch& match, Workspace& workspace) const = 0;
 };
 

@@ -11,8 +11,8 @@ using Triple = std::array<float, 3>;
 constexpr float kReach = 2;             // spacings, within which neighbours shape a particle
 constexpr float kSupport = 2.5f;        // spacings, radius of the kernel where G is 1
 constexpr float kLeastStretch = 0.15f;  // e
-constexpr float kWhole = 25;            // neighbours that say all of a shape
-constexpr float kLone = 0.5f;           // of the size in the midst of the liquid
+constexpr float kWhole = 25;            // neighbours that determine a shape completely
+constexpr float kLone = 0.5f;           // relative to the size in the bulk of the liquid
 constexpr float kLevel = 0.5f;
 constexpr float kShrink = 0.5f, kGrow = -0.53f;  // Taubin's steps
 
@@ -95,7 +95,7 @@ Bins sorted(std::span<const Triple> x, const Triple& low, const Triple& high, fl
 
 /// G^-1 of particle i; lengths of `unit` (m) are 1.
 Symmetric stretch(std::span<const Triple> x, const Bins& bins, size_t i, float unit) {
-  constexpr float kInside = 0.15f;  // covariance along an axis in the midst, over the square of the reach
+  constexpr float kInside = 0.15f;  // covariance along an axis in the bulk, over the square of the reach
   const float reach = kReach * unit;
   float sum = 0, mean[3] = {}, second[6] = {};
   int count = 0, from[3], to[3];
@@ -130,7 +130,7 @@ Symmetric stretch(std::span<const Triple> x, const Bins& bins, size_t i, float u
   return m;
 }
 
-/// Adds one particle's share to the field, and its value times that.
+/// Adds one particle's contribution to the field, and its value weighted by that.
 void spread(const Triple& x, const Symmetric& m, float unit, const Nodes& nodes, float value,
             std::vector<float>& field, std::vector<float>& values) {
   const float radius = kSupport * unit, det = determinant(m);
@@ -165,7 +165,7 @@ void spread(const Triple& x, const Symmetric& m, float unit, const Nodes& nodes,
   }
 }
 
-/// A vertex in every cell that the level crosses, a quad round every edge that it crosses.
+/// A vertex in every cell crossed by the level, a quad around every edge crossed by it.
 ParticleSurface surface_nets(const Nodes& nodes, const std::vector<float>& field,
                              const std::vector<float>& values) {
   ParticleSurface out;
@@ -229,7 +229,7 @@ ParticleSurface surface_nets(const Nodes& nodes, const std::vector<float>& field
   return out;
 }
 
-/// Vertices towards the mean of their neighbours, and farther back.
+/// Moves vertices towards the mean of their neighbours, and then farther back.
 void smooth(ParticleSurface& s, int rounds) {
   const size_t n = s.positions.size() / 3;
   std::vector<float> mean(3 * n), count(n);
@@ -267,7 +267,7 @@ ParticleSurface particle_surface(std::span<const float> places, std::span<const 
   if (own.size() != x.size()) own.clear();
   const auto unit = static_cast<float>(of.spacing);
   const Bins bins = sorted(x, low, high, kReach * unit);
-  // A layer of nodes all round that no kernel reaches: stretched ones reach farthest.
+  // A surrounding layer of nodes that no kernel reaches: stretched kernels reach farthest.
   Nodes nodes;
   nodes.cell = static_cast<float>(of.cell);
   const float margin = 1.5f * kSupport * unit;

@@ -11,8 +11,8 @@
 
 namespace truestep::air {
 
-/// Wind (m/s) whose fraction `gust` varies with the period: a wave of two parabolas, smooth enough and the
-/// same bits everywhere.
+/// Wind (m/s) of which the fraction `gust` varies periodically: a wave made of two parabolas, with a
+/// continuous slope and the same bits on every platform.
 inline Vec3 gusty(const Vec3& wind, double gust, double period, double t) {
   if (!(gust > 0)) return wind;
   const double p = t / period - std::floor(t / period);
@@ -36,7 +36,7 @@ inline double plate_slope(const Vec3& area2, const Vec3& u, double q) {
   return q * std::abs(dot(u, area2) / length) / length;
 }
 
-/// R (W) with plate_force = dR/du.
+/// Dissipation function R (W): plate_force = dR/du.
 inline double plate_dissipation(const Vec3& area2, const Vec3& u, double q) {
   const double length2 = norm2(area2);
   if (!(length2 > 0)) return 0;
@@ -49,7 +49,7 @@ inline Vec3 cylinder_force(const Vec3& u, double q, double section) {
   return (q * section * norm(u)) * u;
 }
 
-/// R (W) with cylinder_force = dR/du.
+/// Dissipation function R (W): cylinder_force = dR/du.
 inline double cylinder_dissipation(const Vec3& u, double q, double section) {
   return q * section * norm(u) * norm2(u) / 3;
 }

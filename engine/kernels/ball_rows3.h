@@ -1,11 +1,12 @@
-// Ball joints of rigid bodies, as many side by side as lanes: the anchors of a and b stay together,
+// Ball joints of rigid bodies, one joint per lane: the anchors on a and b stay together,
 //   J v = v_b + w_b x r_b - v_a - w_a x r_a = 0      (three rows along the world's axes),
-// in the scaled variables of contact_rows3.h. With s_j the rows of S a body's spin moves its anchor by
-// sum_j w_j (s_j x r), so these three vectors are all that a pass reads of it, and
+// in the scaled variables of contact_rows3.h. With s_j the rows of S, a body's scaled spin w moves its anchor
+// at sum_j w_j (s_j x r), so the three vectors c_j = s_j x r are all that a pass reads of it, and
 //   K = 1/m_a + 1/m_b + sum_j c_j c_j^T      over both bodies.
-// They turn with the bodies when these have moved; impulses stay what they are in the world. A push foresees
-// that anchors go round their bodies' centres, t x (t x r) / 2 off the straight way in a substep's turn t: a
-// swing keeps its energy then, while the gap is what it takes to turn the velocity where it lags behind.
+// They turn with the bodies after every move; impulses keep their direction in the world. The bias pass
+// anticipates that each anchor moves on an arc about its body's centre, t x (t x r) / 2 away from the
+// straight path while the body turns by t in a substep: a swing then keeps its energy, and only what this
+// estimate misses, because it is one substep old, is left as a gap to be taken back.
 #pragma once
 #include "engine/kernels/joint_rows3.h"
 
@@ -14,18 +15,18 @@ namespace truestep {
 template <class T>
 struct alignas(64) BallGroup {
   using W = Wide<T>;
-  uint32_t a[W::kLanes], b[W::kLanes];  ///< records, `end` for what joints do not move
+  uint32_t a[W::kLanes], b[W::kLanes];  ///< record indices; `end` for bodies that joints do not move
   W root_a, root_b;                     ///< 1/sqrt(m)
   W arm_a[3], arm_b[3], gap[3];         ///< m; gap = x_b + r_b - x_a - r_a
-  W spin_a[3][3], spin_b[3][3];         ///< c_j, what a unit of the scaled spin j moves the anchor by
-  W bend[3];                            ///< m, of the gap in a substep by what anchors go round
+  W spin_a[3][3], spin_b[3][3];         ///< c_j: velocity of the anchor per unit of the scaled spin j
+  W bend[3];                            ///< m, change of the gap in a substep because anchors move on arcs
   W inverse[6];                         ///< of K: xx, xy, yy, xz, yz, zz
   W impulse[3];                         ///< N s on b, in the world
-  W strength;                           ///< 1, or 0 where the lane holds nothing
+  W strength;                           ///< 1, or 0 in an empty lane
 };
 
 namespace detail {
-/// Inverse of K for the spins as they are.
+/// Inverse of K for the current vectors c_j.
 template <class T>
 void invert_ball(BallGroup<T>& g) {
   using W = Wide<T>;
@@ -46,7 +47,7 @@ void invert_ball(BallGroup<T>& g) {
   g.inverse[5] = nmadd(k[1], k[1], k[0] * k[2]) * scale;
 }
 
-/// Adds the impulse f on b, and its opposite on a.
+/// Applies the impulse f to b and -f to a.
 template <class T>
 void push_ball(const BallGroup<T>& g, const Wide<T> f[3], Wide<T> a[6], Wide<T> b[6]) {
   namespace r = contact_rows;
@@ -58,7 +59,7 @@ void push_ball(const BallGroup<T>& g, const Wide<T> f[3], Wide<T> a[6], Wide<T> 
 }
 }  // namespace detail
 
-/// Adds the group's impulses to the records (scaled velocities).
+/// Applies the group's accumulated impulses to the records (scaled velocities).
 template <class T>
 void apply_balls(const BallGroup<T>& g, Record8<T>* records, uint32_t end) {
   Wide<T> a[6], b[6];
@@ -67,7 +68,8 @@ void apply_balls(const BallGroup<T>& g, Record8<T>* records, uint32_t end) {
   scatter6(records, g.a, end, a), scatter6(records, g.b, end, b);
 }
 
-/// Follows bodies that moved (m) and turned (rad, in the world) by `moved`; `warm` holds the impulses of all.
+/// Updates the group after the bodies have moved (m) and turned (rad, in the world) by `moved`; `warm` holds
+/// the warm-start impulses of all joints.
 template <Renewal renewal, class T>
 void renew_balls(BallGroup<T>& g, const Record8<T>* moved, Record8<T>* warm, uint32_t end) {
   using W = Wide<T>;
@@ -98,7 +100,7 @@ void renew_balls(BallGroup<T>& g, const Record8<T>* moved, Record8<T>* warm, uin
   scatter6(warm, g.a, end, wa), scatter6(warm, g.b, end, wb);
 }
 
-/// One pass: velocities, and with `push` gaps too.
+/// One pass: velocities only, or the gaps as well in a bias pass.
 template <ContactSolve kind, class T>
 void solve_balls(BallGroup<T>& g, Record8<T>* v, uint32_t end, const JointPass<T>& pass) {
   using W = Wide<T>;

@@ -1,5 +1,5 @@
-// Potentials of contact and friction that a minimisation can take derivatives of (Li, Ferguson, Schneider,
-// Langlois, Zorin, Panozzo, Jiang, Kaufman 2020, "Incremental potential contact").
+// Potentials of contact and friction that an optimizer can differentiate (Li, Ferguson, Schneider, Langlois,
+// Zorin, Panozzo, Jiang, Kaufman 2020, "Incremental potential contact").
 #pragma once
 #include <array>
 
@@ -8,27 +8,27 @@
 
 namespace truestep::barrier {
 
-/// A function of one variable with two derivatives.
+/// Value and first two derivatives of a function of one variable.
 struct Slope2 {
   double value = 0, first = 0, second = 0;
 };
 
-/// b(d) = -(d - r)^2 ln(d / r) in m^2: infinite at a gap d of 0, nothing from r on, and smooth there to the
-/// second derivative (their equation 6). d, r above 0.
+/// b(d) = -(d - r)^2 ln(d / r) in m^2: infinite at a gap d of 0, zero for d >= r, and twice continuously
+/// differentiable there (their equation 6). d and r are positive.
 inline Slope2 log_barrier(double d, double r) {
   if (d >= r) return {};
   const double ln = trig::log(d / r), s = d - r;
   return {-s * s * ln, -2 * s * ln - s * s / d, -2 * ln - 4 * s / d + s * s / (d * d)};
 }
 
-/// What the barrier of two segments is multiplied by, so that its gradient stays continuous where they become
-/// parallel and the closest points are no longer unique: m = (2 - c / e) c / e for c = |u x v|^2 below e
-/// (their equation 22). Derivatives by the ends p0 p1 q0 q1.
+/// Factor of the barrier between two segments that keeps its gradient continuous where they become parallel
+/// and the closest points are no longer unique: m = (2 - c / e) c / e for c = |u x v|^2 below e (their
+/// equation 22). Derivatives with respect to the end points p0 p1 q0 q1.
 struct Mollifier {
   double value = 1, by_c = 0;  ///< m and dm/dc
   std::array<Vec3, 4> slope{};
 };
-/// `e` in m^4: a thousandth of the product of the squares of the lengths at rest.
+/// `e` in m^4: a thousandth of the product of the squared rest lengths.
 inline Mollifier mollifier(const FeaturePoints& x, double e) {
   const Vec3 u = x[1] - x[0], v = x[3] - x[2];
   const double uu = norm2(u), vv = norm2(v), uv = dot(u, v), c = norm2(cross(u, v));
@@ -38,8 +38,8 @@ inline Mollifier mollifier(const FeaturePoints& x, double e) {
   return {m, dm, {-by_u, by_u, -by_v, by_v}};
 }
 
-/// f0(y) with f0' = f1: Coulomb's friction over a slip y (m), smoothed below `still` (m), where the force
-/// grows with the slip (their section 5.4). `first` is f1(y) / y, which stays finite at 0; `second` f1'(y).
+/// f0(y) with f0' = f1: Coulomb friction over a slip y (m), smoothed below `still` (m), where the force grows
+/// with the slip (their section 5.4). `first` is f1(y) / y, which stays finite at 0; `second` is f1'(y).
 inline Slope2 smooth_slip(double y, double still) {
   if (y >= still) return {y, 1 / y, 0};
   const double q = y / still;

@@ -1,9 +1,8 @@
-// How the points that a body rests on share its load: the least forces N_p >= 0 (in the sense of squares)
-// with
+// How the points that a body rests on share its load: the forces N_p >= 0 of least sum of squares with
 //   sum N_p c_p = W,   sum N_p c_p (x_p, y_p) = M,
-// c the cosine between a point's normal and the vertical, (x, y) where it is across the vertical, W the load
-// and M its moments. Points that would have to pull are left out one after the other. Where no forces can do
-// it, as under a body that topples, they come near it.
+// where c is the cosine of the angle between a point's normal and the vertical, (x, y) the point's horizontal
+// position, W the load and M its moments. Points that would have to pull are removed one at a time. Where no
+// such forces exist, as under a body that topples, the result is close to satisfying both equations.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -13,15 +12,15 @@ namespace truestep {
 
 struct BearingPoint {
   double x = 0, y = 0;  ///< m from the body's centre
-  double cosine = 1;    ///< above 0
-  double force = 0;     ///< N, found
+  double cosine = 1;    ///< positive
+  double force = 0;     ///< N, the result
   bool bears = true;
 };
 
 namespace detail {
 
-/// Solves the symmetric K u = b, K of three rows (xx xy xz yy yz zz), a little stiffer than it is so that it
-/// can be.
+/// Solves the symmetric system K u = b, K by rows (xx xy xz yy yz zz), with a small addition to its diagonal
+/// so that it is never singular.
 inline void solve_stiffened(const double K[6], const double b[3], double u[3]) {
   const double more = 1e-9 * (K[0] + K[3] + K[5]);
   const double l00 = std::sqrt(K[0] + more), l10 = K[1] / l00, l20 = K[2] / l00;
@@ -33,7 +32,7 @@ inline void solve_stiffened(const double K[6], const double b[3], double u[3]) {
 
 }  // namespace detail
 
-/// Sets the points' forces for a load (N) with moments (N m).
+/// Sets the forces of the points for a load (N) and its moments (N m).
 inline void share_load(std::span<BearingPoint> points, double load, double moment_x, double moment_y) {
   double reach = 0;
   for (const BearingPoint& p : points) reach = std::max({reach, std::abs(p.x), std::abs(p.y)});

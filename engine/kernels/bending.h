@@ -1,12 +1,12 @@
-// Bending of two links that meet: points x0, x1, x2, links a = x1 - x0 and b = x2 - x1, angle theta between
+// Bending of two adjacent links: points x0, x1, x2, links a = x1 - x0 and b = x2 - x1, angle theta between
 // them,
 //   E = 1/2 B |k|^2,   k = 2 (a x b) / (|a| |b| + a . b),   |k| = 2 tan(theta / 2)
 // (Bergou, Wardetzky, Robinson, Audoly, Grinspun 2008, "Discrete Elastic Rods", eq. 1 and section 4.2.2), for
-// a rod that is straight when nothing bends it. With r = cos theta the energy is E = 4 B / (1 + r) - 2 B,
-// which all derivatives here are taken from, links of changing length included. B = EI / l for a rod of
-// flexural stiffness EI (N m^2) with links of l (m); D w / l for a strip of width w of a plate of flexural
-// rigidity D (N m). Links folded back on each other (r = -1) have no finite energy: r is taken as at least
-// kLeast - 1 in derivatives. Links of no length have no direction and do nothing.
+// a rod that is straight at rest. With r = cos theta the energy is E = 4 B / (1 + r) - 2 B, from which all
+// derivatives here are taken, including those for links of changing length. B = EI / l for a rod of flexural
+// stiffness EI (N m^2) with links of length l (m); D w / l for a strip of width w of a plate of flexural
+// rigidity D (N m). Links folded back on each other (r = -1) have infinite energy: in derivatives r is taken
+// as at least kLeast - 1. Links of zero length have no direction and exert no force.
 #pragma once
 #include <array>
 #include <cmath>
@@ -17,7 +17,7 @@ namespace truestep::bending {
 
 inline constexpr double kLeast = 1e-6;
 
-/// Directions of the links, 1 / |a| and 1 / |b|, and r; all 0 where a link has no length.
+/// Directions of the links, 1 / |a| and 1 / |b|, and r; all 0 if a link has zero length.
 struct Links {
   Vec3 a, b;
   double per_a = 0, per_b = 0, r = 1;
@@ -51,7 +51,7 @@ inline std::array<Vec3, 3> forces(const Links& l, double B) {
   return {ga, gb - ga, -gb};
 }
 
-/// Second derivatives of E by (a, a), (a, b) and (b, b) in N/m, row by row.
+/// Second derivatives of E with respect to (a, a), (a, b) and (b, b) in N/m, row by row.
 struct Hessian {
   double aa[9] = {}, ab[9] = {}, bb[9] = {};
 };
@@ -91,7 +91,7 @@ inline Hessian hessian(const Links& l, double B) {
   return h;
 }
 
-/// The same without what the change of the directions' own derivatives adds: -dE/dr J^T J with J the
+/// The Hessian without the term from the second derivatives of the links' directions: -dE/dr J^T J with J the
 /// derivative of b / |b| - a / |a|. Positive semidefinite, and equal to the exact one where the links are in
 /// line.
 inline Hessian definite_hessian(const Links& l, double B) {
@@ -104,9 +104,9 @@ inline Hessian definite_hessian(const Links& l, double B) {
   return h;
 }
 
-/// Block (i, j) of -d2E / dx_i dx_j for the points 0, 1, 2, row by row: what belongs into df/dx.
+/// Block (i, j) of -d2E / dx_i dx_j for the points 0, 1, 2, row by row: a contribution to df/dx.
 inline std::array<double, 9> force_slope(const Hessian& h, int i, int j) {
-  // x0 moves a by -1, x1 moves a by 1 and b by -1, x2 moves b by 1.
+  // dx0 changes a by -1; dx1 changes a by 1 and b by -1; dx2 changes b by 1.
   constexpr double kA[3] = {-1, 1, 0}, kB[3] = {0, -1, 1};
   std::array<double, 9> out;
   for (int r = 0; r < 3; ++r) {

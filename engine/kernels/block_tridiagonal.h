@@ -21,7 +21,7 @@ inline Block3 across(double s, double t, const Vec3& u) {
            {-t * u.z * u.x, -t * u.z * u.y, s + t * (1 - u.z * u.z)}}};
 }
 
-/// Inverse by cofactors; the rows' cross products.
+/// Inverse by cofactors, the cross products of the rows.
 inline Block3 inverse(const Block3& a) {
   const Vec3 x = cross(a.row[1], a.row[2]), y = cross(a.row[2], a.row[0]), z = cross(a.row[0], a.row[1]);
   const double d = 1 / dot(a.row[0], x);
@@ -34,21 +34,21 @@ class BlockTridiagonal {
   /// A_jj, and A_{j-1,j} for j >= 1; all symmetric.
   std::vector<Block3> diagonal, above;
 
-  /// Prepares solve.
+  /// Factorizes the matrix; solve needs it.
   void factor() {
     for (size_t j = 0; j < diagonal.size(); ++j) {
       Block3 d = diagonal[j];
       if (j > 0) {
         const Block3 &b = above[j], &w = inverse_[j - 1];
         for (int r = 0; r < 3; ++r) {
-          // Row r of B W B, of three symmetric blocks.
+          // Row r of B W B for symmetric blocks B and W.
           d.row[r] -= b * (w * b.row[r]);
         }
       }
       inverse_[j] = inverse(d);
     }
   }
-  /// b becomes x.
+  /// Replaces b by x.
   void solve(std::span<Vec3> b) const {
     for (size_t j = 1; j < b.size(); ++j) b[j] -= above[j] * (inverse_[j - 1] * b[j - 1]);
     for (size_t j = b.size(); j-- > 0;) {

@@ -21,15 +21,16 @@ Vec3T<T> impact(const Vec3T<T>& w, const Vec3T<T>& n, T e, T mu) {
   return wt * keep - n * (e * wn);
 }
 
-/// A supported point's motion over tau: velocity at the start and the mean acceleration, both tangential.
+/// Motion of a supported point over tau: its velocity at the start and the mean acceleration, both
+/// tangential.
 template <class T>
 struct Support {
   Vec3T<T> velocity;      ///< relative to the surface, m/s
-  Vec3T<T> acceleration;  ///< constant one with the same displacement and final velocity, m/s^2
+  Vec3T<T> acceleration;  ///< constant acceleration with the same displacement and final velocity, m/s^2
 };
 
 /// Motion over tau (s) of a point pressed against the surface by a.n < 0. The impulse that stopped the
-/// approach w.n < 0 causes friction as well. Displacement is exact for straight sliding that stops within
+/// approach w.n < 0 causes friction as well. The displacement is exact for straight sliding that stops within
 /// tau.
 template <class T>
 Support<T> support(const Vec3T<T>& w, const Vec3T<T>& a, const Vec3T<T>& n, T mu, T tau) {
@@ -42,8 +43,8 @@ Support<T> support(const Vec3T<T>& w, const Vec3T<T>& a, const Vec3T<T>& n, T mu
   const Vec3T<T> free = wt + at * tau;
   const T reach = norm(free), brake = mu * -an * tau;
   if (brake < reach) return {wt, at - free * (brake / (reach * tau))};
-  // Stops after the fraction f of tau and stays: x = wt f tau / 2 is the displacement of a motion with wt' =
-  // f wt that stops at the end of tau, and both give the required final velocity of zero.
+  // The point stops after the fraction f of tau: its displacement x = wt f tau / 2 equals that of a motion
+  // with wt' = f wt that stops at the end of tau, and both have the required final velocity of zero.
   const T f = brake > 0 ? reach / brake : T(0);
   return {wt * f, wt * (-f / tau)};
 }

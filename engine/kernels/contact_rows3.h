@@ -1,37 +1,37 @@
-// Contacts of rigid bodies, as many side by side as lanes: rows J v >= 0 solved by sequential impulses within
-// a manifold of up to four points, for the substeps of a soft step (Catto, "Solver2D", 2024).
+// Contacts of rigid bodies, one manifold per lane: rows J v >= 0 solved by sequential impulses within a
+// manifold of up to four points, in the substeps of a step with soft constraints (Catto, "Solver2D", 2024).
 //
 // Bodies are in scaled variables in which every mass matrix is the identity: the record of body i is
 //   (sqrt(m) v, sqrt(I) R^T w),     I the principal moments, R the orientation,
-// and likewise for displacements, so that one vector j = S (r x n), S = I^-1/2 R^T, both reads and changes a
-// turn. Turns are in the body's frame, where inertia stays what it is while the body moves.
-// A pass works in the frame of the contact: axes n, t0, t1 at the points' centre of pressure c. Of a body it
-// needs S n, S t0, S t1 and where c is: with r = (rn, r0, r1) from its centre to c and turns (wn, w0, w1)
-// along the axes, c moves by w x r, and a force at c turns it by r x f. Six numbers say how b moves against
-// a,
-//   v = (velocity of c along n, t0, t1, turns about n, t0, t1),
-// impulses f of the same kinds change them by K f, and both bodies hear of f once, at the end of the pass. A
-// point at c + x t0 + y t1 moves by v0 + y v4 - x v5 along n.
-// Friction acts at the points' centre of pressure: a vector in the tangent plane, clipped to the disc of
-// radius mu sum(l), and a twist about the normal of at most mu sum(l_p |p - c|), which is what the points
-// give when the body only spins. Rolling resistance is a vector of torques along the plane.
-// Lanes that hold nothing have inverse K and impulses 0 and name the record `end`, which is never written.
+// and likewise for displacements, so that one vector j = S (r x n), S = I^-1/2 R^T, serves both to read and
+// to change an angular velocity. Angular quantities are in the body's frame, where inertia is constant. A
+// pass works in the frame of the contact: axes n, t0, t1 at the points' centre of pressure c. Of a body it
+// needs S n, S t0, S t1 and the position of c: with r = (rn, r0, r1) from the body's centre to c and the
+// angular velocity w = (wn, w0, w1) along the axes, c moves at w x r, and a force f at c has the torque r x
+// f. Six numbers describe the motion of b relative to a,
+//   v = (velocity of c along n, t0, t1, angular velocity about n, t0, t1);
+// impulses f of the same six kinds change them by K f and are applied to both bodies once, at the end of the
+// pass. A point at c + x t0 + y t1 moves at v0 + y v4 - x v5 along n. Friction acts at the centre of
+// pressure: a vector in the tangent plane, clipped to the disc of radius mu sum(l), and a torsional impulse
+// about the normal of at most mu sum(l_p |p - c|), which is what friction at the points gives when the body
+// only spins. Rolling resistance is a vector of angular impulses in the tangent plane. Empty lanes have
+// inverse K and impulses 0 and refer to the record `end`, which is never written.
 #pragma once
 #include "engine/kernels/row_math3.h"
 
 namespace truestep {
 
-/// Numbers of one substep's pass.
+/// Parameters of a pass in one substep.
 template <class T>
 struct ContactPass {
   T inverse_h;      ///< 1/s
-  T elapsed;        ///< s since the step's start, for surfaces that move by themselves
-  T bias_rate;      ///< 1/s, share of a depth that is taken back
+  T elapsed;        ///< s since the start of the step, for surfaces with a velocity of their own
+  T bias_rate;      ///< 1/s, rate at which penetration is recovered
   T mass_scale;     ///< 1
   T impulse_scale;  ///< 1
-  T push_out;       ///< m/s, fastest taking back
-  T gentle;         ///< m/s; faster, a body is taken out of another without keeping the speed
-  const Record8<T>* start = nullptr;  ///< scaled velocities before the pushes, where some are faster
+  T push_out;       ///< m/s, upper bound of the velocity that recovers penetration
+  T gentle;         ///< m/s; bodies that are pushed apart faster do not keep that velocity
+  const Record8<T>* start = nullptr;  ///< scaled velocities before the pushes; set if some exceed `gentle`
 };
 
 template <class T>
@@ -39,33 +39,33 @@ struct alignas(64) ContactGroup {
   using W = Wide<T>;
   static constexpr int kPoints = 4;
 
-  uint32_t a[W::kLanes], b[W::kLanes];  ///< records, `end` for bodies that contacts do not move
-  int points = 0;                       ///< most points of a lane
+  uint32_t a[W::kLanes], b[W::kLanes];  ///< record indices; `end` for bodies that contacts do not move
+  int points = 0;                       ///< largest number of points of any lane
   enum : uint32_t { kBounces = 1, kRolls = 2, kDrifts = 4, kSpins = 8 };
   uint32_t flags = 0;
 
   W normal[3], tangent[2][3], root_a, root_b;  ///< axes; 1/sqrt(m)
   struct Body {
     W axis[3][3];  ///< S n, S t0, S t1
-    W arm[3];      ///< m, from the centre to c along n, t0, t1
+    W arm[3];      ///< m, from the body's centre to c along n, t0, t1
   } body_a, body_b;
   struct Place {
     W x, y;                             ///< m from c along the tangents
-    W separation_at_start, separation;  ///< m, at the step's start and now
+    W separation_at_start, separation;  ///< m, at the start of the step and now
     W impulse, drift;
   } place[kPoints];
-  W friction, slide[2], slide_drift[2];  ///< coefficient, impulses, velocity of the surfaces themselves
+  W friction, slide[2], slide_drift[2];  ///< coefficient, impulses, velocity of moving surfaces
   W twist, twist_drift, lever[kPoints];
   W k[21];                            ///< K, lower triangle by rows
-  W point_inverse[kPoints];           ///< of K for a point's normal; 0 where there is no point
-  W slide_inverse[3], twist_inverse;  ///< of friction: xx, xy, yy
-  W struck;                           ///< 1 where a blow is being shared
-  // Read only where the flags ask for it.
+  W point_inverse[kPoints];           ///< inverse of K for a point's normal; 0 where there is no point
+  W slide_inverse[3], twist_inverse;  ///< inverse of K for friction: xx, xy, yy
+  W struck;                           ///< 1 where an impact is being shared by the points
+  // Read only if the flags require it.
   W restitution;
   W roll_k[3], roll[2], rolling;
-  // Written only in substeps with deep overlaps.
+  // Written only in substeps with deep penetration.
   struct Before {
-    W taken;  ///< 1 in lanes whose push is taken back
+    W taken;  ///< 1 in lanes whose push is removed from the velocities afterwards
     W impulse[kPoints], slide[2], twist, roll[2];
   } before;
 };
@@ -76,16 +76,16 @@ struct ContactLanes {
   using W = Wide<T>;
   W normal[3], arm[4][3], offset[3];  ///< points from a's centre; b's centre from a's
   W active[4], separation[4], impulse[4];
-  W kept[4];  ///< m/s along n by which b's surface moves otherwise than what it is made of, a's the other way
+  W kept[4];  ///< m/s along n: velocity of b's surface minus that of its material, less the same for a
   W root_a, root_b, turn_a[9], turn_b[9];  ///< 1/sqrt(m); S by rows
   W friction, spinning, rolling, restitution;
-  W slide[3], twist, roll[3];  ///< impulses of the last step in the world
+  W slide[3], twist, roll[3];  ///< impulses of the last step, in the world
   W surface[3],
-      surface_turn[3];  ///< velocity at a's centre and spin of b's surface against a's by themselves
+      surface_turn[3];  ///< velocity at a's centre and angular velocity of b's moving surface relative to a's
 };
 
 namespace detail {
-/// The six rows of a body's turn: j such that j . w is its share of v.
+/// The six rows of a body's angular part: j such that j . w is its contribution to v.
 template <class Body, class W>
 void body_rows(const Body& body, W j[6][3]) {
   const auto& [n, t, u] = body.axis;
@@ -97,7 +97,7 @@ void body_rows(const Body& body, W j[6][3]) {
 }
 }  // namespace detail
 
-/// Rows of a group from what the narrow phase found; g.a, g.b, g.points and g.flags are set by the caller.
+/// Rows of a group from the manifolds in `in`; g.a, g.b, g.points and g.flags are set by the caller.
 template <class T>
 void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
   using W = Wide<T>;
@@ -121,7 +121,7 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
     auto& at = g.place[p];
     at.separation_at_start = at.separation = in.separation[p], at.impulse = in.impulse[p];
     at.drift = drifts ? drift(in.arm[p], in.normal) + in.kept[p] : in.kept[p];
-    // Points share the pressure of the last step; all alike where there was none.
+    // Weights of the centre of pressure: the impulses of the last step, or equal ones if there were none.
     const W w = madd(in.active[p], W(1e-12), in.impulse[p]);
     nearest = min(nearest, where_positive(in.active[p], in.separation[p], nearest));
     weight += w;
@@ -131,10 +131,10 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
   const W share = inverse(weight);
   for (W& c : center) c *= share;
 
-  // What is pressed and yet apart was slowed by the last step to arrive in this one.
+  // Pressed though still apart: the last step slowed the bodies so that they arrive in this one.
   g.struck = where_positive(nearest, one, zero);
 
-  // Friction acts where the surfaces will meet, not between them.
+  // Friction acts where the surfaces will meet, half of the gap away from each.
   half *= share;
   const W* axes[3] = {g.normal, g.tangent[0], g.tangent[1]};
   W from_b[3];

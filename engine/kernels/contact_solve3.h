@@ -1,19 +1,20 @@
-// Passes over groups of contacts (contact_rows3.h), row by row: the points' normal impulses one after the
-// other, friction for these as they are. Six rows of a patch in one block converge faster but never come to
-// rest: blocks take other turns as soon as a point lets go or friction gives way.
+// Passes over groups of contacts (contact_rows3.h), row by row: the normal impulses of the points one after
+// the other, and friction for the current normal impulses. Solving the six rows of a patch as one block
+// converges faster but never comes to rest: the active set of a block flips whenever a point separates or
+// friction starts to slip.
 #pragma once
 #include "engine/kernels/contact_rows3.h"
 
 namespace truestep {
 
 namespace detail {
-/// Turns of a body along the axes of the contact.
+/// Angular velocity of a body along the axes of the contact.
 template <class Body, class W>
 [[gnu::always_inline]] inline void turns_along(const Body& body, const W turn[3], W out[3]) {
   for (int k = 0; k < 3; ++k) out[k] = contact_rows::dot(body.axis[k], turn);
 }
 
-/// How b moves against a: the six numbers v from the bodies' records.
+/// Motion of b relative to a: the six numbers v from the bodies' records.
 template <class T>
 [[gnu::always_inline]] inline void relative_motion(const ContactGroup<T>& g, const Wide<T> a[6],
                                                    const Wide<T> b[6], Wide<T> v[6]) {
@@ -31,7 +32,7 @@ template <class T>
   }
 }
 
-/// Adds impulses f at c to b's record, takes them from a's.
+/// Applies the impulses f at c to b's record and -f to a's.
 template <class T>
 [[gnu::always_inline]] inline void push_apart(const ContactGroup<T>& g, const Wide<T> f[6], Wide<T> a[6],
                                               Wide<T> b[6]) {
@@ -50,12 +51,12 @@ template <class T>
   }
 }
 
-/// Element of K.
+/// Index of an element of K in its lower triangle.
 constexpr int at(int row, int column) {
   return row > column ? row * (row + 1) / 2 + column : column * (column + 1) / 2 + row;
 }
 
-/// One more impulse of kind `which`: f takes it up, v follows.
+/// Adds one impulse of kind `which` to f and updates v.
 template <class T>
 [[gnu::always_inline]] inline void add_impulse(const ContactGroup<T>& g, int which, const Wide<T>& impulse,
                                                Wide<T> v[6], Wide<T> f[6]) {
@@ -63,10 +64,10 @@ template <class T>
   for (int k = 0; k < 6; ++k) v[k] = madd(g.k[at(k, which)], impulse, v[k]);
 }
 
-/// Share of the impulse to rest that friction aside may have where the surfaces turn on one another in spite
-/// of friction. Then slip at the speed s changes the friction of points that turn at w r by no more than s /
-/// (w r), so that slide is a drag, slide = -most s / (w r), taken implicitly; at a centre of pressure beside
-/// the axis the whole of it would drive what spins in place round in circles.
+/// Fraction of the sideways stopping impulse that friction may apply while the surfaces spin on one another.
+/// Slipping at the speed s then changes the friction of points that move at w r by no more than s / (w r), so
+/// that sideways friction is a drag, slide = -most s / (w r), taken implicitly; with the full impulse at a
+/// centre of pressure beside the axis, a body that spins on the spot would be driven round in circles.
 template <class T>
 Wide<T> grip(const ContactGroup<T>& g, const Wide<T> v[6], const Wide<T>& torque, const Wide<T>& most) {
   using W = Wide<T>;
@@ -76,7 +77,7 @@ Wide<T> grip(const ContactGroup<T>& g, const Wide<T> v[6], const Wide<T>& torque
   return where_positive(most, one / (one + held), one);
 }
 
-/// Rolling, twist and slide of a group, for the normal impulses as they are.
+/// Rolling, torsional and sliding friction of a group for the current normal impulses.
 template <class T>
 void solve_friction(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6]) {
   using W = Wide<T>;
@@ -114,7 +115,8 @@ void solve_friction(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6]) {
     for (int t = 0; t < 2; ++t) add_impulse(g, 1 + t, added[t], v, f);
   }
 }
-/// What every point should have for a relative velocity, negated; what is apart may close in one substep.
+/// The relative velocity that a point should have, negated. Points that are apart may close their gap within
+/// one substep.
 template <ContactSolve kind, class T>
 Wide<T> wanted(const Wide<T>& s, const ContactPass<T>& pass, const Wide<T>& push_out) {
   using W = Wide<T>;
@@ -124,8 +126,8 @@ Wide<T> wanted(const Wide<T>& s, const ContactPass<T>& pass, const Wide<T>& push
   return max(s, W(0)) * W(pass.inverse_h);
 }
 
-/// What a pair may still be pushed apart with (m/s): bodies in many others are not to add up all their
-/// pushes.
+/// Velocity (m/s) with which a pair may still be pushed apart: a body that penetrates many others must not
+/// accumulate a full push from each.
 template <class T>
 Wide<T> push_left(const ContactGroup<T>& g, const Wide<T> a[6], const Wide<T> b[6],
                   const ContactPass<T>& pass) {
@@ -140,7 +142,8 @@ Wide<T> push_left(const ContactGroup<T>& g, const Wide<T> a[6], const Wide<T> b[
   return max(nmadd(W(T(1.2)), gained, W(pass.push_out)), W(0));
 }
 
-/// 0 where a relaxation has to leave a point alone, 1 elsewhere: what bounces is not slowed before it hits.
+/// 0 for a point that the relaxation must leave alone, 1 otherwise: a contact that will bounce is not slowed
+/// before it hits.
 template <class T>
 Wide<T> held_back(const ContactGroup<T>& g, int p) {
   const Wide<T> zero(0), one(1);
@@ -149,9 +152,9 @@ Wide<T> held_back(const ContactGroup<T>& g, int p) {
   return where_positive(g.restitution, waits, one);
 }
 
-/// A blow: points that nothing pressed yet and that all close share the impulse that stops the slowest of
-/// them, and share what the next passes add to it or take back. One after the other, the first would take it
-/// whole and turn the body, which a few passes do not undo.
+/// An impact: points that carried no load yet and that all approach share the impulse that stops the slowest
+/// of them, and share what later passes add to it or take back. Solved one after the other, the first point
+/// would take the whole impulse and turn the body, which a few passes cannot undo.
 template <ContactSolve kind, class T>
 void share_blow(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], const ContactPass<T>& pass,
                 const Wide<T>& push_out) {
@@ -159,7 +162,7 @@ void share_blow(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], const ContactPas
   const W zero(0), one(1), far(T(1e30)), &k00 = g.k[at(0, 0)];
   W pressure(0);
   for (int p = 0; p < g.points; ++p) pressure += g.place[p].impulse;
-  // Not worth a look where the points' middle does not close.
+  // Skipped where the centre of the points does not approach.
   const W closes = where_positive(-v[0], where_positive(k00, one, zero), zero);
   const W shares = where_positive(pressure, g.struck, closes);
   if (!any_below(-shares, zero)) return;
@@ -188,13 +191,13 @@ void share_blow(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], const ContactPas
   add_impulse(g, 0, sum[0], v, f), add_impulse(g, 4, sum[1], v, f), add_impulse(g, 5, sum[2], v, f);
 }
 
-/// The points' normal impulses one after the other.
+/// Normal impulses of the points, one after the other.
 template <ContactSolve kind, class T>
 void solve_points(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], const ContactPass<T>& pass,
                   const Wide<T>& push_out) {
   using W = Wide<T>;
   const W zero(0), one(1);
-  // A point's impulse is one along n and two about the tangents: only those matter to the other points.
+  // The impulse of a point is one along n and two about the tangents; only those affect the other points.
   const W k00 = g.k[at(0, 0)], k40 = g.k[at(4, 0)], k50 = g.k[at(5, 0)], k44 = g.k[at(4, 4)],
           k54 = g.k[at(5, 4)], k55 = g.k[at(5, 5)];
   W sum[3] = {};
@@ -227,7 +230,7 @@ void solve_points(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], const ContactP
 }
 }  // namespace detail
 
-/// How far apart (m) the points of a group are after the displacements `d`, `elapsed` s into the step.
+/// Separations (m) of the points of a group after the displacements `d`, `elapsed` s into the step.
 template <class T>
 [[gnu::always_inline]] inline void update_separations(ContactGroup<T>& g, const Record8<T>* d, T elapsed) {
   using W = Wide<T>;
@@ -242,20 +245,20 @@ template <class T>
   }
 }
 
-/// One pass over a group.
+/// One pass over a group of contacts.
 template <ContactSolve kind, class T>
 void solve_contacts(ContactGroup<T>& g, Record8<T>* records, const Record8<T>* d, uint32_t end,
                     const ContactPass<T>& pass) {
   using W = Wide<T>;
   namespace r = contact_rows;
   W a[6], b[6], v[6], f[6] = {};
-  // A push starts where the last relaxation ended.
+  // A bias pass starts from the separations of the last relaxation.
   if constexpr (kind == ContactSolve::relax) update_separations(g, d, pass.elapsed);
   gather6(records, g.a, a), gather6(records, g.b, b);
   detail::relative_motion(g, a, b, v);
   W push_out(pass.push_out);
   if (kind == ContactSolve::bias && pass.start) push_out = detail::push_left(g, a, b, pass);
-  // Friction is bounded by the normal impulses of the last relaxation, never by what a push leaves.
+  // Friction is bounded by the normal impulses of the last relaxation, never by those of a push.
   if constexpr (kind == ContactSolve::bias) detail::solve_friction(g, v, f);
   detail::share_blow<kind>(g, v, f, pass, push_out);
   detail::solve_points<kind>(g, v, f, pass, push_out);
@@ -264,8 +267,8 @@ void solve_contacts(ContactGroup<T>& g, Record8<T>* records, const Record8<T>* d
   scatter6(records, g.a, end, a), scatter6(records, g.b, end, b);
 }
 
-/// Below 0 in lanes that overlap so deeply that a push would be faster than `gentle`, and not because of
-/// their load: what a load presses in by itself is held there by as fast a push.
+/// Negative in lanes that penetrate so deeply that the push would exceed `gentle`, unless the depth is what
+/// their load causes: holding that takes an equally fast push.
 template <class T>
 Wide<T> depth_left(const ContactGroup<T>& g, const ContactPass<T>& pass) {
   using W = Wide<T>;
@@ -278,7 +281,7 @@ Wide<T> depth_left(const ContactGroup<T>& g, const ContactPass<T>& pass) {
   return madd(load, W(2 * pass.impulse_scale / pass.mass_scale), least);
 }
 
-/// Before a push that will be taken back.
+/// Saves the impulses before a push that will be removed afterwards.
 template <class T>
 void remember_impulses(ContactGroup<T>& g) {
   for (int p = 0; p < g.points; ++p) g.before.impulse[p] = g.place[p].impulse;
@@ -286,8 +289,8 @@ void remember_impulses(ContactGroup<T>& g) {
   g.before.twist = g.twist;
 }
 
-/// Takes from the records what a push gave them since, in lanes where `taken` says so: bodies have moved by
-/// it, and keep no speed of it.
+/// Removes from the records what a push has added since remember_impulses, in lanes where `taken` is 1: the
+/// bodies have moved by it but do not keep the velocity.
 template <class T>
 void take_push_back(ContactGroup<T>& g, Record8<T>* records, uint32_t end) {
   using W = Wide<T>;
@@ -314,7 +317,7 @@ void take_push_back(ContactGroup<T>& g, Record8<T>* records, uint32_t end) {
   scatter6(records, g.a, end, a), scatter6(records, g.b, end, b);
 }
 
-/// Adds every impulse of the group to the records (scaled velocities).
+/// Applies the accumulated impulses of the group to the records (scaled velocities).
 template <class T>
 void apply_contacts(const ContactGroup<T>& g, Record8<T>* records, uint32_t end) {
   using W = Wide<T>;

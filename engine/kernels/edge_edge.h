@@ -9,11 +9,11 @@
 namespace truestep {
 
 struct NearestInside {
-  double a = 0, b = 0;  ///< fractions of the paths from a0 to a1 and from b0 to b1, between 0 and 1
+  double a = 0, b = 0;  ///< fractions of the way from a0 to a1 and from b0 to b1, between 0 and 1
   Vec3 apart;           ///< m, from the point on b to that on a
 };
 
-/// Empty when one of them is an end, or the segments are parallel to 1e-6.
+/// Empty if one of the nearest points is an end, or if the segments are parallel to 1e-6.
 inline std::optional<NearestInside> nearest_inside(const Vec3& a0, const Vec3& a1, const Vec3& b0,
                                                    const Vec3& b1) {
   const Vec3 d1 = a1 - a0, d2 = b1 - b0, r = a0 - b0;

@@ -1,8 +1,8 @@
-// When does a point that moves along a segment first touch a convex solid (or leave it)? With f(s) = d(p(s))
-// - target convex in s, Newton's iteration from the start (f > 0) stays left of the first root and converges
-// to it; from the end of a segment that leaves the solid it stays right of the only root. So nothing is ever
-// missed, however thin the solid or fast the point. A segment that only grazes within kGrazing of the surface
-// may count as a miss; it ends outside all the same.
+// First contact of a point that moves along a segment with a convex solid, and first exit from one. With f(s)
+// = d(p(s)) - target convex in s, Newton's iteration from the start (f > 0) stays left of the first root and
+// converges to it; from the end of a segment that leaves the solid it stays right of the only root. Hence
+// nothing is missed, however thin the solid or fast the point. A segment that only grazes the surface, to
+// rounding, may count as a miss; it ends outside all the same.
 #pragma once
 #include <optional>
 

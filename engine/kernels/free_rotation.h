@@ -1,23 +1,25 @@
-// Rotation of a body that nothing turns: its angular momentum L stays, its orientation q follows
+// Torque-free rotation of a body: its angular momentum L is constant and its orientation q follows
 //   q' = 1/2 (0, w) q,   w = R(q) I^-1 R(q)^T L        (I = diag(I1, I2, I3) in the body's frame).
-// Balls and symmetric bodies in closed form: with I1 = I2 the motion is a turn about the body's axis inside a
-// turn about L,  q(t) = exp(t L / I1) q exp(t (1/I3 - 1/I1) (L . e3) e3)  (Landau, Lifshitz I, section 33).
-// Others by the classical fourth-order method on q, in parts of the step in which the body turns by at most
-// kTurn; L is kept to the bit, so that only the energy shows the error, 1e-9 of it in thousands of turns.
+// Spherical and symmetric bodies in closed form: with I1 = I2 the motion is a rotation about the body's axis
+// followed by one about L,  q(t) = exp(t L / I1) q exp(t (1/I3 - 1/I1) (L . e3) e3)  (Landau, Lifshitz I,
+// section 33). Other bodies by the classical fourth-order Runge-Kutta method on q, in parts of the step in
+// which the body turns by at most kTurn; L is kept to the bit, so that only the energy has an error, 1e-9 of
+// it in thousands of revolutions.
 #pragma once
 #include "engine/math/quaternion.h"
 #include "engine/math/trig.h"
 
 namespace truestep::free_rotation {
 
-/// Radians in one part of a step; and most parts, which bodies of 100 turns a second at 60 Hz do not reach.
+/// Rotation in one part of a step (rad), and the largest number of parts: more than bodies of 100 revolutions
+/// a second need at 60 Hz.
 inline constexpr double kTurn = 0.03;
 inline constexpr int kMostParts = 512;
 
-/// exp of a rotation vector (rad).
+/// Quaternion exponential of a rotation vector (rad).
 inline Quat turn(const Vec3& a) {
   const double angle = norm(a);
-  // sin(x/2)/x to the last bit below 1e-4, where the quotient would divide small numbers.
+  // Series of sin(x/2)/x, exact to the last bit below 1e-4; the quotient would divide small numbers.
   if (angle < 1e-4) {
     const double s = 0.5 - angle * angle / 48;
     return normalized(Quat{1 - angle * angle / 8, s * a.x, s * a.y, s * a.z});
@@ -54,7 +56,7 @@ inline Vec3 momentum(const Motion& m, const Vec3& I) {
   return r.apply(times(I, r.apply_inverse(m.angular_velocity)));
 }
 
-/// Change of angular velocity (rad/s) by a change of angular momentum (kg m^2/s), both in the world.
+/// Change of angular velocity (rad/s) due to a change of angular momentum (kg m^2/s), both in the world.
 inline Vec3 spin_of(const Quat& q, const Vec3& momentum, const Vec3& I) {
   const Rotation r = rotation(q);
   return r.apply(divide(r.apply_inverse(momentum), I));
@@ -74,7 +76,7 @@ inline Quat plus(const Quat& q, const Quat& d, double h) {
 }
 }  // namespace detail
 
-/// The motion after t (s); all moments positive.
+/// The motion after t (s); all moments must be positive.
 inline Motion advance(const Motion& m, const Vec3& I, double t) {
   if (I.x == I.y && I.y == I.z) {
     return {normalized(turn(m.angular_velocity * t) * m.orientation), m.angular_velocity};
@@ -105,12 +107,12 @@ inline Motion advance(const Motion& m, const Vec3& I, double t) {
   return {q, detail::velocity(q, L, I)};
 }
 
-/// (I2 - I3) / I1 and so on:  w1' = (I2 - I3) / I1 w2 w3  of a body that turns freely.
+/// (I2 - I3) / I1 and so on:  w1' = (I2 - I3) / I1 w2 w3  in torque-free rotation.
 inline Vec3 spin_ratios(const Vec3& I) {
   return {(I.y - I.z) / I.x, (I.z - I.x) / I.y, (I.x - I.y) / I.z};
 }
-/// What turning freely for t (s) adds to a spin (rad/s) about principal axes, by the classical fourth-order
-/// method in one step, for turns of a fraction of a radian.
+/// Change of the angular velocity (rad/s, along the principal axes) in t (s) of torque-free rotation, by one
+/// step of the classical fourth-order Runge-Kutta method; for rotations by a fraction of a radian.
 inline Vec3 spin_change(const Vec3& spin, const Vec3& ratios, double t) {
   const auto rate = [&](const Vec3& w) { return times(ratios, {w.y * w.z, w.z * w.x, w.x * w.y}); };
   const Vec3 k1 = rate(spin), k2 = rate(spin + k1 * (0.5 * t)), k3 = rate(spin + k2 * (0.5 * t)),

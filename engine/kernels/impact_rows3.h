@@ -1,13 +1,13 @@
-// Impacts of rigid bodies: contacts that close within a substep faster than a threshold bounce as pairs, one
-// after the other, until none comes closer. For one manifold with relative velocities u = J v, u < 0:
+// Impacts of rigid bodies: contacts that close within a substep faster than a threshold bounce pair by pair,
+// one after the other, until none approaches. For one manifold with relative velocities u = J v, u < 0:
 //   l >= 0 solves J (v + P) = 0 as well as a few passes can, P = M^-1 J^T l;   s = -(v . P) / (P . P);
 //   v' = v + (1 + e) s P
 // s makes J (v + s P) . l = 0 hold exactly, so that the kinetic energy changes by
 //   -(1 - e^2) (v . P)^2 / (2 P . P)
-// whatever the passes left over: never up, and not at all for e = 1 (Poisson's hypothesis; Smith et al. 2012,
-// "Reflections on simultaneous impact"). Friction follows Coulomb with the impact's own impulse. A body that
-// hits after the time tau moves at its old velocity until then, `toi_correction` gets tau (v - v'), and
-// forces have acted on what it hits with until then.
+// whatever residual the passes leave: it never grows, and is conserved for e = 1 (Poisson's hypothesis; Smith
+// et al. 2012, "Reflections on simultaneous impact"). Friction follows Coulomb's law with the impulse of the
+// impact itself. A body that hits after the time tau moves at its old velocity until then, for which
+// `toi_correction` receives tau (v - v'); the approach velocity includes the forces up to that time only.
 #pragma once
 #include "engine/kernels/contact_solve3.h"
 #include "engine/kernels/impact_limits.h"
@@ -17,21 +17,21 @@ namespace truestep {
 template <class T>
 struct ImpactPass {
   T h;          ///< s, of the substep
-  T threshold;  ///< m/s; slower contacts do not bounce
+  T threshold;  ///< m/s; slower approaches do not bounce
 };
 
-/// Records of the bodies.
+/// Records of all bodies.
 template <class T>
 struct ImpactRecords {
   Record8<T>* velocity;
-  const Record8<T>* change;    ///< of velocity by forces, in a substep; already in `velocity`
+  const Record8<T>* change;    ///< of the velocity due to forces in a substep; already in `velocity`
   Record8<T>* toi_correction;  ///< to be added to the displacements at the end of the substep
 };
 
-/// Which contacts of a group an impact may act at.
+/// The contacts of a group that take part in an impact.
 enum class Hits : uint8_t { bouncing, all };
 
-/// Lets the due contacts of a group bounce; false when there are none.
+/// Applies the impacts that are due in a group; false if there are none.
 template <Hits kHits, class T>
 bool hit_contacts(ContactGroup<T>& g, const ImpactRecords<T>& bodies, uint32_t end,
                   const ImpactPass<T>& pass) {
@@ -42,7 +42,8 @@ bool hit_contacts(ContactGroup<T>& g, const ImpactRecords<T>& bodies, uint32_t e
   W a[6], b[6], v[6], speed[4], closes[4], due(0), wait(T(1e30));
   gather6(bodies.velocity, g.a, a), gather6(bodies.velocity, g.b, b);
   detail::relative_motion(g, a, b, v);
-  // What ends a substep within rounding of a hit hits in it: in the next, it would have been stopped already.
+  // A contact that ends the substep within rounding of closing counts as closed: the next substep would find
+  // it already stopped.
   W rounding(0);
   for (int k = 0; k < 3; ++k) {
     const W va = g.root_a * a[k], vb = g.root_b * b[k];
@@ -53,7 +54,7 @@ bool hit_contacts(ContactGroup<T>& g, const ImpactRecords<T>& bodies, uint32_t e
     const auto& at = g.place[p];
     speed[p] = nmadd(at.x, v[5], madd(at.y, v[4], v[0])) + at.drift;
     const W reached = rounding - madd(speed[p], W(pass.h), g.place[p].separation);
-    // In lanes without a point the inverse is zero.
+    // The inverse is zero in lanes without a point.
     closes[p] = where_positive(g.point_inverse[p],
                                where_positive(reached, where_positive(-speed[p], one, zero), zero), zero);
     due = where_positive(-speed[p] - W(pass.threshold), max(due, closes[p]), due);
@@ -66,12 +67,12 @@ bool hit_contacts(ContactGroup<T>& g, const ImpactRecords<T>& bodies, uint32_t e
     W fa[6], fb[6];
     gather6(bodies.change, g.a, fa), gather6(bodies.change, g.b, fb);
     const W still = max(one - wait * W(1 / pass.h), zero);
-    // Pulls only: gyroscopic torques would have to follow the new spin for energy to stay.
+    // Forces only: gyroscopic torques would have to follow the new angular velocity to conserve energy.
     const W pulls = g.root_b * r::dot(g.normal, fb) - g.root_a * r::dot(g.normal, fa);
     for (int p = 0; p < g.points; ++p) speed[p] = nmadd(still, pulls, speed[p]);
   }
 
-  // Compression, in the normal's motion and the turns about the tangents.
+  // Compression, in the normal velocity and the angular velocities about the tangents.
   const auto K = [&](int p, int q) -> const W& { return g.k[detail::at(p, q)]; };
   W l[4] = {}, f[6] = {}, moved[3] = {};
   for (int e = 0; e < (g.points > 1 ? kPasses : 1); ++e) {
@@ -96,7 +97,7 @@ bool hit_contacts(ContactGroup<T>& g, const ImpactRecords<T>& bodies, uint32_t e
   const W square = madd(f[5], moved[2], madd(f[4], moved[1], f[0] * moved[0]));
   const W scale = due * max(-work, zero) * (one + g.restitution) / where_positive(square, square, one);
   if (!any_below(zero, scale)) return false;
-  // Where it acts: x and y off the centre.
+  // Where the impulse acts: x and y from the centre.
   const W pressed = where_positive(f[0], f[0], one), x = -f[5] / pressed, y = f[4] / pressed;
   torque *= scale;
   for (const int k : {0, 4, 5}) {
@@ -105,7 +106,7 @@ bool hit_contacts(ContactGroup<T>& g, const ImpactRecords<T>& bodies, uint32_t e
   }
   const W twist = max(min(-(g.twist_inverse * (v[3] + g.twist_drift)), torque), -torque);
   detail::add_impulse(g, 3, twist, v, f);
-  // Friction there: its velocity is that of c and what turns about n add.
+  // Friction at that place: its velocity is that of c plus the contribution of the rotation about n.
   const W turn = v[3] + g.twist_drift;
   const W slip[2] = {nmadd(y, turn, v[1] + g.slide_drift[0]), madd(x, turn, v[2] + g.slide_drift[1])};
   W inverse[3];

@@ -1,10 +1,11 @@
-// Rows of joints that are free but limited, sprung or driven, one number each. Their impulses act along
+// Unlocked rows of joints with a limit, spring or motor, one scalar each. Their impulses act along
 //   p = J_r^T - J_l^T (K_ll)^-1 K_lr
-// (l the locked rows of the same joint), which leaves the locked rows as they are, so that a motor on a hinge
-// far from a body's centre turns it about the hinge: 1 / (J_r p) is the inertia about that axis.
+// (l: the locked rows of the same joint), which leaves the velocities of the locked rows unchanged, so that a
+// motor on a hinge far from a body's centre turns the body about the hinge: 1 / (J_r p) is the inertia about
+// that axis.
 //   spring, servo, motor:  dl = -(scale (J v - speed) + push C) / k - pull C - (1 - scale) l,   |l| <= most
-//   limits:                l >= 0,  C >= 0 kept before it is reached (J v >= -C / h), soft once it is not.
-// The impulses of motors of a pose are also kept within a ball over three rows.
+//   limits:                l >= 0,  speculative before C = 0 is reached (J v >= -C / h), soft once C < 0.
+// The impulses of the motors of a pose are also kept within a ball over three rows.
 #pragma once
 #include "engine/kernels/joint_rows3.h"
 
@@ -16,26 +17,26 @@ struct alignas(64) JointDrive {
   int row = 0;
   enum Law : uint32_t { kSpring = 1, kMotor = 2, kLower = 4, kUpper = 8 };
   uint32_t laws = 0;  ///< of any lane
-  W start;            ///< the row's gap at the step's start
-  /// A row that pulls both ways. Lanes without it have all zero.
+  W start;            ///< the row's position error at the start of the step
+  /// A bilateral row. All zero in lanes without it.
   struct TwoSided {
     W error, speed, scale;
     W push;  ///< 1/s
     W pull;  ///< N s/m
     W most, impulse;
   } spring, motor;
-  W moved;  ///< since the step's start, when the last push began
-  W half;   ///< N s/m: half a pull of springs that act alone on their bodies (oscillator_step)
-  /// One that pushes one way: C at the step's start. Lanes without it have kFar.
+  W moved;  ///< change of the error since the start of the step, as of the last bias pass
+  W half;   ///< N s/m: impulse of half a kick of springs that alone act on their bodies (oscillator_step)
+  /// A unilateral row with C at the start of the step. kFar in lanes without it.
   struct OneSided {
     W error, impulse;
   } lower, upper;
   static constexpr T kFar = T(1e20);
-  // Made anew in every substep.
+  // Recomputed in every substep.
   W share[6], k, inverse_k;  ///< p over the joint's rows, J_r p
 };
 
-/// Directions and masses of a group's drive, after prepare_joints.
+/// Directions and effective masses of a drive of the group; call prepare_joints first.
 template <class T>
 void prepare_drive(const JointGroup<T>& g, JointDrive<T>& d) {
   using W = Wide<T>;
@@ -47,7 +48,8 @@ void prepare_drive(const JointGroup<T>& g, JointDrive<T>& d) {
     k[q] = r::dot(g.ja[q], g.ja[row]) + r::dot(g.jb[q], g.jb[row]);
     if (q == row && q < 3) k[q] += linear;
   }
-  // Lines are not at right angles to the other two axes, but no joint locks those beside a line.
+  // The line between the anchors is not perpendicular to the other two axes, but no joint locks those beside
+  // a line.
   for (int p = 0, at = 0; p < 6; ++p) {
     for (int q = 0; q <= p; ++q, ++at) {
       c[p] = madd(g.inverse[at], g.locked[q] * k[q], c[p]);
@@ -60,13 +62,13 @@ void prepare_drive(const JointGroup<T>& g, JointDrive<T>& d) {
     d.share[q] = q == row ? W(1) : -c[q];
     if (q != row) d.k = nmadd(c[q], k[q], d.k);
   }
-  // What the locked rows hold entirely has nothing left to move.
+  // A row that the locked rows hold completely has no motion left to drive.
   const W zero(0);
   d.inverse_k = where_positive(d.k - W(1e-6) * k[row], W(1) / d.k, zero);
 }
 
 namespace detail {
-/// Change of a two-sided impulse towards `speed`, and of the row's speed v.
+/// Change of a bilateral impulse towards `speed`; updates the row's velocity v.
 template <class T>
 Wide<T> two_sided(typename JointDrive<T>::TwoSided& s, const Wide<T>& speed, const Wide<T>& moved,
                   const JointDrive<T>& d, Wide<T>& v) {
@@ -79,7 +81,7 @@ Wide<T> two_sided(typename JointDrive<T>::TwoSided& s, const Wide<T>& speed, con
   v = madd(d.k, change, v);
   return change;
 }
-/// The same of a limit for speed v away from it.
+/// The same for a limit, with v the velocity away from it.
 template <ContactSolve kind, class T>
 Wide<T> one_sided(typename JointDrive<T>::OneSided& s, const Wide<T>& gap, const JointDrive<T>& d,
                   const JointPass<T>& pass, const Wide<T>& v) {
@@ -115,12 +117,12 @@ void solve_drive(const JointGroup<T>& g, JointDrive<T>& d, Wide<T> a[6], Wide<T>
   using D = JointDrive<T>;
   W v = joint_speed(g, d.row, a, b), sum(0);
   const W moved = g.gap[d.row] - d.start;
-  // A spring pulls in a substep as it does at its start. By where the push takes it the relaxation would pull
-  // otherwise than the positions have felt, and feed what swings.
+  // A spring's force in a substep is that at its start. A relaxation that used the positions after the bias
+  // pass would apply another force than the one by which the bodies moved, and add energy to oscillations.
   if constexpr (kind == ContactSolve::bias) d.moved = moved;
   if (d.laws & D::kSpring) sum += two_sided<T>(d.spring, W(0), d.moved, d, v);
   if (d.laws & D::kMotor) {
-    // A motor does not strive beyond its limits, where two that yield to nothing would fight.
+    // A motor does not drive beyond its limits: motor and limit, both rigid, would fight each other.
     const W zero(0), up = (d.upper.error - moved) * W(pass.inverse_h),
                      down = (d.lower.error + moved) * W(pass.inverse_h);
     const W speed = max(-max(zero, down), min(max(zero, up), d.motor.speed));
@@ -134,7 +136,7 @@ void solve_drive(const JointGroup<T>& g, JointDrive<T>& d, Wide<T> a[6], Wide<T>
   push_drive(g, d, sum, a, b);
 }
 
-/// Keeps the motors of rows first to first + 2 within the ball of radius `most`.
+/// Keeps the motor impulses of rows first to first + 2 within the ball of radius `most`.
 template <class T>
 void bound_motors(const JointGroup<T>& g, JointDrive<T>* drives, int first, const Wide<T>& most, Wide<T> a[6],
                   Wide<T> b[6]) {
@@ -155,7 +157,7 @@ void bound_motors(const JointGroup<T>& g, JointDrive<T>* drives, int first, cons
 }
 }  // namespace detail
 
-/// Half a pull of the group's springs where they are now, `times` over.
+/// Applies `times` half a kick of the group's springs at their present extensions.
 template <class T>
 void kick_springs(const JointGroup<T>& g, const JointDrive<T>* drives, Record8<T>* v, uint32_t end, T times) {
   using W = Wide<T>;
@@ -169,7 +171,7 @@ void kick_springs(const JointGroup<T>& g, const JointDrive<T>* drives, Record8<T
   scatter6(v, g.a, end, a), scatter6(v, g.b, end, b);
 }
 
-/// Adds `times` the group's impulses, those of its drives too, to the records (scaled velocities).
+/// Applies `times` the group's impulses, including those of its drives, to the records (scaled velocities).
 template <class T>
 void apply_joints(const JointGroup<T>& g, const JointDrive<T>* drives, Record8<T>* records, uint32_t end,
                   T times) {
@@ -190,8 +192,8 @@ void apply_joints(const JointGroup<T>& g, const JointDrive<T>* drives, Record8<T
   scatter6(records, g.a, end, a), scatter6(records, g.b, end, b);
 }
 
-/// Springs of a group pull as they do at the substep's start. All of them do before any locked row answers,
-/// because reactions that come a substep later than the pull feed what swings.
+/// Applies the spring forces of the substep's start for a group. All springs act before any locked row
+/// responds, because reactions that lag a substep behind their force add energy to oscillations.
 template <class T>
 void pull_springs(const JointGroup<T>& g, JointDrive<T>* drives, Record8<T>* v, uint32_t end) {
   using W = Wide<T>;
@@ -207,7 +209,7 @@ void pull_springs(const JointGroup<T>& g, JointDrive<T>* drives, Record8<T>* v, 
   scatter6(v, g.a, end, a), scatter6(v, g.b, end, b);
 }
 
-/// One pass: velocities, and with `push` gaps too. drives: the group's own.
+/// One pass: velocities only, or position errors as well in a bias pass. `drives`: those of the group.
 template <ContactSolve kind, class T>
 void solve_joints(JointGroup<T>& g, JointDrive<T>* drives, Record8<T>* v, uint32_t end,
                   const JointPass<T>& pass) {

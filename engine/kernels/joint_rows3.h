@@ -1,9 +1,9 @@
-// Joints of rigid bodies, as many side by side as lanes: up to six ways of moving along axes that turn with
-// body a, the locked ones solved at once. In the scaled variables of contact_rows3.h,
-//   linear  e_k . (x_b + r_b - x_a - r_a) = 0,      angular  t_k . (turn of b against a) = 0;
-// a row that is not locked has K = 1 and takes nothing. On a forces act where b's anchor is, so that what
-// slides keeps its angular momentum. Arms and axes turn with the bodies within a step, so that what swings
-// fast stays together; turns are measured about axes half way. The free rows are those of joint_drives3.h.
+// Joints of rigid bodies, one joint per lane: up to six rows along axes that turn with body a, of which the
+// locked ones are solved together. In the scaled variables of contact_rows3.h,
+//   linear  e_k . (x_b + r_b - x_a - r_a) = 0,      angular  t_k . (rotation of b relative to a) = 0;
+// a row that is not locked has K = 1 and takes no impulse. Forces on a act at b's anchor, so that sliding
+// joints conserve angular momentum. Arms and axes turn with the bodies within a step, so that fast swings
+// stay together; rotations are measured about the axes half way. Rows that are not locked: joint_drives3.h.
 #pragma once
 #include "engine/kernels/row_math3.h"
 
@@ -12,23 +12,24 @@ namespace truestep {
 template <class T>
 struct alignas(64) JointGroup {
   using W = Wide<T>;
-  uint32_t a[W::kLanes], b[W::kLanes];  ///< records, `end` for what joints do not move
+  uint32_t a[W::kLanes], b[W::kLanes];  ///< record indices; `end` for bodies that joints do not move
   W root_a, root_b, turn_a[9], turn_b[9];
-  W arm_a[3], arm_b[3], error[3];  ///< m, at the step's start; error = x_b + r_b - x_a - r_a
-  W axis[3][3], turn_axis[3][3];   ///< e_k, t_k at the step's start
-  W angle[3];                      ///< angular errors at the step's start, rad
+  W arm_a[3], arm_b[3], error[3];  ///< m, at the start of the step; error = x_b + r_b - x_a - r_a
+  W axis[3][3], turn_axis[3][3];   ///< e_k, t_k at the start of the step
+  W angle[3];                      ///< angular errors at the start of the step, rad
   W locked[6];                     ///< 1 or 0: linear, angular
-  W drift[6];                      ///< J v of bodies that move by themselves
-  W turned_a[3], turned_b[3];      ///< rad in the world since the step's start, when last prepared
-  W along, length;  ///< 1 where the first row is along the line between the anchors; m that it wants
+  W drift[6];                      ///< J v due to bodies with prescribed motion
+  /// rad in the world, rotations since the start of the step as of the last prepare
+  W turned_a[3], turned_b[3];
+  W along, length;  ///< 1 if the first row lies along the line between the anchors; its rest length, m
   W impulse[6];
-  W bound[2];  ///< N s, N m s: most of the motors of rows 0 to 2, 3 to 5 together
+  W bound[2];  ///< N s, N m s: bounds of the joint impulse of the motors in rows 0 to 2 and 3 to 5
   /// kTurns: angular rows are used; kSprings: a drive has a spring.
   enum : uint32_t { kLines = 1, kDrifts = 2, kBounded = 4, kTurns = 8, kSprings = 16 };
   uint32_t flags = 0;
   uint32_t driven_rows = 0;              ///< bits
-  uint32_t first_drive = 0, drives = 0;  ///< of the solver's list
-  // Made anew in every substep.
+  uint32_t first_drive = 0, drives = 0;  ///< in the solver's list
+  // Recomputed in every substep.
   W now[3][3], turn_now[3][3];  ///< axes
   W ja[6][3], jb[6][3], gap[6], inverse[21];
 };
@@ -37,12 +38,12 @@ struct alignas(64) JointGroup {
 template <class T>
 struct JointPass {
   T bias_rate = 0, mass_scale = 1, impulse_scale = 0;
-  T inverse_h = 0;  ///< 1/s, of a substep
+  T inverse_h = 0;  ///< 1/s, one over the substep
 };
 
 namespace detail {
-/// A turn by a rotation vector t:  r + A t x r + B t x (t x r)  with A = sin|t| / |t| and B = (1 - cos|t|) /
-/// t^2 (Rodrigues), their series good to 1e-7 at 1 rad and 2e-3 at 3.
+/// A rotation by the vector t:  r + A t x r + B t x (t x r)  with A = sin|t| / |t| and B = (1 - cos|t|) / t^2
+/// (Rodrigues), their series accurate to 1e-7 at 1 rad and 2e-3 at 3.
 template <class W>
 struct Turn {
   W t[3], once, twice;
@@ -62,7 +63,8 @@ struct Turn {
     for (int k = 0; k < 3; ++k) out[k] = madd(twice, b[k], madd(first, a[k], r[k]));
   }
 };
-/// m by which anchors that go on turning by t leave the straight way, b's against a's.
+/// m, second-order deviation of the anchors from their straight paths when the bodies turn on by t, b's less
+/// a's.
 template <class W>
 [[gnu::always_inline]] inline void bend_gap(const W ta[3], const W arm_a[3], const W tb[3], const W arm_b[3],
                                             W out[3]) {
@@ -73,8 +75,8 @@ template <class W>
 }
 }  // namespace detail
 
-/// Rows, gaps and the inverse of K where the bodies are now; d: scaled displacements since the step's start,
-/// `elapsed` (s) ago.
+/// Rows, position errors and the inverse of K at the bodies' present poses; d: scaled displacements since the
+/// start of the step, which was `elapsed` s ago.
 template <int rows, class T>
 void prepare_joint_rows(JointGroup<T>& g, const Record8<T>* d, T elapsed) {
   using W = Wide<T>;
@@ -90,10 +92,10 @@ void prepare_joint_rows(JointGroup<T>& g, const Record8<T>* d, T elapsed) {
     turn[k] = tb[k] - ta[k], half[k] = W(0.5) * ta[k];
   }
   for (int k = 0; k < 3; ++k) g.turned_a[k] = ta[k], g.turned_b[k] = tb[k];
-  // From a's centre to where b's anchor is.
+  // From a's centre to b's anchor.
   for (int k = 0; k < 3; ++k) arm_a[k] += gap[k];
   const W linear = g.root_a * g.root_a + g.root_b * g.root_b;
-  // Into the bodies' frames as they have turned by now.
+  // Into the bodies' frames at their present rotation.
   const auto into = [](const W scaled[9], const detail::Turn<W>& turn, const W world[3], W out[3]) {
     W start[3];
     turn.apply_back(world, start), r::apply(scaled, start, out);
@@ -159,8 +161,9 @@ Wide<T> joint_speed(const JointGroup<T>& g, int k, const Wide<T> a[6], const Wid
   return v + g.drift[k];
 }
 
-/// m by which anchors leave the straight way in a substep of h as their bodies turn now (ball_rows3.h): the
-/// turn of the substep before would lag behind what springs do to it, and feed them.
+/// m, deviation of the anchors from their straight paths in a substep h at the bodies' present angular
+/// velocities (ball_rows3.h): the rotation of the previous substep would lag behind the springs' effect and
+/// add energy.
 template <class T>
 [[gnu::always_inline]] inline void bend_ahead(const JointGroup<T>& g, const Wide<T> a[6], const Wide<T> b[6],
                                               const Wide<T>& h, Wide<T> out[3]) {

@@ -1,10 +1,9 @@
 // Central forces between two points, d = x_j - x_i, r = |d|, zero beyond a cutoff rc:
-//   power law        f_i = S d / (r^2 + eps^2)^((n + 1) / 2)      V = -S / ((n - 1) (r^2 + eps^2)^((n - 1) /
-//   2))
-//                                                                 (n = 1: S/2 log(r^2 + eps^2))
-//   soft repulsion   f_i = -k (rc - r) d / r                      V = k/2 (rc - r)^2
-//   viscosity        f_i = c (1 - r / rc)^2 (v_j - v_i)           (no potential)
-// f_j = -f_i to the bit. V is shifted to 0 at rc; the power law's force jumps there.
+//   power law        f_i = S d / q^((n + 1) / 2),  q = r^2 + eps^2
+//                    V = -S / ((n - 1) q^((n - 1) / 2))     (n = 1: S/2 log q)
+//   soft repulsion   f_i = -k (rc - r) d / r                V = k/2 (rc - r)^2
+//   viscosity        f_i = c (1 - r / rc)^2 (v_j - v_i)     (no potential)
+// f_j = -f_i to the bit. V is shifted to 0 at rc; the power law's force is discontinuous there.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -22,7 +21,7 @@ struct PairLaw {
   int exponent = 2;
 };
 
-/// Force (N) on i; w = v_j - v_i. r2 = |d|^2 is below the square of the cutoff.
+/// Force (N) on i; w = v_j - v_i. r2 = |d|^2 must be below the square of the cutoff.
 inline Vec3 pair_force(const PairLaw& law, const Vec3& d, const Vec3& w, double r2) {
   switch (law.kind) {
     case PairLaw::Kind::power_law: {

@@ -1,10 +1,10 @@
-// How contacts take back what loads press in. A contact is a damped spring of the bodies' reduced mass m
-// (soft_constraint.h), which gives way by load / (m w^2): stacks would sink. So the surfaces have an offset
-// between them that grows by a share of the depth in every step, until under that load they almost touch: an
-// integral term beside the spring. It is the same for all points of a contact, because a tower whose contacts
-// learnt to tilt would lean. A mode that is damped at the rate s is fed by offsets that learn in T < 1 / (2
-// s), and a pile with more contacts than it needs never finds depths of zero: so offsets rest as soon as the
-// depth is small beside them (docs/standing.md).
+// How contacts recover the penetration that their loads cause. A contact is a damped spring on the bodies'
+// reduced mass m (soft_constraint.h), which gives way by load / (m w^2): stacks would sink. The surfaces
+// therefore have an offset that grows by a fraction of the depth in every step, until they almost touch under
+// that load: an integral term beside the spring. It is the same for all points of a contact, because a tower
+// whose contacts could learn a tilt would lean. A mode with the damping rate s is excited by offsets that
+// adapt within T < 1 / (2 s), and a pile with redundant contacts never reaches zero depth everywhere: so an
+// offset is frozen while the depth is small beside it (docs/standing.md).
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -12,36 +12,36 @@
 
 namespace truestep {
 
-/// How the offsets of contacts follow their loads.
+/// How the offsets of contacts adapt to their loads.
 struct PenetrationOffsetRule {
-  double learnt = 0;    ///< share of a depth that is added in a step
-  double per_load = 0;  ///< s, times the load: the thickest offset
-  double slack = 0;     ///< share of an offset: depths below it leave the offset as it is
+  double learnt = 0;    ///< fraction of the depth that is added per step
+  double per_load = 0;  ///< s; times the load, the largest offset
+  double slack = 0;     ///< fraction of an offset: smaller depths leave the offset unchanged
 };
 
-/// An offset tends to at most that many times what the spring gives way under its load, so that none outlasts
-/// it.
+/// Largest offset as a multiple of the spring's compression under the load, so that no offset outlives its
+/// load.
 inline constexpr double kMostOffset = 4;
 
 /// For contacts of `hertz` solved at `rate` (1/s) in steps of h (s).
 inline PenetrationOffsetRule penetration_offset_rule(double hertz, double rate, double h, double slack) {
-  /// s in which a contact takes back how far its load presses it in: the slowest mode of a pile of 100 rows
-  /// is damped at some 0.5/s.
+  /// s, time constant of the recovery: the slowest mode of a pile of 100 rows has a damping rate of about
+  /// 0.5/s.
   constexpr double kOffsetTime = 2;
   const double w = 2 * std::numbers::pi * hertz;
   return {h / (h + kOffsetTime), w > 0 ? kMostOffset * rate / (w * w) : 0, slack};
 }
 
-/// s, times the load: the offset that takes back all that the spring gives way.
+/// s; times the load, the offset that compensates the spring's whole compression.
 inline double penetration_offset_at_rest(const PenetrationOffsetRule& rule) {
   return rule.per_load / kMostOffset;
 }
 
-/// The offset (m) of a contact that was `depth` (m) deep under its load: the impulse of a substep times
+/// Next offset (m) of a contact that was `depth` (m) deep under its load: the impulse of a substep times
 /// 1/m_a + 1/m_b (m/s).
 inline double next_penetration_offset(double offset, double depth, double load,
                                       const PenetrationOffsetRule& rule) {
-  /// m; thicker ones grow the slower: what presses that much sways slowly.
+  /// m; larger offsets adapt more slowly: what compresses contacts that much sways slowly.
   constexpr double kThickOffset = 4e-3;
   const double thickest = rule.per_load * load, gives_way = offset + depth;
   const double slower = gives_way > kThickOffset ? std::sqrt(kThickOffset / gives_way) : 1;

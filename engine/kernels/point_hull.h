@@ -1,12 +1,9 @@
-// A moving point against the moving convex hull of one to three corners: a
-// ball's centre, a capsule's axis, a triangle. Nearest place on a triangle by
-// its Voronoi regions (Ericson 2005, "Real-Time Collision Detection",
-// section 5.1.5), given as barycentric weights. First contact by directional
-// advancement: along the direction n of the present shortest distance the
-// separation n.(p - c_i) of every corner is a quadratic in time, and until the
-// first of them reaches the target the point stays clear; for a flat triangle
-// or straight approach one advance arrives, however thin the hull or fast the
-// point.
+// A moving point against the moving convex hull of one to three corners: the centre of a ball, the axis of a
+// capsule, a triangle. The nearest point on a triangle by its Voronoi regions (Ericson 2005, "Real-Time
+// Collision Detection", section 5.1.5), given as barycentric weights. First contact by directional
+// advancement: along the direction n of the present shortest distance, the separation n.(p - c_i) of every
+// corner is a quadratic in time, and until the first of them reaches the target the point stays clear; for a
+// flat triangle or a straight approach one advance arrives, however thin the hull or fast the point.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -17,7 +14,7 @@
 
 namespace truestep {
 
-/// Weights of the corners, not negative, sum 1.
+/// Weights of the corners: non-negative, with sum 1.
 using HullWeights = std::array<double, 3>;
 
 inline HullWeights nearest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
@@ -50,8 +47,7 @@ inline HullWeights nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3&
     return {0, w[0], w[1]};
   }
   const double sum = va + vb + vc;
-  // No area: one of the edges holds the nearest place, and which one is as good
-  // as another.
+  // A triangle without area: one of its edges holds the nearest point.
   if (!(sum > 0)) return nearest_on_segment(p, a, b);
   const double v = vb / sum, w = vc / sum;
   return {1 - v - w, v, w};
@@ -79,14 +75,13 @@ struct HullContact {
   double s = 0;      ///< fraction of the step
   HullWeights w{};   ///< of the corners
   Vec3 n;            ///< unit, from the hull to the point
-  double apart = 0;  ///< m, from the hull itself
+  double apart = 0;  ///< m, distance from the hull itself
 };
 
 inline constexpr int kHullAdvances = 60;
 
-/// Nearest place, distance and direction at one moment. A point on the hull
-/// itself gets the triangle's normal on the side that `from` (a velocity
-/// relative to the hull) comes from.
+/// Nearest point, distance and direction at one moment. A point on the hull itself gets the triangle's normal
+/// on the side that `from` (a velocity relative to the hull) comes from.
 inline HullContact hull_distance(const Vec3& p, const std::array<Vec3, 3>& c, size_t corners,
                                  const Vec3& from) {
   HullContact h;
@@ -94,7 +89,7 @@ inline HullContact hull_distance(const Vec3& p, const std::array<Vec3, 3>& c, si
   const Vec3 r = p - blend(c, h.w, corners);
   h.apart = norm(r);
   if (corners == 3 && h.w[0] > 0 && h.w[1] > 0 && h.w[2] > 0) {
-    // Over the face the direction is the face's own, however short r is.
+    // Over the face the direction is the face normal, however short r is.
     const Vec3 n = normalized(cross(c[1] - c[0], c[2] - c[0]), {0, 1, 0});
     const double side = h.apart > 0 ? dot(n, r) : -dot(n, from);
     h.n = side < 0 ? -n : n;
@@ -104,14 +99,14 @@ inline HullContact hull_distance(const Vec3& p, const std::array<Vec3, 3>& c, si
   return h;
 }
 
-/// Whether a point surely stays further than `target` (m) from a triangle over s in [start, 1]: along the
-/// triangle's normal at the start no corner comes near. Cheap; false says nothing.
+/// Whether a point certainly stays farther than `target` (m) from a triangle over s in [start, 1]: no corner
+/// comes near along the triangle's normal at the start. A cheap test; false is inconclusive.
 inline bool stays_clear(const HullPath& p, const std::array<HullPath, 3>& c, double target,
                         double start = 0) {
   const Vec3 a = c[0].at(start), n = cross(c[1].at(start) - a, c[2].at(start) - a), end = p.at(1);
   const double level = dot(n, p.at(start) - a), side = level < 0 ? -1 : 1;
   const double rest = 1 - start, bend = 0.125 * rest * rest;
-  // A parabola leaves its chord by an eighth of its acceleration.
+  // A parabola departs from its chord by an eighth of its acceleration.
   double least = side * level;
   for (const HullPath& q : c) {
     const double chord = std::min(side * level, side * dot(n, end - q.at(1)));
@@ -120,13 +115,12 @@ inline bool stays_clear(const HullPath& p, const std::array<HullPath, 3>& c, dou
   return least > 0 && least * least > target * target * norm2(n);
 }
 
-/// First moment from `start` on at which the point comes within `target` (m) of the hull; nothing when it
-/// does not. A point that is within at the start counts there. A hull that turns fast may take more advances
-/// than are made, and counts as not met: kernels/straight_contact.h finds those.
+/// First moment from `start` on at which the point comes within `target` (m) of the hull; empty if it does
+/// not. A point within `target` at the start counts there. A hull that rotates fast may need more advances
+/// than are made and is then reported as missed: kernels/straight_contact.h finds those.
 inline std::optional<HullContact> first_hull_contact(const HullPath& p, const std::array<HullPath, 3>& c,
                                                      size_t corners, double target, double start = 0) {
-  // The last part of the way counts as arrived: rounding must not keep the
-  // point from touching.
+  // Near the end of the path the point counts as arrived: rounding must not keep it from touching.
   const double arrived = target + 1e-3 * target + 1e-12;
   double s = start;
   for (int i = 0; i < kHullAdvances; ++i) {
@@ -139,11 +133,11 @@ inline std::optional<HullContact> first_hull_contact(const HullPath& p, const st
     for (size_t k = 0; k < corners; ++k) {
       const HullPath& q = c[k];
       const double a = 0.5 * dot(h.n, p.a - q.a), b = dot(h.n, p.v + p.a * s - q.v - q.a * s);
-      // No corner is nearer than the hull, but for rounding: of less than nothing a way back would be made.
+      // No corner is nearer than the hull, except by rounding; a negative room would advance backwards.
       const double room = std::max(dot(h.n, p.at(s) - q.at(s)), h.apart) - target;
       const double discriminant = b * b - 4 * a * room;
       if (discriminant < 0) continue;
-      // The later root for what leaves and comes back, each in the form that subtracts nothing.
+      // The later root, for a point that leaves and returns; each in the form without cancellation.
       const double root = std::sqrt(discriminant);
       if (b < 0) {
         advance = std::min(advance, 2 * room / (root - b));

@@ -1,10 +1,10 @@
-// How near two features of a surface are, a point and a triangle or two segments, and when along straight
-// paths they first come within a distance of each other:
+// How near two features of a surface are (a point and a triangle, or two segments), and when they first come
+// within a distance of each other along straight paths:
 //   separation s = sum_i c_i x_i,   distance = |s|,   normal = s / |s|, towards the first feature,
-// with the weights c of the closest points (Ericson 2004, "Real-time collision detection", sections 5.1.5
-// and 5.1.9). The time is found by conservative advancement without the motion in common (Li, Kaufman, Jiang
-// 2021, "Codimensional incremental potential contact", section 5): no step is longer than the distance that
-// is left over the speed at which it can shrink at most, so that nothing is ever stepped over.
+// with the weights c of the closest points (Ericson 2004, "Real-time collision detection", sections 5.1.5 and
+// 5.1.9). The time is found by conservative advancement with the common motion removed (Li, Kaufman, Jiang
+// 2021, "Codimensional incremental potential contact", section 5): a step never exceeds the remaining
+// distance over the largest speed at which it can shrink, so that no contact is stepped over.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -15,14 +15,14 @@
 
 namespace truestep {
 
-/// Places or displacements of both features' points: p a b c of a point and a triangle, p0 p1 q0 q1 of two
-/// segments.
+/// Positions or displacements of the points of both features: p a b c of a point and a triangle, p0 p1 q0 q1
+/// of two segments.
 using FeaturePoints = std::array<Vec3, 4>;
 
 struct Proximity {
   double distance = 0;        ///< m
-  Vec3 normal;                ///< unit; zero where the features meet
-  std::array<double, 4> c{};  ///< of the closest points: sum 0
+  Vec3 normal;                ///< unit; zero if the features meet
+  std::array<double, 4> c{};  ///< weights of the closest points: sum 0
 };
 
 inline Proximity proximity_of(const FeaturePoints& x, const std::array<double, 4>& c) {
@@ -32,7 +32,7 @@ inline Proximity proximity_of(const FeaturePoints& x, const std::array<double, 4
 }
 
 struct PointTriangle {
-  static constexpr size_t kFirst = 1;  ///< points of the first feature
+  static constexpr size_t kFirst = 1;  ///< number of points of the first feature
   static Proximity closest(const FeaturePoints& x) {
     const Vec3 ab = x[2] - x[1], ac = x[3] - x[1], ap = x[0] - x[1];
     const double d1 = dot(ab, ap), d2 = dot(ac, ap);
@@ -72,7 +72,7 @@ struct SegmentSegment {
     double s = 0, t = 0;
     if (a > 0 && e > 0) {
       const double denominator = a * e - b * b;
-      // Parallel ones meet anywhere: from the first point on.
+      // Parallel segments have no unique closest points: start from the first end.
       s = denominator > 1e-12 * a * e ? share((b * f - c * e) / denominator) : 0;
       t = (b * s + f) / e;
       if (t < 0) {
@@ -90,12 +90,12 @@ struct SegmentSegment {
 };
 
 struct Approach {
-  double t;  ///< share of the path
+  double t;  ///< fraction of the path
   Proximity at;
 };
 
-/// A t in [0, 1] at which features that begin `start` apart and move by dx are within `target` (m, above 0)
-/// and have not yet been within four fifths of it; nothing where they never are.
+/// A t in [0, 1] at which features with initial proximity `start` that move by dx are within `target` (m,
+/// above 0), before they come within four fifths of it; empty if they never do.
 template <class Kind>
 std::optional<Approach> first_approach(const FeaturePoints& x, FeaturePoints dx, double target,
                                        const Proximity& start) {

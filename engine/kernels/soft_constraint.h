@@ -1,8 +1,8 @@
-// A velocity constraint  J v = 0  over the position error C as a damped spring that is stable at any step h:
+// A velocity constraint  J v = 0  with the position error C as a damped spring that is stable for any step h:
 //   impulse = -m_eff mass_scale (J v + bias_rate C) - impulse_scale accumulated
 // With w = 2 pi f and a = h w (2 z + h w):  bias_rate = w / (2 z + h w),  mass_scale = a / (1 + a),
-// impulse_scale = 1 / (1 + a). Catto, "Soft constraints" (GDC 2011) and "Solver2D" (2024). It rests at
-// C = -load / (m_eff w^2); `rigid` takes back the same share of C a step without that sag.
+// impulse_scale = 1 / (1 + a). Catto, "Soft constraints" (GDC 2011) and "Solver2D" (2024). Its equilibrium is
+// C = -load / (m_eff w^2); `rigid` recovers the same fraction of C per step without that sag.
 #pragma once
 #include "engine/math/trig.h"
 
@@ -15,7 +15,7 @@ struct SoftConstraint {
   T impulse_scale = 0;  ///< 1
 };
 
-/// Of a spring of `hertz` (Hz, 0: velocity only) with damping ratio `ratio`, for steps of h (s).
+/// Coefficients of a spring of `hertz` (Hz, 0: velocity only) with damping ratio `ratio`, for steps of h (s).
 template <class T>
 constexpr SoftConstraint<T> soft_constraint(T hertz, T ratio, T h) {
   if (!(hertz > 0)) return {};
@@ -23,7 +23,7 @@ constexpr SoftConstraint<T> soft_constraint(T hertz, T ratio, T h) {
   return {w / b, a / (1 + a), 1 / (1 + a)};
 }
 
-/// Takes `share` (0 to 1) of the error back every h (s), without compliance.
+/// Recovers the fraction `share` (0 to 1) of the error every h (s), without compliance.
 template <class T>
 constexpr SoftConstraint<T> rigid_constraint(T share, T h) {
   return {share / h, 1, 0};
@@ -33,15 +33,16 @@ constexpr SoftConstraint<T> rigid_constraint(T share, T h) {
 struct OscillatorStep {
   double push = 0;   ///< 1/s
   double scale = 0;  ///< 1
-  /// 1/s: half of an undamped pull. A run of steps that begins with v += half x and ends with v -= half x is
-  /// of second order (Stoermer and Verlet's method); 0 for an implicit step.
+  /// 1/s: half of an undamped kick. A run of steps that begins with v += half x and ends with v -= half x is
+  /// of second order (the Stoermer-Verlet method); 0 for an implicit step.
   double half = 0;
 };
 
-/// While it turns by less than half a radian: damping exact, B = exp(-rate h), the spring's pull at the
-/// step's start, damped too. Under a load it rests where it should, swings within w2 h^2 / 24 + rate h / 4 of
-/// its frequency, and undamped it keeps its energy. Matching the frequency instead moves the rest by rate h
-/// / 2. Beyond, implicit Euler, which stiff springs need in company. w2 in 1/s^2, rate in 1/s, h in s.
+/// Coefficients for steps in which the oscillator turns by less than half a radian: exact damping, B =
+/// exp(-rate h), and the spring force at the start of the step, which is damped too. The equilibrium under a
+/// load is exact, the frequency is within w2 h^2 / 24 + rate h / 4, and without damping the energy is
+/// conserved. (Matching the frequency instead would shift the equilibrium by rate h / 2.) Stiffer springs
+/// take implicit Euler, which they need when coupled to others. w2 in 1/s^2, rate in 1/s, h in s.
 inline OscillatorStep oscillator_step(double w2, double rate, double h) {
   if (w2 * h * h > 0.25) {
     const double keep = 1 / (1 + h * rate + h * h * w2);

@@ -1,9 +1,9 @@
-// Six-dimensional vectors of rigid body mechanics in body coordinates: motions (w, v), forces (n, f), the
-// inertias between them, and the rigid placement that takes them from a link's frame to its parent's.
+// Spatial (six-dimensional) vectors of rigid body mechanics in body coordinates: motions (w, v), forces (n,
+// f), the inertias between them, and the rigid transform from a link's frame to its parent's.
 //   velocity:  v_child = R^T (v + w x p),  w_child = R^T w
 //   force:     f_parent = R f,             n_parent = R n + p x f_parent
 // Source: Featherstone, Rigid Body Dynamics Algorithms (2008), chapter 2 and table 2.1; inertias in table 2.2
-// and section 7.1. Vectors and matrices are by value: nothing here allocates or branches.
+// and section 7.1. Vectors and matrices are values: nothing here allocates or branches.
 #pragma once
 #include "engine/math/quaternion.h"
 
@@ -67,7 +67,7 @@ constexpr Matrix rotated(const Rotation& r, const Matrix& m) {
   return {{line(r.row[0]), line(r.row[1]), line(r.row[2])}};
 }
 
-/// Angular velocity, and velocity of the point of the body that is at the frame's origin.
+/// Angular velocity, and velocity of the body's point at the frame's origin.
 struct Motion {
   Vec3 w, v;
   constexpr Motion& operator+=(const Motion& b) {
@@ -90,16 +90,16 @@ struct Force {
 constexpr double dot(const Motion& m, const Force& f) {
   return truestep::dot(m.w, f.n) + truestep::dot(m.v, f.f);
 }
-/// a x b, the rate of a motion b that is fixed in a body moving with a (equation 2.31).
+/// a x b, the rate of change of a motion b that is fixed in a body moving with a (equation 2.31).
 constexpr Motion cross(const Motion& a, const Motion& b) {
   return {truestep::cross(a.w, b.w), truestep::cross(a.w, b.v) + truestep::cross(a.v, b.w)};
 }
-/// a x* f, the same of a force (equation 2.32).
+/// a x* f, the same for a force (equation 2.32).
 constexpr Force cross(const Motion& a, const Force& f) {
   return {truestep::cross(a.w, f.n) + truestep::cross(a.v, f.f), truestep::cross(a.w, f.f)};
 }
 
-/// Where a child's frame stands in its parent's: x_parent = R x + p.
+/// Pose of a child's frame in its parent's: x_parent = R x + p.
 struct Frame {
   Rotation R;
   Vec3 p;
@@ -113,7 +113,7 @@ struct Frame {
   }
 };
 
-/// Of one rigid body: mass (kg), mass times centre (kg m), inertia about the frame's origin (kg m^2).
+/// Inertia of one rigid body: mass (kg), mass times centre (kg m), inertia about the frame's origin (kg m^2).
 struct Inertia {
   double m = 0;
   Vec3 h;
@@ -123,7 +123,7 @@ struct Inertia {
   }
 };
 
-/// Symmetric 6 x 6 matrix [A B; B^T C]: what a link with everything that hangs from it resists with.
+/// Symmetric 6 x 6 matrix [A B; B^T C]: the inertia of a link together with everything attached to it.
 struct ArticulatedInertia {
   Symmetric A;
   Matrix B;
@@ -141,7 +141,7 @@ struct ArticulatedInertia {
 constexpr ArticulatedInertia articulated(const Inertia& b) {
   return {b.I, {{{0, -b.h.z, b.h.y}, {b.h.z, 0, -b.h.x}, {-b.h.y, b.h.x, 0}}}, {b.m, b.m, b.m, 0, 0, 0}};
 }
-/// The same inertia seen from the parent's frame:
+/// The same inertia expressed in the parent's frame:
 ///   C' = R C R^T,  B' = R B R^T + [p] C',  A' = R A R^T - R B R^T [p] + [p] B'^T.
 constexpr ArticulatedInertia out(const Frame& x, const ArticulatedInertia& a) {
   ArticulatedInertia o{rotated(x.R, a.A), rotated(x.R, a.B), rotated(x.R, a.C)};

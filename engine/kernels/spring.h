@@ -26,7 +26,7 @@ inline Vec3 force(const Vec3& d, const Vec3& w, double k, double rest, double c)
   return (k * (1 - rest * inv) + c * dot(w, d) * (inv * inv)) * d;
 }
 
-/// R in W of the damping force: c/2 (w . n)^2.
+/// Dissipation function R (W) of the damping force: c/2 (w . n)^2.
 inline double dissipation(const Vec3& d, const Vec3& w, double c) {
   const double l2 = norm2(d), wd = dot(w, d);
   return l2 > 0 ? 0.5 * c * wd * wd / l2 : 0;
@@ -41,8 +41,8 @@ inline Stiffness stiffness(double l2, double k, double rest) {
   return {k * (1 - rest * inv), k * rest * inv * (inv * inv)};
 }
 
-/// The same without the sideways push of a compressed spring, so that -df/dx is positive semidefinite
-/// (Choi, Ko 2002, "Stable but responsive cloth", section 4).
+/// K without the transverse term of a compressed spring, so that -df/dx is positive semidefinite (Choi, Ko
+/// 2002, "Stable but responsive cloth", section 4).
 inline Stiffness definite_stiffness(double l2, double k, double rest) {
   const Stiffness exact = stiffness(l2, k, rest);
   return exact.alpha >= 0 ? exact : Stiffness{0, l2 > 0 ? k / l2 : 0};
@@ -50,8 +50,8 @@ inline Stiffness definite_stiffness(double l2, double k, double rest) {
 
 inline constexpr size_t kRunChunk = 128;
 
-/// Forces of n <= kRunChunk springs from their differences, in place: (dx, dy, dz) becomes the force on a.
-/// `scale` multiplies the family's stiffness k.
+/// Forces of n <= kRunChunk springs from their end-to-end differences, in place: (dx, dy, dz) becomes the
+/// force on a. `scale` multiplies the family's stiffness k.
 inline void run_forces(size_t n, double* __restrict dx, double* __restrict dy, double* __restrict dz,
                        const double* __restrict rest, const double* __restrict scale, double k) {
   for (size_t i = 0; i < n; ++i) {

@@ -2,9 +2,9 @@
 //   out[i] = centre u[i] + x1 (u[i-1] + u[i+1]) + x2 (u[i-2] + u[i+2]) + sum_m w[m] row[m][i].
 // Neighbours along y and z are pointers to their rows, so that reflecting sides, periodic sides and one-sided
 // weights are just a choice of pointers and weights and cost nothing inside the loop. With the identity in
-// `centre` and a step in every weight the same loop is a whole step of explicit Euler. Coefficients of
-// derivatives: Fornberg 1988, "Generation of finite difference formulas on arbitrarily spaced grids", tables
-// 1 and 2.
+// `centre` and the step size in every weight, the same loop is a whole step of explicit Euler. Coefficients
+// of derivatives: Fornberg 1988, "Generation of finite difference formulas on arbitrarily spaced grids",
+// tables 1 and 2.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -25,11 +25,11 @@ struct RowWeights {
   double weights[8] = {};
 };
 
-/// Elements [begin, end) of a row, Reach (1 or 2) or more away from both its ends.
+/// Elements [begin, end) of a row, all at least Reach (1 or 2) from both of its ends.
 template <int Reach, int Rows>
 inline void combine_row(const double* u, const RowWeights& w, double* out, size_t begin, size_t end) {
   const double centre = w.centre, near = w.near, far = w.far;
-  // Written out, because gcc does not unroll a loop over rows inside the loop over elements.
+  // Written out because gcc does not unroll a loop over rows inside the loop over elements.
   [&]<size_t... M>(std::index_sequence<M...>) {
     [[maybe_unused]] const std::array<const double*, Rows> rows = {w.rows[M]...};
     [[maybe_unused]] const std::array<double, Rows> weights = {w.weights[M]...};

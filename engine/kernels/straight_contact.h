@@ -1,21 +1,20 @@
-// First meeting of a point and a triangle whose corners all go straight, for
-// thin cloth that turns fast. The advance of kernels/point_hull.h keeps one
-// direction, along which a turning triangle comes near long before it does;
-// here the distance from the triangle's own plane decides as well:
-//   L(s) = (e1(s) x e2(s)) . (p(s) - c(s)),  a cubic (Provot 1997, "Collision and
-//   self-collision handling in cloth model dedicated to design garments", eq. 2),
-// and until |L| falls to target * max |e1 x e2| the point is clear. Both bounds
-// are safe, so nothing is missed; a pair that gets no further counts as meeting.
+// First contact of a point with a triangle whose corners all move along straight lines, for thin cloth that
+// rotates fast. The advancement of kernels/point_hull.h keeps one direction, along which a rotating triangle
+// comes near long before it touches; here the distance from the triangle's own plane decides as well:
+//   L(s) = (e1(s) x e2(s)) . (p(s) - c(s)),  a cubic (Provot 1997, "Collision and self-collision handling in
+//          cloth model dedicated to design garments", eq. 2),
+// and until |L| falls to target * max |e1 x e2| the point is clear. Both bounds are safe, so nothing is
+// missed; a pair that makes no further progress counts as meeting.
 #pragma once
 #include "engine/kernels/point_hull.h"
 
 namespace truestep {
 
-/// Smallest t in (0, end] with c0 + c1 t + c2 t^2 + c3 t^3 = 0 from below rounding's accuracy (the polynomial
-/// is still positive there), where c0 > 0; more than `end` when there is none.
+/// Smallest t in (0, end] at which c0 + c1 t + c2 t^2 + c3 t^3 (c0 > 0) falls to 0, rounded down so that the
+/// polynomial is still positive there; a value above `end` if there is none.
 inline double first_fall_of_cubic(double c0, double c1, double c2, double c3, double end) {
   const auto value = [&](double t) { return c0 + t * (c1 + t * (c2 + t * c3)); };
-  // The pieces between the extremes are monotone.
+  // Between its extrema the cubic is monotone.
   double knots[3] = {end, end, end};
   const double a = 3 * c3, b = c2, discriminant = b * b - a * c1;
   if (discriminant > 0) {
@@ -41,8 +40,8 @@ inline double first_fall_of_cubic(double c0, double c1, double c2, double c3, do
   return 2 * end + 1;
 }
 
-/// How long from now (parts of the step) the point surely stays further than `target` from the plane of the
-/// triangle: x, v of the point, c, w of the corners at this moment, looking ahead `rest`.
+/// How long from now (as a fraction of the step) the point certainly stays farther than `target` from the
+/// plane of the triangle: x, v of the point and c, w of the corners at this moment, over at most `rest`.
 inline double clear_of_plane(const Vec3& x, const Vec3& v, const std::array<Vec3, 3>& c,
                              const std::array<Vec3, 3>& w, double target, double rest) {
   const Vec3 e1 = c[1] - c[0], e2 = c[2] - c[0], f1 = w[1] - w[0], f2 = w[2] - w[0], r = x - c[0],
@@ -58,8 +57,8 @@ inline double clear_of_plane(const Vec3& x, const Vec3& v, const std::array<Vec3
 
 inline constexpr int kStraightAdvances = 60;
 
-/// First moment at which the point comes as near as twice `target` (m) on straight ways (accelerations are
-/// not looked at); nothing when it stays further away than `target`. At the start it is further than that.
+/// First moment at which the point comes within twice `target` (m) on straight paths (accelerations are
+/// ignored); empty if it stays farther than `target`. It must be farther than that at the start.
 inline std::optional<HullContact> first_straight_contact(const HullPath& p, const std::array<HullPath, 3>& c,
                                                          double target) {
   double s = 0;

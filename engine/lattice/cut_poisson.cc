@@ -113,7 +113,7 @@ bool CutPoisson::coarsen() {
   bool any = false;
   Level coarse;
   for (size_t a = 0; a < grid_.dimensions; ++a) {
-    // Axes whose cells are much longer already wait for the others.
+    // An axis whose cells are already much longer is not coarsened until the others have caught up.
     fine.halved[a] =
         fine.n[a] >= kFewest && fine.width[a][0] < 1.5 * finest && !(grid_.periodic[a] && fine.n[a] % 2);
     any = any || fine.halved[a];
@@ -146,7 +146,7 @@ bool CutPoisson::coarsen() {
 }
 
 void CutPoisson::fill_coarser(const Level& fine, Level& coarse, const ThreadArena& arena) const {
-  // Distance between the centres of a cell and the next one, or to the side.
+  // Distance between the centres of a cell and the next one, or from the centre to the side.
   const auto distance = [&](const Level& l, size_t a, ptrdiff_t i) {
     const auto n = static_cast<ptrdiff_t>(l.n[a]);
     const auto half = [&](ptrdiff_t c) {
@@ -156,7 +156,7 @@ void CutPoisson::fill_coarser(const Level& fine, Level& coarse, const ThreadAren
     };
     return half(i) + half(i + 1);
   };
-  // Fine cells of a coarse one along an axis.
+  // Fine cells inside a coarse one along an axis.
   const auto children = [&](size_t a, size_t i) {
     const size_t first = fine.halved[a] ? 2 * i : i;
     return std::array<size_t, 2>{first, std::min(first + (fine.halved[a] ? 2 : 1), fine.n[a])};
@@ -166,7 +166,8 @@ void CutPoisson::fill_coarser(const Level& fine, Level& coarse, const ThreadAren
       const std::array<size_t, 3> p{i, j, q};
       const std::array<std::array<size_t, 2>, 3> span{children(0, i), children(1, j), children(2, q)};
       for (size_t a = 0; a < grid_.dimensions; ++a) {
-        // Faces of the coarse one are those after its last fine cell, and before its first on the lower side.
+        // The faces of a coarse cell are those after its last fine cell and, on the lower side, before its
+        // first.
         const auto sum = [&](ptrdiff_t fine_place, ptrdiff_t place) {
           std::array<std::array<size_t, 2>, 3> over = span;
           over[a] = {0, 1};
@@ -183,9 +184,9 @@ void CutPoisson::fill_coarser(const Level& fine, Level& coarse, const ThreadAren
           }
           return total;
         };
-        // Interpolation does not see where faces are shut: with the sums alone corrections beside solids
-        // overshoot, the more the coarser the level. The geometric mean of the sum and of an open face keeps
-        // them short (64^3 cells around a sphere take 6 iterations instead of 10, 192^3 take 6 instead of
+        // Interpolation does not know which faces are closed: with plain sums, corrections beside solids
+        // overshoot, more so on coarser levels. The geometric mean of the sum and the value of an open face
+        // prevents this (64^3 cells around a sphere take 6 iterations instead of 10, 192^3 take 6 instead of
         // 19).
         const size_t u = a == 0 ? 1 : 0, w = a == 2 ? 1 : 2;
         const double area = coarse.width[u][p[u]] * (w < grid_.dimensions ? coarse.width[w][p[w]] : 1);
@@ -357,7 +358,7 @@ CutPoisson::Outcome CutPoisson::solve(double* x, double tolerance, const ThreadA
   Vector& solution = levels_[0].b;
   std::fill(solution.begin(), solution.end(), 0.0);
   std::copy(b_.begin(), b_.end(), r_.begin());
-  // Beyond the sides r_ and q_ hold zeros, so that products do not see what `wrap` leaves there.
+  // r_ and q_ are zero beyond the sides, so that the products ignore what `wrap` writes there.
   const double first = std::sqrt(product(r_.data(), r_.data(), arena));
   Outcome out;
   out.residual = first > 0 ? 1 : 0;

@@ -1,9 +1,9 @@
-// lap x = b on the cells of a staggered grid whose faces are open in part (cut cells: Ng, Min, Gibou 2009,
-// "An efficient fluid-solid coupling algorithm for single-phase flows", section 3): every face lets pass what
-// its open share does. Conjugate gradients with one multigrid cycle as preconditioner (Tatebe 1993, "The
-// multigrid preconditioned conjugate gradient method"): red and black relaxation in opposite orders before
-// and after, linear interpolation between centres of cells and its transpose, coarse faces that let pass what
-// the fine ones do.
+// lap x = b on the cells of a staggered grid with partly open faces (cut cells: Ng, Min, Gibou 2009, "An
+// efficient fluid-solid coupling algorithm for single-phase flows", section 3): the flux through every face
+// is weighted with its open fraction. Conjugate gradients with one multigrid cycle as preconditioner (Tatebe
+// 1993, "The multigrid preconditioned conjugate gradient method"): red-black relaxation in opposite orders
+// before and after, linear interpolation between cell centres and its transpose, coarse faces that conduct as
+// much as the fine ones together.
 #pragma once
 #include <vector>
 
@@ -16,22 +16,22 @@ namespace truestep::lattice {
 class CutPoisson {
  public:
   using Vector = std::vector<double, CacheLineAllocator<double>>;
-  /// Open shares of the faces of each axis, in the grid's own arrays; sides that are `odd` hold 0, others are
-  /// closed.
+  /// Open fractions of the faces of each axis, in the grid's own arrays; beyond `odd` sides the value is 0 on
+  /// the side, other sides are closed.
   CutPoisson(const mac::MacGrid& grid, const std::array<std::array<mac::Mirror, 2>, 3>& mirrors,
              const std::array<Vector, 3>& open);
-  /// Without an open face until `set`.
+  /// All faces are closed until `set` is called.
   CutPoisson(const mac::MacGrid& grid, const std::array<std::array<mac::Mirror, 2>, 3>& mirrors);
 
-  /// Other shares of the faces, which may be greater than 1: what a difference of values counts beside that
-  /// of an open face. `liquid` (of cells, in the grid's own arrays; null: all): the others hold 0, and a
-  /// coarse cell with one of them next to the liquid does so too (McAdams, Sifakis, Teran 2010, "A parallel
-  /// multigrid Poisson solver for fluids simulation on large grids", section 3.3). Allocates nothing.
+  /// Sets other weights of the faces, which may exceed 1: the factor of a difference relative to that of an
+  /// open face. `liquid` (of cells, in the grid's own arrays; null: all): other cells hold 0, and so does a
+  /// coarse cell with one of them next to the liquid (McAdams, Sifakis, Teran 2010, "A parallel multigrid
+  /// Poisson solver for fluids simulation on large grids", section 3.3). Does not allocate.
   void set(const std::array<const double*, 3>& open, const uint8_t* liquid, const ThreadArena& arena);
 
   struct Outcome {
     int iterations = 0;
-    double residual = 0;  ///< over that of x = 0, in the mean square
+    double residual = 0;  ///< relative to that of x = 0, root mean square
   };
   /// In place, in the grid's own arrays; cells without an open face become 0.
   Outcome solve(double* x, double tolerance, const ThreadArena& arena);
@@ -41,21 +41,21 @@ class CutPoisson {
 
  private:
   struct Between {
-    uint32_t low, high;  ///< coarse cells around a fine one
+    uint32_t low, high;  ///< the two coarse cells around a fine one
     double part;         ///< of the high one
   };
   struct Axis {
     std::vector<Between> up;                                     ///< per fine cell
     std::vector<std::vector<std::pair<uint32_t, double>>> down;  ///< per coarse cell
   };
-  /// Cells with one more beyond every side; k[a] of a cell is its face after it along a.
+  /// Cells with one ghost beyond every side; k[a] of a cell belongs to the face after it along a.
   struct Level {
     std::array<size_t, 3> n{1, 1, 1}, padded{1, 1, 1};
     std::array<std::vector<double>, 3> width;  ///< of the cells, m
     std::array<bool, 3> halved{};              ///< to the next level
     std::array<Vector, 3> k;                   ///< m^(d-2)
     Vector inverse, x, b, r;
-    std::vector<uint8_t> held;  ///< next to the liquid and 0; empty where there is none
+    std::vector<uint8_t> held;  ///< 1: cell beside the liquid that holds 0; empty if none
     std::array<Axis, 3> to_coarser;
     size_t stride(size_t a) const { return a == 0 ? 1 : a == 1 ? padded[0] : padded[0] * padded[1]; }
     size_t at(size_t i, size_t j, size_t l) const { return base + i + stride(1) * j + stride(2) * l; }
@@ -64,12 +64,12 @@ class CutPoisson {
   };
   void shape(Level& l) const;
   void invert(Level& l, const ThreadArena& arena) const;
-  /// The shape of the next level; false where there is none.
+  /// Adds the next coarser level; false if there is none.
   bool coarsen();
   void fill_coarser(const Level& fine, Level& coarse, const ThreadArena& arena) const;
   void wrap(const Level& l, double* x) const;
   void relax(const Level& l, size_t colour, const double* b, double* x, const ThreadArena& arena) const;
-  /// r = b - A x, or A x where b is null.
+  /// r = b - A x, or A x if b is null.
   void residual(const Level& l, const double* b, double* x, double* r, const ThreadArena& arena) const;
   void cycle(size_t level, const double* b, double* x, const ThreadArena& arena);
   void restrict_to(const Level& fine, Level& coarse, const ThreadArena& arena) const;

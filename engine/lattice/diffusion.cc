@@ -28,7 +28,8 @@ Diffusion::Diffusion(const Lattice& lattice, int order, Coefficient c)
           const ptrdiff_t end = to < 0 ? 0 : last;
           to = 2 * end - to;
           if (axis.sides[end == 0 ? 0 : 1].kind == SideKind::dirichlet) {
-            // u(-s) = 2 u(0) - u(s): the end's own tap takes twice the weight. Nodes next to the end see it.
+            // u(-s) = 2 u(0) - u(s): the end's own tap gets twice the weight. This affects the nodes next to
+            // the end.
             for (ptrdiff_t e = 0; e < 5; ++e) {
               if (i + e - 2 == end) t.weight[static_cast<size_t>(e)] += 2 * w;
             }
@@ -57,7 +58,7 @@ void Diffusion::apply(const double* u, double* out, double identity, double step
 
 void Diffusion::step_in_place(double* u, double step, std::vector<double>& waiting) const {
   const size_t nx = lattice_.count(0), ny = lattice_.count(1), rows = ny * lattice_.count(2);
-  // A row is read by rows up to this far behind it; at periodic sides the first rows by the last ones.
+  // Rows up to this far behind a row still read it; with periodic sides the last rows also read the first.
   const size_t far = (order_ == 4 ? 2 : 1) * (lattice_.dimensions == 3 ? ny : 1);
   const size_t first = std::min(rows, far), ring = far + 1;
   waiting.resize((first + ring) * nx);
@@ -74,7 +75,7 @@ void Diffusion::step_in_place(double* u, double step, std::vector<double>& waiti
 
 void Diffusion::leapfrog_in_place(double* x, double* v, double h, std::vector<double>& row) const {
   const size_t nx = lattice_.count(0), ny = lattice_.count(1), rows = ny * lattice_.count(2);
-  // As above; the last rows are read by the first ones, too, and drift before them and once more at the end.
+  // As above; the first rows also read the last, which therefore drift before them and once more at the end.
   const size_t far = (order_ == 4 ? 2 : 1) * (lattice_.dimensions == 3 ? ny : 1);
   const size_t first = std::min(rows, far), last = std::max(first, rows - std::min(rows, far));
   row.resize(nx);
@@ -118,7 +119,7 @@ void Diffusion::apply_row(const double* u, double* out_row, double identity, dou
     for (size_t i = 0; i < nx; ++i) out_row[i] = identity * u[start + i];
     return;
   }
-  // Nodes near the ends of the row go one by one.
+  // Nodes near the ends of the row are computed one by one.
   const size_t reach = order_ == 4 ? 2 : 1;
   const size_t low = std::min(reach, nx), high = std::max(low, nx - std::min(reach, nx));
   if (c_.variable()) {
@@ -126,7 +127,7 @@ void Diffusion::apply_row(const double* u, double* out_row, double identity, dou
     for (size_t i = high; i < nx; ++i) apply_end(u, out_row, identity, step, {i, j, k});
     stencil::Neighbour neighbours[4];
     size_t count = 0;
-    // A Robin side along y or z adds to the diagonal: such rows go one by one as well.
+    // A Robin side along y or z adds to the diagonal: such rows are computed one by one as well.
     for (size_t a = 1; a < d; ++a) {
       const Axis& axis = lattice_.axes[a];
       const double scale = 1 / (axis.spacing * axis.spacing);
@@ -166,7 +167,8 @@ void Diffusion::apply_row(const double* u, double* out_row, double identity, dou
       row.weights[count++] = scale(a) * t.weight[m];
     }
   }
-  const double around = row.centre - scale(0) * w.centre;  // of the node itself, without what x adds
+  // The node's own weight without the contribution of x.
+  const double around = row.centre - scale(0) * w.centre;
   const auto end = [&](size_t i) {
     if (lattice_.axes[0].fixed(i)) {
       out_row[i] = identity * u[start + i];
@@ -191,8 +193,8 @@ void Diffusion::apply_row(const double* u, double* out_row, double identity, dou
 
 double Diffusion::spectral_radius() const {
   if (!c_.variable()) {
-    // The sum of what every axis has: 4 and 16/3 at the shortest wave, the diagonal's own where Robin sides
-    // make it larger.
+    // Sum over the axes: 4 and 16/3 at the shortest wave, or the diagonal's own bound where Robin sides make
+    // it larger.
     double sum = 0;
     for (size_t a = 0; a < lattice_.dimensions; ++a) {
       double most = order_ == 4 ? 16.0 / 3 : 4.0;
@@ -214,7 +216,7 @@ double Diffusion::spectral_radius() const {
 
 Diffusion::Matrix Diffusion::matrix() const {
   const size_t n = lattice_.nodes();
-  // Row by row with merged neighbours, then turned into columns.
+  // Row by row with merged entries, then transposed to columns.
   std::vector<std::vector<std::pair<int32_t, double>>> columns(n);
   std::vector<std::pair<size_t, double>> row;
   for (size_t node = 0; node < n; ++node) {

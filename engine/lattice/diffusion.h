@@ -1,9 +1,9 @@
 // L u = div(c grad u) on a lattice by finite differences, with the homogeneous part of its sides; rows of
-// nodes whose value is given are 0. Second order: differences over the faces between nodes, coefficients at
-// the faces' centres, half cells at sides (conservative, self-adjoint in the nodes' volumes). Fourth order:
+// nodes with given values are 0. Second order: differences over the faces between nodes, coefficients at the
+// faces' centres, half cells at sides (conservative, self-adjoint in the nodes' volumes). Fourth order:
 // constant coefficients, five points along an axis, odd and even reflection at Dirichlet and Neumann sides
-// (self-adjoint as well, and diagonal in sines and cosines); what given values and sources add to the
-// reflection is part of the forcing (forcing.h).
+// (also self-adjoint, and diagonal in sines and cosines); the contributions of given values and sources to
+// the reflected nodes are part of the forcing (forcing.h).
 #pragma once
 #include <vector>
 
@@ -13,8 +13,8 @@
 
 namespace truestep::lattice {
 
-/// c at nodes and at the centres of faces, one array per axis as long as the nodes (faces beyond the last
-/// node of an axis that is not periodic are not read); all empty: constant.
+/// c at the nodes and at the centres of the faces, one array per axis with as many elements as nodes (faces
+/// beyond the last node of a non-periodic axis are not read); all empty: constant.
 struct Coefficient {
   double constant = 1;
   std::vector<double> nodes;
@@ -26,7 +26,7 @@ struct Coefficient {
 class Diffusion {
  public:
   Diffusion() = default;
-  /// `order` 2, or 4 where the coefficient is constant and no side is of Robin's kind.
+  /// `order` is 2, or 4 if the coefficient is constant and no side is a Robin side.
   Diffusion(const Lattice& lattice, int order, Coefficient c);
 
   const Lattice& lattice() const { return lattice_; }
@@ -36,18 +36,18 @@ class Diffusion {
 
   /// out = identity u + step L u; the arrays do not overlap.
   void apply(const double* u, double* out, double identity, double step, const ThreadArena& arena) const;
-  /// u += step L u with no second array: rows wait in `waiting` until no other row needs what they replace.
-  /// The bits are those of `apply`.
+  /// u += step L u without a second array: rows are buffered in `waiting` until no other row needs the values
+  /// that they replace. The same bits as `apply`.
   void step_in_place(double* u, double step, std::vector<double>& waiting) const;
-  /// x += h/2 v, v += h L x, x += h/2 v in one sweep over the rows; `row` is scratch. The bits are those of
-  /// one array after the other.
+  /// x += h/2 v, v += h L x, x += h/2 v in one sweep over the rows; `row` is scratch. The same bits as one
+  /// array after the other.
   void leapfrog_in_place(double* x, double* v, double h, std::vector<double>& row) const;
   /// A bound of the largest |eigenvalue| (Gershgorin), exact to a few percent for constant coefficients.
   double spectral_radius() const;
-  /// -1/2 u L u in the nodes' volumes, for homogeneous sides. `sums` is scratch that grows once.
+  /// -1/2 u L u, weighted by the nodes' volumes, for homogeneous sides. `sums` is scratch that grows once.
   double potential(const double* u, std::vector<double>& sums) const;
 
-  /// Entry pattern and values of L in compressed columns.
+  /// Sparsity pattern and values of L in compressed columns.
   struct Matrix {
     std::vector<int32_t> column_start, rows;
     std::vector<double> values;
@@ -55,7 +55,7 @@ class Diffusion {
   };
   Matrix matrix() const;
 
-  /// f(neighbour, weight) for the entries of a node's row, the node itself among them; a neighbour may come
+  /// f(neighbour, weight) for the entries of a node's row, including the node itself; a neighbour may occur
   /// twice.
   template <class F>
   void entries(const std::array<size_t, 3>& p, F&& f) const;
@@ -68,7 +68,7 @@ class Diffusion {
   };
   /// Row (j, k) of identity u + step L u.
   void apply_row(const double* u, double* row, double identity, double step, size_t j, size_t k) const;
-  /// Its element i by the entries.
+  /// Element i of it, by its entries.
   void apply_end(const double* u, double* row, double identity, double step,
                  const std::array<size_t, 3>& p) const;
 

@@ -1,6 +1,6 @@
-// -1/2 u L u as a sum over faces of c (difference)^2 / 2, and in fourth order over nodes of
-// c (second difference)^2 / 24. Squares are added element by element over the rows of the lattice and along
-// the row at last, so that the loops are wide and the order of the sums is fixed.
+// -1/2 u L u as a sum over faces of c (difference)^2 / 2, and in fourth order over nodes of c (second
+// difference)^2 / 24. Squares are added element by element over the rows of the lattice, and along the row
+// last, so that the loops vectorize and the order of the sums is fixed.
 #include <algorithm>
 
 #include "engine/lattice/diffusion.h"
@@ -9,7 +9,7 @@ namespace truestep::lattice {
 
 namespace {
 
-// sums += weight c (b - a)^2; c: one number per element, or none.
+// sums += weight c (b - a)^2; c has one number per element, or is null.
 void add_differences(const double* a, const double* b, const double* c, double weight, double* sums,
                      size_t n) {
   if (c) {
@@ -36,7 +36,7 @@ void add_curvatures(const double* before, const double* u, const double* after, 
 double Diffusion::potential(const double* u, std::vector<double>& sums) const {
   const size_t nx = lattice_.count(0), d = lattice_.dimensions;
   sums.assign(2 * nx, 0);
-  // Of faces across x, and of what has a node's share of the row.
+  // For faces across x, and for terms weighted by a node's share of the row.
   double *along = sums.data(), *across = along + nx;
   const double steady = c_.variable() ? 1 : c_.constant;
   const auto faces = [&](size_t axis, size_t node) {
@@ -55,7 +55,7 @@ double Diffusion::potential(const double* u, std::vector<double>& sums) const {
     const std::array<size_t, 3> at = {0, r % lattice_.count(1), r / lattice_.count(1)};
     const size_t start = r * nx;
     const double* row = u + start;
-    double area = 1;  // of the row, across x
+    double area = 1;  // of the row, perpendicular to x
     for (size_t a = 1; a < d; ++a) area *= lattice_.axes[a].spacing * lattice_.axes[a].share(at[a]);
 
     const double weight = 0.5 * area * steady / x.spacing;

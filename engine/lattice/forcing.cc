@@ -16,7 +16,7 @@ using O = Operator;
 enum Variable : int32_t { kT, kX, kY, kZ, kCoefficient, kDamping, kVariables };
 constexpr const char* kSides[3][2] = {{"x_min", "x_max"}, {"y_min", "y_max"}, {"z_min", "z_max"}};
 
-/// Reads texts and collects their faults.
+/// Parses the texts and collects their errors.
 class Reader {
  public:
   explicit Reader(size_t dimensions) {
@@ -123,7 +123,7 @@ LatticeModel::LatticeModel(const LatticeDef& def, SideKind usual, const Texts& t
           if (end == 0) s = graph.unary(O::negate, s);
         }
         w = graph.binary(O::subtract, w, s);
-        // 0 / c would count as a forcing.
+        // Without this, 0 / c would count as a forcing.
         if (graph.constant_value(w) != 0.0) w = graph.binary(O::divide, w, graph.variable(kCoefficient));
         for (size_t b = 0; b < lattice_.dimensions; ++b) {
           if (b == a) continue;
@@ -177,8 +177,8 @@ std::vector<double> row_coordinates(const Lattice& on, size_t shift) {
   return x;
 }
 
-/// One value per node of `on`, moved by half a spacing along `shift`, rows [begin, end); `x` are the row's
-/// coordinates.
+/// One value per node of `on`, shifted by half a spacing along `shift`, rows [begin, end); `x` holds the
+/// row's coordinates.
 void sample(const ExpressionRows& rows, const Lattice& on, size_t shift, const std::vector<double>& x,
             double t, double* out, size_t begin, size_t end) {
   const size_t nx = on.count(0), ny = on.count(1);
@@ -279,7 +279,7 @@ void Forcing::side(const LatticeModel::Face& face, double t, std::vector<std::pa
     const auto next = static_cast<uint32_t>(static_cast<ptrdiff_t>(node) + inwards);
     if (fixed) {
       given.emplace_back(node, derivative[k]);
-      // The mirrored node is off by h^2 u_nn and enters with -1/12.
+      // The mirrored node is off by h^2 u_nn and enters with the weight -1/12.
       if (model_->order_ == 4) sums.emplace_back(next, -c * w[k] / 12);
     } else if (model_->order_ == 4) {
       const double first = h * g[k], third = h * h * h * w[k];

@@ -1,7 +1,7 @@
-// Nodes on a box in one to three dimensions, x running fastest. Nodes lie on the sides: given values of a
-// side are values of nodes, a string is held exactly where it ends, and all nodes of a lattice are nodes of
-// one with twice the cells, so that solutions are compared without interpolation. A periodic axis has as many
-// nodes as cells, any other one more.
+// Nodes on a box in one to three dimensions, x running fastest. The outermost nodes lie on the sides: a
+// side's given values are values of nodes, a string is held exactly at its ends, and all nodes of a lattice
+// are nodes of the one with twice the cells, so that solutions are compared without interpolation. A periodic
+// axis has as many nodes as cells, any other axis one more.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace truestep::lattice {
 
-/// What holds on a side, n its outward normal: u = g, du/dn = g, du/dn = transfer (g - u).
+/// The condition on a side with outward normal n: u = g, du/dn = g, du/dn = transfer (g - u).
 enum class SideKind : uint8_t { dirichlet, neumann, robin, periodic };
 struct Side {
   SideKind kind = SideKind::neumann;
@@ -24,23 +24,23 @@ struct Axis {
 
   bool periodic() const { return sides[0].kind == SideKind::periodic; }
   size_t nodes() const { return periodic() ? cells : cells + 1; }
-  /// Share of a spacing that belongs to node i: a half at an end.
+  /// Fraction of a spacing that belongs to node i: a half at an end.
   double share(size_t i) const { return !periodic() && (i == 0 || i == cells) ? 0.5 : 1.0; }
   bool fixed(size_t i) const {
     return (i == 0 && sides[0].kind == SideKind::dirichlet) ||
            (i == cells && sides[1].kind == SideKind::dirichlet);
   }
-  /// The neighbour before and after node i; beyond an end the mirrored one.
+  /// The neighbours before and after node i; beyond an end, the mirrored node.
   size_t before(size_t i) const { return i > 0 ? i - 1 : periodic() ? cells - 1 : 1; }
   size_t after(size_t i) const { return i + 1 < nodes() ? i + 1 : periodic() ? 0 : nodes() - 2; }
-  /// The faces between node i and these; face k lies between k and the node after it.
+  /// The faces between node i and those; face k lies between node k and the node after it.
   size_t face_before(size_t i) const { return i > 0 ? i - 1 : periodic() ? cells - 1 : 0; }
   size_t face_after(size_t i) const { return i + 1 < nodes() || periodic() ? i : i - 1; }
   double at(size_t i) const { return origin + static_cast<double>(i) * spacing; }
   friend bool operator==(const Axis&, const Axis&) = default;
 };
 
-/// Axes beyond `dimensions` have one node that nothing couples to.
+/// Axes beyond `dimensions` have one node without coupling.
 struct Lattice {
   size_t dimensions = 1;
   std::array<Axis, 3> axes{};
@@ -57,7 +57,7 @@ struct Lattice {
     for (size_t a = 0; a < dimensions; ++a) any = any || axes[a].fixed(p[a]);
     return any;
   }
-  /// m, m^2 or m^3 that belong to a node.
+  /// m, m^2 or m^3, the part of the box that belongs to a node.
   double volume(const std::array<size_t, 3>& p) const {
     double v = 1;
     for (size_t a = 0; a < dimensions; ++a) v *= axes[a].spacing * axes[a].share(p[a]);

@@ -46,7 +46,7 @@ const DefTable& sides_table() {
 namespace {
 const SideDef* side_of(const LatticeDef& d, size_t axis, size_t end) {
   if (const auto& own = d.sides.of(axis, end)) return &*own;
-  // A periodic end makes the other one periodic.
+  // If one end is periodic, so is the other.
   if (const auto& other = d.sides.of(axis, 1 - end); other && other->kind == SideKind::periodic) {
     return &*other;
   }
@@ -83,15 +83,16 @@ double lattice_nodes(const LatticeDef& d) {
 }
 
 double lattice_workspace_bytes(const LatticeDef& d, std::string_view usual) {
-  // Measured: arrays of the nodes' numbers that explicit methods keep, and implicit ones with their solver.
+  // Measured: arrays of one number per node that explicit methods keep, and that implicit ones keep with
+  // their solver.
   constexpr double kExplicit = 9, kImplicit = 40;
   const Integrator* m = find_integrator(d.integrator.empty() ? usual : std::string_view(d.integrator));
   return 8 * lattice_nodes(d) * (m && m->kind == Integrator::Kind::implicit ? kImplicit : kExplicit);
 }
 
 double lattice_step_seconds(const LatticeDef& d, std::string_view usual) {
-  // Measured on one core: an evaluation's work for a row of the lattice and for a node with the sums around
-  // it, a solve by transforms or multigrid.
+  // Measured on one core: time of an evaluation per row of the lattice and per node including the sums around
+  // it, and of a solve by transforms or multigrid.
   constexpr double kBase = 8e-6, kRow = 2e-7, kNode = 1.7e-9, kWideNode = 2.1e-9, kSolve = 4e-8;
   const Integrator* m = find_integrator(d.integrator.empty() ? usual : std::string_view(d.integrator));
   if (!m) return kBase;
@@ -100,7 +101,7 @@ double lattice_step_seconds(const LatticeDef& d, std::string_view usual) {
   const double node = (d.order == LatticeDef::Order::fourth ? kWideNode : kNode) +
                       (m->kind == Integrator::Kind::implicit ? kSolve : 0);
   const double nodes = lattice_nodes(d), rows = nodes / (static_cast<double>(d.cells[0]) + 1);
-  // What is compared with an exact solution is compared whenever it is observed.
+  // The comparison with an exact solution is made at every observation.
   const double exact = d.exact.empty() ? 0 : 2e-8 * nodes;
   return kBase + times * (kRow * rows + node * nodes) + exact;
 }

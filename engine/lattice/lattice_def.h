@@ -1,4 +1,5 @@
-// What scenes say about equations on a box: cells, size, sides, order in space; the rows of their tables.
+// What scenes define about equations on a box: cells, size, sides, order in space; and the rows of their
+// tables.
 #pragma once
 #include <optional>
 #include <string>
@@ -27,7 +28,7 @@ struct LatticeDef : IntegratorParams {
   std::vector<int64_t> cells = {64};
   std::vector<double> size;    ///< m; empty: 1 along every axis
   std::optional<Vec3> origin;  ///< m, lower corner
-  std::optional<SideDef> all;  ///< sides that are not given on their own
+  std::optional<SideDef> all;  ///< for sides that are not given individually
   SidesDef sides;
   enum class Order : uint8_t { second, fourth } order = Order::second;
   std::string initial = "0", source = "0";
@@ -36,26 +37,26 @@ struct LatticeDef : IntegratorParams {
 
 const DefTable& side_table();
 const DefTable& sides_table();
-/// Faults that only several members together can have.
+/// Checks conditions that involve several members.
 void check_lattice(const LatticeDef& d, const DefTable::Report& report);
-/// `usual`: sides that nothing was said about.
+/// `usual`: kind of the sides that are not given.
 Lattice make_lattice(const LatticeDef& d, SideKind usual);
-/// The text of a side's value; "0" where nothing was said.
+/// The text of a side's value; "0" if it is not given.
 std::string side_value(const LatticeDef& d, size_t axis, size_t end);
 
-/// Nodes, without overflow.
+/// Number of nodes, without overflow.
 double lattice_nodes(const LatticeDef& d);
 
-/// Bytes of a method's memory; `usual` where the scene names none.
+/// Bytes of a method's memory; `usual` is the method if the scene names none.
 double lattice_workspace_bytes(const LatticeDef& d, std::string_view usual);
-/// A step's cost from counts alone: evaluations and solves by the method's own habits (20 of an adaptive
-/// method), each at what it takes per node. `usual` is the method where none is named.
+/// A step's cost from counts alone: typical numbers of evaluations and solves of the method (20 for an
+/// adaptive one), each at its measured time per node. `usual` is the method if none is named.
 double lattice_step_seconds(const LatticeDef& d, std::string_view usual);
 
-/// Multiplies the cells; says why not where they would not be whole.
+/// Multiplies the numbers of cells; returns the reason if they would not be whole.
 std::optional<std::string> divide_cells(LatticeDef& d, double factor);
 
-/// Of a struct D derived from LatticeDef.
+/// For a struct D derived from LatticeDef.
 template <class D>
 const Resolution& resolution() {
   static const Resolution kCells{

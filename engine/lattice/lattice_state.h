@@ -1,4 +1,4 @@
-// States on a lattice: columns with their first values, integrals over the box, what a command adds at a
+// States on a lattice: columns with their initial values, integrals over the box, and commands that add at a
 // place.
 #pragma once
 #include <span>
@@ -19,9 +19,9 @@ PartInfo grid_part(const Lattice& lattice, std::vector<FieldInfo> fields);
 /// Sum of u times the nodes' volumes, in the order of the rows.
 double integral(const Lattice& lattice, std::span<const double> u);
 
-/// Adds `amount` (the integral of what is added) at the node of the command's index, or spread over the nodes
-/// around its place `at` so that its centre lies there. Error "bad_command" for nodes that do not exist, hold
-/// a side's value, or places outside the box.
+/// Adds `amount` (the integral of what is added) at the node with the command's index, or spread over the
+/// nodes around its position `at` so that its centre lies there. Error "bad_command" for nodes that do not
+/// exist or have a given value, or positions outside the box.
 void add_at(const Lattice& lattice, const Command& command, double amount, std::span<double> u);
 
 }  // namespace truestep::lattice

@@ -48,7 +48,7 @@ bool LatticeWork::euler_in_place(double t, double h, double* u) {
     diffusion_.step_in_place(u, h, waiting_);
     return true;
   }
-  // Threads would write rows that others read; the same sums.
+  // In place, threads would overwrite rows that others read. The sums are the same.
   waiting_.resize(n);
   diffusion_.apply(u, waiting_.data(), 1, h, *arena_);
   arena_->for_blocks(n, 4 * kBlockRows, [&](size_t begin, size_t end) {

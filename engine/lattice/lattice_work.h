@@ -1,6 +1,6 @@
-// What a step on a lattice computes with: the operator and the forcing for the present constants and time,
-// and means to solve (shift I - step L) x = b. Lives in the workspace: everything in it follows from the
-// model, the constants and the time.
+// The operator and the forcing of a step on a lattice for the present constants and time, and the solver of
+// (shift I - step L) x = b. Lives in the workspace: everything in it follows from the model, the constants
+// and the time.
 #pragma once
 #include <memory>
 
@@ -11,37 +11,36 @@ namespace truestep::lattice {
 
 class LatticeWork {
  public:
-  /// Must come first in a step; costs nothing while model and constants stay the same.
+  /// Must be called first in a step; free of cost while model and constants stay the same.
   void bind(const LatticeModel& model, const Constants& constants, const ThreadArena& arena);
-  /// Brings a coefficient that depends on time to t.
+  /// Updates a time-dependent coefficient to t.
   void move_to(double t);
-  /// The same for the solver, which stays there while evaluations go on to other times.
+  /// The same for the solver, which stays at t while evaluations move on to other times.
   void linearise(double t);
 
   const Diffusion& diffusion() const { return diffusion_; }
   /// out = L u + b(t)
   void rate(double t, const double* u, double* out);
-  /// u += h (L u + b(t)) in place; false where there is a forcing.
+  /// u += h (L u + b(t)) in place; false if there is a forcing.
   bool euler_in_place(double t, double h, double* u);
-  /// Drift, kick, drift of x'' = L x at a middle of the step at t; false where there is a forcing or where
+  /// Drift-kick-drift of x'' = L x with t the middle of the step; false if there is a forcing or if several
   /// threads share the rows.
   bool leapfrog_in_place(double t, double h, double* x, double* v);
-  /// The two parts of `rate`, for what comes in between.
+  /// The two parts of `rate`, for callers that insert something between them.
   void homogeneous(double t, const double* u, double* out);
   void force(double t, double* out);
-  /// 1 for nodes whose values are given.
+  /// 1 for nodes with given values.
   std::span<const uint8_t> fixed() const { return fixed_; }
-  /// As many numbers as nodes.
+  /// Scratch with one number per node.
   std::span<double> scratch() {
     scratch_.resize(model_->lattice().nodes());
     return scratch_;
   }
   double potential(const double* u) { return diffusion_.potential(u, sums_); }
   double spectral_radius();
-  /// Its pattern stays in place while the model stays the same; methods keep pointers into it.
+  /// The pattern stays in place while the model does not change; methods keep pointers into it.
   const Diffusion::Matrix& matrix();
-  /// Solver of (shift I - step L) x = b with the sides of L, x = b at Dirichlet nodes; null where there is
-  /// none.
+  /// Solver of (shift I - step L) x = b with the sides of L, x = b at Dirichlet nodes; null if there is none.
   ShiftedSolver* solver();
 
  private:

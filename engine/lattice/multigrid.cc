@@ -7,10 +7,10 @@ namespace truestep::lattice {
 
 namespace {
 
-constexpr size_t kSmallest = 3;  // cells that are not halved
-constexpr int kRelaxations = 2;  // before and after: one leaves factors of 0.4 in space
+constexpr size_t kSmallest = 3;  // cells; shorter axes are not coarsened
+constexpr int kRelaxations = 2;  // before and after each: one gives convergence factors of 0.4 in space
 
-/// The next coarser lattice; the same when there is none.
+/// The next coarser lattice; the same if there is none.
 Lattice coarser(const Lattice& fine) {
   double finest = HUGE_VAL;
   for (size_t a = 0; a < fine.dimensions; ++a) {
@@ -71,7 +71,7 @@ Multigrid<T>::Multigrid(const Lattice& finest, const Discretise& discretise) {
       if (t.same) continue;
       t.down.resize(coarse.nodes());
       for (size_t j = 0; j < fine.nodes(); ++j) {
-        // Exact integers: place j / cells of the box in units of the coarse spacing.
+        // In exact integers: position j / cells of the box in units of the coarse spacing.
         const size_t scaled = j * coarse.cells, low = scaled / fine.cells;
         const double part = static_cast<double>(scaled % fine.cells) / static_cast<double>(fine.cells);
         const size_t high = part > 0 ? coarse.after(low) : low;
@@ -113,7 +113,8 @@ bool Multigrid<T>::factor(T shift, T step) {
   return coarsest_.factor();
 }
 
-// x = (b + step sum of off-diagonal entries) / (shift - step diagonal) at nodes of one colour.
+// x = (b + step times the sum of the off-diagonal terms) / (shift - step diagonal) at the nodes of one
+// colour.
 template <class T>
 void Multigrid<T>::relax(const Level& level, size_t colour, const T* b, T* x,
                          const ThreadArena& arena) const {
@@ -121,8 +122,8 @@ void Multigrid<T>::relax(const Level& level, size_t colour, const T* b, T* x,
   const Coefficient& c = level.a.coefficient();
   const size_t nx = l.count(0), ny = l.count(1), rows = ny * l.count(2);
   const Axis& along = l.axes[0];
-  // A periodic axis with an odd number of nodes has two neighbours of one colour: these take each other's
-  // newest value, in the order of the rows, so such lattices are not divided among threads.
+  // On a periodic axis with an odd number of nodes two neighbours have the same colour and use each other's
+  // newest value in the order of the rows, so such lattices are not divided among threads.
   bool independent = true;
   for (size_t a = 0; a < l.dimensions; ++a) {
     independent = independent && !(l.axes[a].periodic() && l.axes[a].cells % 2);
@@ -219,7 +220,7 @@ void Multigrid<T>::residual(const Level& level, const T* b, const T* x, T* r,
   });
 }
 
-// Axis after axis: b of the coarse level = adjoint of interpolation, in volumes.
+// Axis by axis: b of the coarse level = adjoint of the interpolation, weighted by volumes.
 template <class T>
 void Multigrid<T>::restrict_to(const Level& fine, Level& coarse, const T* r) {
   const Lattice &from = fine.a.lattice(), &to = coarse.a.lattice();
@@ -251,7 +252,7 @@ void Multigrid<T>::restrict_to(const Level& fine, Level& coarse, const T* r) {
   }
 }
 
-// x += interpolation of the coarse level's x.
+// x += interpolated x of the coarse level.
 template <class T>
 void Multigrid<T>::correct(const Level& fine, const Level& coarse, T* x) {
   const Lattice &to = fine.a.lattice(), &from = coarse.a.lattice();
@@ -352,7 +353,7 @@ int Multigrid<T>::solve(const T* b, T* x, double reduction, const ThreadArena& a
       for (size_t i = 0; i < n; ++i) p[i] = z[i] + beta * p[i];
     }
     rho = now;
-    // A p as minus the residual of p against 0.
+    // A p as minus the residual of p with b = 0.
     std::ranges::fill(levels_[0].b, T(0));
     residual(levels_[0].b.data(), p.data(), ap.data(), arena);
     const T alpha = rho * reciprocal(T(0) - product(p.data(), ap.data(), arena));

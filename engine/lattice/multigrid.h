@@ -1,11 +1,11 @@
 // Geometric multigrid for A x = (shift I - step L) x = b with variable coefficients and sides of any kind,
-// order 2 in space, real or complex: V-cycles of red-black Gauss-Seidel relaxation, linear interpolation
-// along every axis, its adjoint as restriction, the equation discretised anew on every coarser lattice
-// (Trottenberg, Oosterlee, Schueller 2001, "Multigrid", sections 2.4 and 5.2), the coarsest solved directly.
-// A lattice need not have an even number of cells: the coarser one has half as many, rounded up, at places of
-// its own. Axes are coarsened together while their spacings are alike, the finest alone where they are not
+// second order in space, real or complex: V-cycles with red-black Gauss-Seidel relaxation, linear
+// interpolation along every axis, its adjoint as restriction, and the equation rediscretized on every coarser
+// lattice (Trottenberg, Oosterlee, Schueller 2001, "Multigrid", sections 2.4 and 5.2), the coarsest solved
+// directly. The number of cells need not be even: the coarser lattice has half as many, rounded up, at its
+// own positions. Axes are coarsened together while their spacings are similar, otherwise only the finest
 // (semi-coarsening, section 5.1). Relaxation in opposite orders before and after makes a cycle self-adjoint
-// in the nodes' volumes, so that conjugate gradients may take it as preconditioner (complex ones in the
+// in the nodes' volumes, so that it can serve as preconditioner of conjugate gradients (complex ones in the
 // bilinear form: van der Vorst, Melissen 1990).
 #pragma once
 #include <functional>
@@ -19,22 +19,22 @@ template <class T>
 class Multigrid {
  public:
   using Vector = std::vector<T, CacheLineAllocator<T>>;
-  /// The operator of order 2 on a lattice of the same box.
+  /// Constructs the second-order operator on a lattice of the same box.
   using Discretise = std::function<Diffusion(const Lattice&)>;
 
   Multigrid(const Lattice& finest, const Discretise& discretise);
-  /// False: not finite, or singular on the coarsest lattice.
+  /// False if the result is not finite, or singular on the coarsest lattice.
   bool factor(T shift, T step);
 
   size_t levels() const { return levels_.size(); }
-  /// x becomes one cycle's better approximation of A^-1 b; Dirichlet nodes of b are taken as 0.
+  /// x becomes the approximation of A^-1 b by one cycle from zero; Dirichlet nodes of b are taken as 0.
   void cycle(const T* b, T* x, const ThreadArena& arena);
-  /// Conjugate gradients with one cycle as preconditioner, from x = 0 until the residual in the nodes'
-  /// volumes has fallen to `reduction` of its first; the number of iterations.
+  /// Conjugate gradients with one cycle as preconditioner, from x = 0, until the volume-weighted residual has
+  /// fallen to the fraction `reduction` of its initial value; returns the number of iterations.
   int solve(const T* b, T* x, double reduction, const ThreadArena& arena);
   /// r = b - A x, 0 at Dirichlet nodes.
   void residual(const T* b, const T* x, T* r, const ThreadArena& arena) const;
-  /// Root of the sum of volume |r|^2.
+  /// Root of the sum over nodes of volume |r|^2.
   double norm(const T* r, const ThreadArena& arena) const;
 
   static constexpr int kMostIterations = 200;
@@ -69,7 +69,7 @@ class Multigrid {
   Vector half_, r_, z_, p_, q_;
 };
 
-/// Both kinds behind one face.
+/// The real and the complex solver behind one interface.
 class MultigridSolver final : public ShiftedSolver {
  public:
   MultigridSolver(const Lattice& finest, Multigrid<double>::Discretise discretise);
@@ -79,7 +79,7 @@ class MultigridSolver final : public ShiftedSolver {
   void solve(double* re, double* im, const ThreadArena& arena) override;
 
  private:
-  /// What Newton's method does not notice.
+  /// Below what Newton's method notices.
   static constexpr double kReduction = 1e-10;
   Lattice lattice_;
   Multigrid<double>::Discretise discretise_;

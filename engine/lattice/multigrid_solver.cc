@@ -1,5 +1,5 @@
-// Multigrid behind the face of all solvers on lattices: given values of Dirichlet nodes move to the
-// right-hand side before, and stand where they stood after.
+// Multigrid behind the interface of all lattice solvers: the given values of Dirichlet nodes are moved to the
+// right-hand side before and restored after.
 #include <algorithm>
 
 #include "engine/lattice/multigrid.h"
@@ -30,7 +30,7 @@ bool MultigridSolver::factor(Complex shift, Complex step) {
 }
 
 void MultigridSolver::solve(double* b, const ThreadArena& arena) {
-  // What nodes with given values do to their neighbours.
+  // Contributions of nodes with given values to their neighbours.
   for (const uint32_t node : fixed_) given_[node] = b[node];
   if (!fixed_.empty()) {
     fine_.apply(given_.data(), moved_.data(), 0, step_, arena);

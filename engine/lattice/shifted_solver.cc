@@ -7,13 +7,13 @@ namespace truestep::lattice {
 
 std::unique_ptr<ShiftedSolver> make_shifted_solver(const LatticeModel& model, const Constants& constants,
                                                    double t, const Diffusion& diffusion) {
-  // A line's matrix is a narrow band, which methods factorise by themselves.
+  // In one dimension the matrix is a narrow band, which methods factorize themselves.
   if (model.lattice().dimensions == 1) return nullptr;
   if (SpectralSolver::serves(diffusion)) return std::make_unique<SpectralSolver>(diffusion);
   const auto discretise = [&model, constants, t](const Lattice& on) {
     Coefficient c = model.coefficient(on, constants, t);
     if (!c.variable()) {
-      // Robin sides alone: the cycle reads coefficients node by node.
+      // Only Robin sides: the cycle reads coefficients node by node.
       c.nodes.assign(on.nodes(), c.constant);
       for (size_t a = 0; a < on.dimensions; ++a) c.faces[a].assign(on.nodes(), c.constant);
     }

@@ -9,7 +9,7 @@ namespace truestep::lattice {
 class ShiftedSolver {
  public:
   virtual ~ShiftedSolver() = default;
-  /// False: singular or not finite.
+  /// False if the matrix is singular or not finite.
   virtual bool factor(double shift, double step) = 0;
   virtual bool factor(Complex shift, Complex step) = 0;
   /// In place; x = b at Dirichlet nodes.
@@ -17,8 +17,8 @@ class ShiftedSolver {
   virtual void solve(double* re, double* im, const ThreadArena& arena) = 0;
 };
 
-/// By sines, cosines and waves where the coefficient is constant and no side is of Robin's kind, else by
-/// conjugate gradients with a multigrid cycle; null where the operator has order 4 and neither serves.
+/// By discrete transforms if the coefficient is constant and no side is a Robin side, otherwise by conjugate
+/// gradients with a multigrid cycle; null if the operator has order 4 and neither applies.
 std::unique_ptr<ShiftedSolver> make_shifted_solver(const LatticeModel& model, const Constants& constants,
                                                    double t, const Diffusion& diffusion);
 

@@ -30,7 +30,7 @@ SpectralSolver::SpectralSolver(const Diffusion& diffusion) : diffusion_(diffusio
         transforms_.emplace_back(end_of(axis.sides[0].kind), end_of(axis.sides[1].kind), axis.cells);
     const double scale = diffusion_.coefficient().constant / (axis.spacing * axis.spacing);
     for (size_t i = 0; i < axis.nodes(); ++i) {
-      // 2 - 2 cos as 4 sin^2 of half the angle: no digits are lost for slow waves.
+      // 2 - 2 cos as 4 sin^2 of half the angle, which loses no digits for long waves.
       const double half = trig::sin(0.5 * t.angle(i)), s = 4 * half * half;
       eigenvalues_[a].push_back(-scale * (diffusion_.order() == 4 ? s * (1 + s / 12) : s));
     }
@@ -51,7 +51,8 @@ bool SpectralSolver::factor(Complex shift, Complex step) {
   return std::isfinite(shift.re + shift.im + step.re + step.im);
 }
 
-// b += with L (values at Dirichlet nodes, 0 elsewhere), these nodes set to 0; their values stay in kept_.
+// b += with L (values at Dirichlet nodes, 0 elsewhere), and b = 0 at these nodes; their values are saved in
+// kept_.
 void SpectralSolver::move_given(double* b, double with, double* to, const ThreadArena& arena) {
   bool any = false;
   for (const uint32_t node : fixed_) any = any || b[node] != 0;
@@ -74,7 +75,7 @@ void SpectralSolver::transform(double* x, Way way, const ThreadArena& arena) {
                           : t.backward(at, stride, line_stride, count, scratch);
     };
     constexpr size_t kLines = TrigTransform::kLines;
-    // Lines of axis 0 lie behind each other, those of other axes side by side in groups of `stride`.
+    // Lines along axis 0 are consecutive, those along other axes interleaved in groups of `stride`.
     const size_t group = a == 0 ? nodes / n : stride, groups = nodes / n / group;
     const size_t batches = (group + kLines - 1) / kLines;
     arena.for_blocks(groups * batches, 4, [&](size_t begin, size_t end) {

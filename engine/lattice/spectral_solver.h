@@ -1,6 +1,6 @@
-// (shift I - step L) x = b for constant coefficients: transforms along every axis in which L is diagonal,
-// one division per wave, and back (the classical fast solver; Buzbee, Golub, Nielson 1970, section 2). Exact
-// to rounding at any step and both orders in space.
+// (shift I - step L) x = b for constant coefficients: transforms along every axis that diagonalize L, one
+// division per wave, and the inverse transforms (the classical fast solver; Buzbee, Golub, Nielson 1970,
+// section 2). Exact to rounding for any step and both orders in space.
 #pragma once
 #include <optional>
 
@@ -11,7 +11,7 @@ namespace truestep::lattice {
 
 class SpectralSolver final : public ShiftedSolver {
  public:
-  /// Whether such transforms exist.
+  /// Whether such transforms exist for the operator.
   static bool serves(const Diffusion& diffusion);
   explicit SpectralSolver(const Diffusion& diffusion);
 
@@ -32,7 +32,7 @@ class SpectralSolver final : public ShiftedSolver {
   std::array<std::vector<double>, 3> eigenvalues_;
   std::vector<uint32_t> fixed_;
   double shift_ = 1, step_ = 0;
-  Complex complex_shift_, complex_step_;  ///< methods keep a real and a complex matrix at once
+  Complex complex_shift_, complex_step_;  ///< methods keep a real and a complex matrix at the same time
   std::vector<double, CacheLineAllocator<double>> given_, moved_, re_, im_;
   std::vector<double> kept_;
 };

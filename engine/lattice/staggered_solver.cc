@@ -28,7 +28,7 @@ StaggeredSolver::AxisWaves StaggeredSolver::waves(const mac::MacGrid& g, size_t 
   for (size_t k = w.transform.first(); k <= w.transform.last(); ++k) {
     const double angle = w.transform.angle(k);
     if (doubled) {
-      // Waves above pi/2 look on the odd nodes like those below.
+      // On the odd nodes, waves above pi/2 are indistinguishable from those below.
       constexpr double kMiddle = 0.5 * std::numbers::pi, kRounding = 1e-9;
       if (angle > kMiddle + kRounding) continue;
       const double s = trig::sin(angle);
@@ -40,7 +40,7 @@ StaggeredSolver::AxisWaves StaggeredSolver::waves(const mac::MacGrid& g, size_t 
     }
     w.wave.push_back(k);
   }
-  // The mirrored line from the other end counts its waves downwards; which ones they are is all that matters.
+  // The line mirrored at the other end numbers its waves downwards; only their set matters.
   if (w.wave.size() > w.count) {
     w.wave.resize(w.count), w.weight.resize(w.count), w.eigenvalue.resize(w.count);
   }
@@ -52,8 +52,8 @@ StaggeredSolver::StaggeredSolver(const mac::MacGrid& grid, size_t place,
     : grid_(grid) {
   for (size_t a = 0; a < grid.dimensions; ++a) {
     axes_.push_back(waves(grid, place, a, mirrors[a]));
-    // With s = sin(k dx / 2) the second difference of a wave is -4 s^2 / dx^2; that of fourth order
-    // -4 (s^2 + s^4 / 3) / dx^2, and the staggered first difference 2 i (s + s^3 / 6) / dx.
+    // With s = sin(k dx / 2), the second difference of a wave is -4 s^2 / dx^2, of fourth order -4 (s^2 + s^4
+    // / 3) / dx^2, and the staggered first difference of fourth order 2 i (s + s^3 / 6) / dx.
     const double scale = -4 / (grid.spacing[a] * grid.spacing[a]);
     for (double& e : axes_[a].eigenvalue) {
       const double s2 = e / scale;

@@ -1,5 +1,5 @@
-// Walks through constraints that are sorted by colour: those of one colour share no moving body and may be
-// solved side by side.
+// Traversal of constraints sorted by colour: constraints of one colour share no moving body and may be solved
+// in parallel.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -7,11 +7,11 @@
 
 namespace truestep {
 
-/// Contacts with what does not move tend to have the first colours: `back` gives them the last word.
+/// Contacts with static bodies tend to have the first colours: `back` solves them last.
 enum class ColourOrder : uint8_t { forth, back };
 
-/// body(item) for all items, those of a colour in parallel, `block` of them a task. `begin`: the first item
-/// of every colour, and the end; empty: none. `threads` has for_blocks(n, block, body(begin, end)).
+/// body(item) for all items, those of a colour in parallel, in tasks of `block` items. `begin`: the first
+/// item of every colour, and the end; empty: no items. `threads` has for_blocks(n, block, body(begin, end)).
 template <class Threads, class Body>
 void each_colour(std::span<const uint32_t> begin, ColourOrder order, const Threads& threads, size_t block,
                  Body&& body) {

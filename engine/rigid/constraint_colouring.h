@@ -1,6 +1,7 @@
-// Colours of a constraint graph: constraints of one colour share no moving body, so that a colour is solved
-// side by side. Greedy in the order given: a function of that order alone, whatever the threads. What finds
-// none of the colours free is left over and must be solved one after the other.
+// Colouring of a constraint graph: constraints of one colour share no moving body, so that a colour can be
+// solved in parallel. Greedy in the given order, and therefore a function of that order alone, whatever the
+// number of threads. Constraints for which no colour is free are left over and must be solved one after the
+// other.
 #pragma once
 #include <array>
 #include <bit>
@@ -9,14 +10,14 @@
 
 namespace truestep {
 
-inline constexpr uint32_t kColours = 63;  ///< colours 0 to 62; this one is what was left over
+inline constexpr uint32_t kColours = 63;  ///< colours 0 to 62; this one is for constraints left over
 inline constexpr uint32_t kNoBody = 0xffffffff;
 
-/// The moving bodies of a constraint; kNoBody stands for what the solver does not move.
+/// The moving bodies of a constraint; kNoBody stands for one that the solver does not move.
 using ConstraintEnds = std::array<uint32_t, 2>;
 
-/// Writes the colour of every constraint. `used` has a word for every body and is overwritten; `count[c]`
-/// becomes the number of constraints of colour c.
+/// Writes the colour of every constraint. `used` has one word per body and is overwritten; `count[c]` becomes
+/// the number of constraints of colour c.
 inline void colour_constraints(std::span<const ConstraintEnds> ends, std::span<uint64_t> used,
                                std::span<uint8_t> colour, std::span<uint32_t, kColours + 1> count) {
   for (uint64_t& u : used) u = 0;
@@ -34,7 +35,7 @@ inline void colour_constraints(std::span<const ConstraintEnds> ends, std::span<u
   }
 }
 
-/// Places of the constraints sorted by colour, in their order within each; count as above.
+/// Positions of the constraints sorted by colour, in their original order within each; `count` as above.
 inline void sort_by_colour(std::span<const uint8_t> colour, std::span<const uint32_t, kColours + 1> count,
                            std::span<uint32_t> order) {
   std::array<uint32_t, kColours + 1> next;

@@ -30,7 +30,7 @@ void make_lanes(std::span<const uint32_t> items, std::span<const ConstraintEnds>
   size_t next = 0;
   for (uint32_t c = 0; c <= kColours; ++c) {
     if (count[c] == 0) continue;
-    // What was left over may share bodies: one to a group, one group after the other.
+    // Constraints left over may share bodies: one per group, and one group after the other.
     const uint32_t filled = c < kColours ? lanes : 1;
     for (uint32_t k = 0; k < count[c]; k += filled) {
       for (uint32_t lane = 0; lane < lanes; ++lane) {

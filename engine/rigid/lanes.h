@@ -1,4 +1,5 @@
-// Constraints of a step side by side: sorted by colour into groups of as many lanes as a register holds.
+// Constraints of a step in SIMD lanes: sorted by colour into groups of as many constraints as a register has
+// lanes.
 #pragma once
 #include <array>
 #include <span>
@@ -12,25 +13,25 @@
 
 namespace truestep {
 
-/// Groups that a thread takes at once.
+/// Groups per task.
 inline constexpr size_t kGroupsPerBlock = 8;
 
-/// Lanes of groups, colour by colour.
+/// The lanes of all groups, colour by colour.
 struct LaneGroups {
   std::vector<uint32_t> member;        ///< item in a lane, or kNoBody
-  std::vector<uint32_t> colour_begin;  ///< first group of a colour, and the end
+  std::vector<uint32_t> colour_begin;  ///< first group of every colour, and the end
   size_t count = 0;
 };
 
-/// Memory of make_lanes.
+/// Scratch memory of make_lanes.
 struct LaneColouring {
   std::vector<uint32_t> order, sorted;
   std::vector<uint64_t> used;
   std::vector<uint8_t> colour;
 };
 
-/// Groups of `lanes` items; ends[i]: the moving bodies of items[i], below `bodies`; last[i], where given: 1
-/// for items that go behind the others of their colour, to share groups with their like.
+/// Groups of `lanes` items; ends[i]: the moving bodies of items[i], below `bodies`; last[i], if given: 1 for
+/// items sorted behind the others of their colour, so that they share groups with items of their kind.
 void make_lanes(std::span<const uint32_t> items, std::span<const ConstraintEnds> ends,
                 std::span<const uint8_t> last, size_t bodies, uint32_t lanes, LaneColouring& memory,
                 LaneGroups& out);

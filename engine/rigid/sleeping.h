@@ -1,33 +1,33 @@
-// When a body may sleep. Slow alone is not at rest: a pendulum is slow where it turns, what begins to fall is
-// slow at first. A body rests while its points are slow and stay near the place where its rest began: on the
-// average over that time it moves by no more than an eighth of sleep_speed, and no force that contacts and
-// joints leave over pushes it (a constant one would carry it further). An island sleeps when all its bodies
-// have rested for sleep_time and something that does not move bears it: a contact under load or a joint. What
-// floats free never sleeps, unless it does not move at all.
-// What only friction holds may go on at 0.4 of sleep_speed: balls and capsules roll in heaps at some mm/s for
-// ever, and at an eighth two of three heaps were awake for 20 s and more. (Box2D and Rapier ask for speeds
-// alone, 0.05 and 0.4 m/s for 0.5 and 2 s; Jolt for points within 15 mm for 0.5 s.)
+// When a body may sleep. A low speed alone is not rest: a pendulum is slow at its turning points, a falling
+// body at the start. A body rests while its points are slow and stay near where its rest began: over that
+// time it moves at no more than an eighth of sleep_speed on average, and no residual force of contacts and
+// joints pushes it (a constant one would carry it farther). An island sleeps when all its bodies have rested
+// for sleep_time and something static supports it: a contact under load or a joint. Freely floating bodies
+// never sleep unless they do not move at all. Bodies held by friction alone may move at 0.4 of sleep_speed:
+// balls and capsules keep rolling in heaps at some mm/s, and with an eighth two of three heaps stayed awake
+// for 20 s and more. (Box2D and Rapier test speeds alone, 0.05 and 0.4 m/s for 0.5 and 2 s; Jolt tests for
+// points within 15 mm for 0.5 s.)
 #pragma once
 
 namespace truestep {
 
 struct SleepRule {
   double speed = 0.05, time = 0.5;  ///< m/s, s
-  double share = 0.125;             ///< of `speed`, that a body may have on the average
+  double share = 0.125;             ///< of `speed`, the largest average speed of a resting body
 
-  /// The rule for what touches others with friction and is held by nothing else.
+  /// The rule for bodies held by nothing but friction with others.
   SleepRule of_rolling() const { return {speed, time, 0.4}; }
 
-  /// m by which a resting body's points may go from where its rest began.
+  /// m, largest distance of a resting body's points from where its rest began.
   double drift() const { return share * speed * time; }
-  /// m by which the middle of its way in sleep_time may lie beside the middle between its ends: a force that
-  /// is left over, as on a pendulum that turns back, bends the way by a (time / 2)^2 / 2.
+  /// m, largest distance between the midpoint of its path in sleep_time and the midpoint of its ends: a
+  /// residual acceleration a, as at a pendulum's turning point, bends the path by a (time / 2)^2 / 2.
   double bend() const { return 0.0125 * speed * time; }
 };
 
-/// s that a body has rested after a step of h. `before`: at the step's start (0: its rest begins, at this
-/// place); `speed`, `moved`: bounds of its points' speed (m/s) and of their distance (m) from where its rest
-/// began.
+/// s for which a body has rested after a step of h. `before`: at the start of the step (0: its rest begins at
+/// this place); `speed`, `moved`: bounds of its points' speed (m/s) and of their distance (m) from where its
+/// rest began.
 inline double rest_after(double before, double h, double speed, double moved, const SleepRule& rule) {
   return speed <= rule.speed && (before == 0 || moved <= rule.drift()) ? before + h : 0;
 }

@@ -114,7 +114,7 @@ json::array lines_value(std::string_view text) {
   return out;
 }
 
-/// What the members `gltf` of scenes take: base64 of a .glb, the text of a .gltf.
+/// The value of members `gltf` in scenes: base64 of a .glb, the text of a .gltf.
 json::array gltf_value(Format format, std::string_view bytes) {
   constexpr size_t kPiece = 4000;
   std::string text(bytes);

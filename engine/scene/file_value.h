@@ -1,7 +1,7 @@
 // Files as values in a scene. A surface (OBJ, STL, PLY; engine/geometry/read) becomes {"vertices",
 // "triangles"}, a mesh of elements (MSH) {"vertices", "cells", "form", "sets"}, motion (BVH) a list of its
-// lines, glTF (a .glb by itself, a .gltf with "as") pieces of its text or base64, JSON what it says: what the
-// members of scenes that want such things look like.
+// lines, glTF (a .glb by itself, a .gltf with "as") pieces of its text or base64, and JSON its own value: the
+// forms that the corresponding members of scenes accept.
 #pragma once
 #include <boost/json/value.hpp>
 #include <stdexcept>
@@ -10,15 +10,15 @@
 
 namespace truestep {
 
-/// What is wanted of a file: `automatic` is the above; `surface` of a mesh of elements too; `vertices` and
-/// `triangles` of a surface alone, as lists; `text` and `lines` of any text; `gltf` of glTF, whose
-/// text is broken anywhere.
+/// The wanted form of a file: `automatic` is the above; `surface` also of a mesh of elements; `vertices` and
+/// `triangles` of a surface alone, as lists; `text` and `lines` of any text; `gltf` of glTF, whose text may
+/// be split anywhere.
 enum class FileUse : uint8_t { automatic, surface, cells, vertices, triangles, text, lines, gltf };
 /// By their names in scenes, in that order; automatic is "".
 inline constexpr std::string_view kFileUses[] = {"",          "surface", "cells", "vertices",
                                                  "triangles", "text",    "lines", "gltf"};
 
-/// Why a file is not what it should be, with its line or byte.
+/// Why a file cannot be used, with its line or byte.
 struct FileFault : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

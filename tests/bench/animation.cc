@@ -1,7 +1,6 @@
-// Animation beside the plain way: skeletons of 60 joints sampled (keys of every joint), posed and their
-// 10,000 vertices skinned, where the peer is the same in Eigen's types as one would write it; solvers of
-// inverse kinematics beside FABRIK on chains of 3 to 100 joints; and 10,000 channels sampled beside a copy of
-// as many keys.
+// Animation beside a straightforward implementation: skeletons of 60 joints sampled (keys for every joint),
+// posed, and their 10,000 vertices skinned, with Eigen's types as the peer; inverse kinematics solvers beside
+// FABRIK on chains of 3 to 100 joints; and 10,000 channels sampled beside a copy of as many keys.
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 #include <cmath>
@@ -114,7 +113,7 @@ struct Skin {
   }
 };
 
-/// Chains of n joints, 1 m in all, and places for their ends.
+/// Chains of n joints, 1 m in total, and targets for their ends.
 struct Reach {
   enum class Kind { reachable, unreachable, singular };
   std::vector<Joint> joints;
@@ -221,7 +220,7 @@ void solvers() {
   }
 }
 
-/// What a smaller residual costs: iterations and time of every solver until the end is within it.
+/// The cost of a smaller residual: iterations and time of every solver until the end is within it.
 void residuals() {
   struct Solver {
     IkMethod method;
@@ -255,7 +254,7 @@ void residuals() {
   }
 }
 
-/// A chain of 100 joints whose end follows a path, 1 cm a step: each solution begins with the one before.
+/// A chain of 100 joints whose end follows a path, 1 cm per step: each solution starts from the previous one.
 void following() {
   Reach reach(100, Reach::Kind::reachable);
   const auto run = [&](IkMethod method) {
@@ -292,7 +291,7 @@ void channels() {
   const KeyCurve curve(keys);
   std::vector<double> out(kChannels), copied(2 * kChannels);
   double t = 0.5;
-  // What a sample has to read: the values of two keys and their slopes.
+  // What a sample has to read: the values and slopes of two keys.
   const auto both = bench::interleaved(
       101,
       [&] {

@@ -1,4 +1,4 @@
-// A thing that a comparison of engines takes for granted, and what an engine says to it.
+// An assumption of a comparison between engines, and an engine's answer to it.
 #pragma once
 #include <cmath>
 #include <string>

@@ -1,6 +1,6 @@
-// Which bodies may touch, per step: our trees beside sort-and-sweep along the widest axis and beside the cell
-// grid of point contacts, both rebuilt every step as they must be. Scenes: pyramid of 1240 boxes at rest,
-// pile of 2000 bodies creeping, 1e5 random boxes at rest and all moving. Seconds per step; every method must
+// Broad phase time per step: our trees beside sort-and-sweep along the widest axis and beside the cell grid
+// of point contacts, both rebuilt in every step as they must be. Scenes: a pyramid of 1240 boxes at rest, a
+// creeping pile of 2000 bodies, 1e5 random boxes at rest and all moving. Seconds per step; every method must
 // find the same pairs.
 #include <algorithm>
 #include <cstdio>
@@ -19,7 +19,7 @@ using namespace truestep;
 struct Scene {
   const char* name;
   std::vector<Box> boxes;
-  double speed;  // m per step, in a direction of each body's own
+  double speed;  // m per step, each body in its own direction
   double margin;
 };
 

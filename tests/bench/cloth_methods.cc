@@ -1,9 +1,9 @@
-// Cloth that falls from level and hangs on one edge for 2 s at 1/60 s, as by the bench xpbd: CPU time of a
-// step against the rms stretch at the end and how far the free edge is from where xpbd with 40 substeps has
-// it (m). Methods of mass_spring beside xpbd, at 100 x 100 and 200 x 200 points, with links of 1e5 N/m and of
-// 1e3 N/m; and the linear system of a step of the cloth that hangs, by conjugate gradients beside the direct
+// A cloth that falls from level and hangs on one edge for 2 s at 1/60 s, as in the benchmark xpbd: CPU time
+// per step against the rms stretch at the end and the distance (m) of the free edge from that of xpbd with 40
+// substeps. Methods of mass_spring beside xpbd, at 100 x 100 and 200 x 200 points, with links of 1e5 N/m and
+// of 1e3 N/m; and the linear system of a step of the hanging cloth, by conjugate gradients beside the direct
 // solver that implicit methods choose.
-//   cloth_methods [points] [stiffness]     one of them alone
+//   cloth_methods [points] [stiffness]     only one of them
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -33,7 +33,7 @@ Outcome run(const System& system, int n) {
   const ThreadArena arena(1);
   double start = 0;
   for (uint64_t k = 0; k < kSteps; ++k) {
-    if (k == 1) start = bench::thread_seconds();  // the first step sets memory aside and factorises
+    if (k == 1) start = bench::thread_seconds();  // the first step allocates memory and factorizes
     system.step(state,
                 {.t = double(k) * kStep, .h = kStep, .step = k, .workspace = workspace, .arena = arena});
   }
@@ -52,8 +52,8 @@ double apart(const Outcome& a, const Outcome& b) {
   return std::sqrt(sum / static_cast<double>(a.edge.size() / 3));
 }
 
-/// CPU ms of one solution of (M - h^2 K) dv = h f to 1e-6, K of the cloth as it is spread out, a tenth too
-/// long.
+/// CPU ms of one solution of (M - h^2 K) dv = h f to 1e-6, with K of the cloth in its flat pose, stretched by
+/// a tenth.
 void solutions(const mass_spring::MassSpring& system, int n, double stiffness) {
   constexpr double kStep = 1.0 / 60;
   State state = system.initial_state();

@@ -1,6 +1,6 @@
-// The three treatments of constraints on one chain of ten rods (scenes/constraint_treatments.json), let go
-// aslant, five seconds: CPU time of a step, and as its error the widest gap or the energy lost. "Ours" is
-// Lagrange multipliers, the peers are springs and projection.
+// The three treatments of constraints on one chain of ten rods (scenes/constraint_treatments.json), released
+// at an angle, for five seconds: CPU time per step, and as the error the widest gap or the energy lost.
+// "Ours" is Lagrange multipliers, the peers are springs and projection.
 #include <array>
 #include <cmath>
 #include <string>
@@ -26,7 +26,7 @@ Measured run(Treatment treatment, double h) {
   d.substeps = 1;
   BuildContext context;
   context.dt = h;
-  // As stiff as the step bears with a margin of a tenth.
+  // As stiff as the step allows, with a margin of a tenth.
   d.stiffness = 1;
   if (treatment == Treatment::penalty) {
     const double limit = build_rod_chain(&d, context)->limit(Limit::stable_dt, {}, 0).value();

@@ -39,7 +39,7 @@ int main() {
   Stepped coupled(R"({"type": "contact", "id": "c", "a": "dust", "b": "cloth"})"), apart("");
   const auto contacts = [&] { return coupled.world.observe(coupled.state).find("c.contacts").value_or(0); };
   constexpr int kSteps = 4;
-  // A quarter of a second later half of the particles have come down. Seconds of one thread.
+  // A quarter of a second later half of the particles have landed. Seconds of one thread.
   for (const int warm_up : {0, 500}) {
     coupled.steps(warm_up);
     apart.steps(warm_up);

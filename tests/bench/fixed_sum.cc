@@ -1,4 +1,4 @@
-// What one hash for every number of threads costs: our sum over fixed blocks beside std::reduce, which may
+// The cost of one hash for every number of threads: our sum over fixed blocks beside std::reduce, which may
 // add in any order. Error: relative, against the exact sum n (n + 1) / 2 of 1 ... n scaled by 1e-3.
 #include <cmath>
 #include <numeric>

@@ -28,7 +28,7 @@ constexpr int kCells = 256;
 constexpr double kEnd = 0.2, kOmega = 20;
 const ThreadArena kSerial(1);
 
-// A hump that spreads on a square with cold sides while a source swings: u_t = div grad u + s cos(20 t).
+// A hump that spreads on a square with cold sides while a source oscillates: u_t = div grad u + s cos(20 t).
 heat::HeatDef stiff_square() {
   heat::HeatDef d;
   d.cells = {kCells, kCells};
@@ -53,7 +53,7 @@ struct Problem {
   void solve() {
     const size_t n = kCells + 1;
     exact = start;
-    // The source at t = 0 is what the forcing adds there.
+    // The source at t = 0 is the forcing's contribution there.
     std::vector<double> source(n * n), none(n * n);
     work.rate(0, none.data(), source.data());
     const TrigTransform t(TrigTransform::End::zero, TrigTransform::End::zero, kCells);
@@ -122,7 +122,7 @@ Point run_ours(Problem& p, const Integrator& method, double tolerance, uint64_t 
 
 enum class Preconditioner { none, band };
 
-/// A run that is not done by then counts as one that does not reach its error.
+/// A run that takes longer counts as one that does not reach its error.
 constexpr double kMostSeconds = 20;
 struct User {
   const heat::HeatEquations& f;
@@ -166,8 +166,8 @@ Point run_cvode(Problem& p, Preconditioner preconditioner, double tolerance) {
   return {seconds, flag < 0 ? HUGE_VAL : p.error(end)};
 }
 
-/// Seconds at an error of `wanted`, between the points left and right of it on logarithmic scales; nothing
-/// when no point reaches it.
+/// Seconds at an error of `wanted`, interpolated between the neighbouring points on logarithmic scales; empty
+/// if no point reaches it.
 std::optional<double> seconds_at(const std::vector<Point>& points, double wanted) {
   std::optional<double> best;
   const auto take = [&](double s) { best = std::min(best.value_or(s), s); };

@@ -1,8 +1,8 @@
-// What second copies of a method are worth: rows of the table whose `step` on force fields is not their
-// `advance` over the field's right-hand side, beside that, on two points and a spring and on a cloth of 9,702
-// springs. A copy stays where it saves 5 % on one of the two. `bench_method_paths 20 rk4` runs 20 steps
-// of one method a path, for callgrind (functions own_path and one_path), which a busy machine does not
-// disturb.
+// The value of second copies of a method: rows of the table whose `step` on force fields is not their
+// `advance` over the field's right-hand side, beside that, on two points with a spring and on a cloth of
+// 9,702 springs. A copy stays if it saves 5 % on one of the two. `bench_method_paths 20 rk4` runs 20 steps of
+// one method on either path, for callgrind (functions own_path and one_path), which is not disturbed by a
+// busy machine.
 #include <cstdlib>
 
 #include "engine/integrators/field_equations.h"

@@ -1,7 +1,7 @@
 // The melt benchmark of LAMMPS (bench/in.lj): 32,000 Lennard-Jones atoms from a crystal, density 0.8442,
-// temperature 1.44, cut-off 2.5, skin 0.3, step 0.005, on one thread; and the same atoms by the particle
-// system's way, a sum over cells without lists, as the straightforward peer. Errors are those of the energy
-// of the crystal's first step against each other: 0 to rounding, both are exact.
+// temperature 1.44, cut-off 2.5, skin 0.3, step 0.005, on one thread; and the same atoms as the particle
+// system does it, a sum over cells without lists, as the straightforward peer. The error is the difference of
+// their energies of the crystal in the first step: 0 to rounding, both are exact.
 #include <cstdio>
 
 #include "engine/neighbours/point_grid.h"
@@ -51,7 +51,7 @@ class Cells {
     for (size_t slot = 0; slot < grid_.size(); ++slot) {
       const Vec3 at = grid_.position(slot);
       Vec3 f;
-      // Images of the atom at which it may meet others.
+      // Images in which the atom may interact with others.
       for (int image = 0; image < 27; ++image) {
         const Vec3 shift{cell_.edges.x * (image % 3 - 1), cell_.edges.y * (image / 3 % 3 - 1),
                          cell_.edges.z * (image / 9 - 1)};

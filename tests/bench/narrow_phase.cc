@@ -37,7 +37,7 @@ Quat turn(uint64_t i) {
   return normalized(Quat{u[0] - 0.5, u[1] - 0.5, u[2] - 0.5, u[3] - 0.5});
 }
 
-/// Random places and turns; `rest` has them stacked with next to no turn, the usual case of a pile at rest.
+/// Random positions and orientations; `stacked` has almost no rotation, the usual case of a pile at rest.
 enum class Kind { tumbling, stacked };
 std::vector<Pair> poses(Kind kind, double reach) {
   std::vector<Pair> out;

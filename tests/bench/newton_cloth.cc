@@ -1,6 +1,6 @@
-// What solving implicit Euler's full equations costs beside its one-step linearisation, on a cloth of 100 x
+// The cost of solving implicit Euler's full equations beside its one-step linearization, on a cloth of 100 x
 // 100 points at 1/60 s that falls, swings and buckles for a second. Both start every step from the same
-// state, that of the full equations, so the errors are those of one step's positions.
+// state, that of the full equations, so that the errors are those of one step's positions.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

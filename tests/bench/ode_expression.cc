@@ -41,7 +41,7 @@ class Equations {
   int32_t variables_ = 0;
 };
 
-// The peers are kept from being folded into the loop around them, as a library's would be.
+// The peers are kept from being inlined into the loop around them, as a library's functions would be.
 [[gnu::noinline]] void pleiades(const double* y, const double* m, double* d) {
   for (int i = 0; i < 7; ++i) d[i] = y[14 + i], d[7 + i] = y[21 + i];
   for (int i = 0; i < 7; ++i) {

@@ -31,8 +31,8 @@ struct Result {
   std::vector<double> x = {}, y = {};
 };
 
-/// error_after(t) moves on to time t or as near as it can, and returns (time reached, |relative energy
-/// error|).
+/// error_after(t) advances to time t, or as close to it as possible, and returns (time reached, |relative
+/// energy error|).
 using Watched = std::function<std::pair<double, double>(double t)>;
 
 Result watch(const char* name, double from, double to, int looks, const Watched& error_after) {
@@ -63,7 +63,7 @@ double kepler_energy(const double* y) {
   return 0.5 * (y[2] * y[2] + y[3] * y[3]) - 1 / std::sqrt(y[0] * y[0] + y[1] * y[1]);
 }
 
-/// advance(steps) returns y after so many more; h is one step.
+/// advance(steps) returns y after that many more; h is one step.
 template <class Advance>
 Result watch_kepler(const char* name, int stages, Advance advance) {
   const double before = kepler_energy(test::kepler_start(kEccentricity).data());
@@ -71,7 +71,7 @@ Result watch_kepler(const char* name, int stages, Advance advance) {
   uint64_t done = 0;
   return watch(name, 1, kPeriods, 200, [&, done](double periods) mutable {
     const auto wanted = static_cast<uint64_t>(std::llround(periods * steps_per_period));
-    // An odd number of steps between looks, so that they fall on ever other phases.
+    // An odd number of steps between samples, so that they fall on different phases.
     const uint64_t more = std::max<uint64_t>(1, wanted - std::min(wanted, done));
     done += more;
     return std::pair(static_cast<double>(done) / steps_per_period,

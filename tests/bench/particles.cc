@@ -111,8 +111,8 @@ void compare(const char* metric, const char* peer_name, const ParticlesDef& d, c
                  .error_peer = std::abs(plain.mean_height() - reference.mean_height())});
 }
 
-/// Against the memory: bytes that a step cannot do without (x and v read and written, masses read) over its
-/// time, beside the triad a = b + s c of three arrays of 48 MB, 24 bytes an element.
+/// Beside memory bandwidth: bytes that a step must move (x and v read and written, masses read) over its
+/// time, beside the triad a = b + s c of three arrays of 48 MB, 24 bytes per element.
 void share_of_memory(const char* metric, const ParticlesDef& d) {
   constexpr int kRounds = 21;
   constexpr size_t kTriad = 6'000'000;

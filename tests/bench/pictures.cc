@@ -1,7 +1,7 @@
 // Time of one picture, from a draw list to pixels, through OSMesa beside EGL's surfaceless platform (the
-// second choice where a driver has no OSMesa): a cloth of 10,000 points and 100,000 particles, in two sizes.
-// Where there is no EGL, OSMesa stands beside itself, and the peer's name says so. PNG is timed on its own,
-// beside its pixels as they are.
+// second choice if a driver lacks OSMesa): a cloth of 10,000 points and 100,000 particles, in two sizes.
+// Without EGL, OSMesa is compared with itself, and the peer's name says so. PNG encoding is timed separately,
+// beside the raw pixels.
 #include <cstdio>
 #include <string>
 

@@ -47,7 +47,7 @@ struct Case {
     return writer.frames_per_chunk();
   }
 
-  // The chunk holds as many frames as ours, so that both write the same pieces.
+  // The chunk holds as many frames as ours, so that both write pieces of the same size.
   void peer(size_t chunk_frames, Checksum checksum) const {
     const hid_t type = sizeof(T) == 4 ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE;
     hsize_t dims[3] = {0, points, 3}, most[3] = {H5S_UNLIMITED, points, 3},

@@ -1,5 +1,5 @@
-// What a benchmark prints: one JSON line per comparison of ours with a peer's, run interleaved in one process
-// or one script. Ratio > 1 means that we are better. The driver (driver.py) checks and collects the lines.
+// Output of a benchmark: one JSON line per comparison of ours with a peer's, run interleaved in one process
+// or one script. Ratio > 1 means that ours is better. The driver (driver.py) checks and collects the lines.
 #pragma once
 #include <algorithm>
 #include <optional>
@@ -28,18 +28,18 @@ void report(const Comparison& comparison);
 /// Wall seconds since an arbitrary moment.
 double now_seconds();
 
-/// Medians of `rounds` interleaved runs of both, in seconds: a busy machine disturbs both alike.
+/// Medians of `rounds` interleaved runs of both, in seconds: a busy machine affects both alike.
 struct Times {
   double ours, peer;
 };
 template <class Ours, class Peer>
 Times interleaved(int rounds, Ours&& ours, Peer&& peer);
 
-/// CPU seconds of the calling thread: what a busy machine disturbs least, for work of one thread.
+/// CPU seconds of the calling thread: the measure least affected by a busy machine, for single-threaded work.
 double thread_seconds();
 
-/// Like interleaved, with the quartiles of the rounds' ratios ours / peer: what a busy machine does to one
-/// half of a round shows in their spread.
+/// Like interleaved, with the quartiles of the rounds' ratios ours / peer: disturbances during one half of a
+/// round show in their spread.
 struct Paired {
   Times times;
   double low, middle, high;

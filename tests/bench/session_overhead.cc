@@ -1,4 +1,4 @@
-// What a session costs around its integrator: accumulator, command queue, history, finiteness check and one
+// The cost of a session around its integrator: accumulator, command queue, history, finiteness check and one
 // idle sink, on a cloth of some 10,000 springs, beside the bare loop of the same integrator over the same
 // state.
 #include <cstdio>
@@ -14,7 +14,7 @@ const char* const kScene = R"({"time": {"dt": 0.0001}, "systems": [{"type": "mas
   "density": 0.3, "stiffness": 400, "shear_stiffness": 100, "bending_stiffness": 5, "pinned": ["corner_00", "corner_10"],
   "integrator": "symplectic_euler"}]})";
 
-// Attached, never due: a stream whose client pauses.
+// Attached but never due, like a stream whose client pauses.
 class IdleSink : public Sink {
  public:
   bool due(uint64_t) override { return false; }
@@ -37,7 +37,7 @@ int main() {
   session.play(1);
   WorldState bare = world->initial_state(), other = bare;
   Workspace workspace, other_workspace;
-  // The interval of the first snapshots: every round pays for one.
+  // The interval of the first snapshots: every round includes one.
   constexpr int kSteps = 128, kRounds = 301;
   const double h = world->dt();
   const auto loop = [&](WorldState& state, Workspace& scratch) {

@@ -1,6 +1,6 @@
-// What should stand and for how long: how far the top of a scene went aside and down after 5, 20, 60 and 120
-// s, what moves then, and after how many seconds everything sleeps where it may. The same measure for every
-// engine.
+// What should stand, and for how long: how far the top of a scene has moved sideways and down after 5, 20, 60
+// and 120 s, what still moves then, and after how many seconds everything sleeps if it may. The same measure
+// for every engine.
 #pragma once
 #include <algorithm>
 #include <boost/json.hpp>
@@ -17,23 +17,23 @@ namespace truestep::bench {
 
 inline constexpr int kStepsPerSecond = 60;
 inline constexpr int kStandingSeconds[] = {5, 20, 60, 120};
-/// Seconds within which it must sleep to be said to.
+/// s within which everything must sleep to count as sleeping.
 inline constexpr int kSleepSeconds = 60;
 
-/// Where a body is: across and up.
+/// Position of a body: across and up.
 struct Spot {
   double x, y, up;
 };
 
-/// What an engine shows of a scene.
+/// Measurable state of a scene on an engine.
 struct Standing {
   std::string scene, engine;
   int settle = 0;
-  std::optional<size_t> top = {};  ///< absent: the body that went furthest counts
+  std::optional<size_t> top = {};  ///< absent: the body that moved farthest counts
 };
 
-/// Prints what became of it, a line of JSON for each time. `step()` is one sixtieth of a second, `spots()`
-/// gives a Spot for each body that moves, `kinetic()` J.
+/// Prints the results, a line of JSON for each time. `step()` is one sixtieth of a second, `spots()` gives a
+/// Spot for each moving body, `kinetic()` the energy in J.
 template <class Step, class Spots, class Kinetic>
 void watch_standing(const Standing& s, Step step, Spots spots, Kinetic kinetic) {
   for (int k = 0; k < s.settle; ++k) step();
@@ -54,7 +54,7 @@ void watch_standing(const Standing& s, Step step, Spots spots, Kinetic kinetic) 
   }
 }
 
-/// Prints when everything slept, as JSON; null where it did not.
+/// Prints when everything slept, as JSON; null if it did not.
 template <class Step, class AllAsleep>
 void watch_sleep(const Standing& s, Step step, AllAsleep all_asleep) {
   for (int k = 0; k < s.settle; ++k) step();

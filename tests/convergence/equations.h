@@ -1,5 +1,5 @@
-// The convergence problems' right-hand sides over any scalar, so that a method can be followed in more digits
-// than double has:
+// The right-hand sides of the convergence problems over any scalar type, so that a method can be followed
+// with more digits than double has:
 //   spring      x'' = -4 x - c x'
 //   Kepler      x'' = -x / |x|^3
 //   free body   w' = I^-1 (I w x w), q' = 1/2 q (0, w), moments of inertia 1, 2 and 3.5
@@ -15,7 +15,7 @@ using Extended = __float128;
 using Extended = long double;
 #endif
 
-/// Square root: the double's one, refined by Newton's method.
+/// Square root: that of double, refined by Newton's method.
 inline double root(double x) {
   return std::sqrt(x);
 }

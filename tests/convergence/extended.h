@@ -1,8 +1,8 @@
-// Order witnesses: the rows' own tables run in more digits than double has. Where an order is high, double
-// leaves no step length at which the leading term of the error rules and rounding does not; with 33 digits
-// there are enough. A witness is tied to the product by its end of the motion, which is the product's own to
+// Order witnesses: the tables of the rows themselves, run with more digits than double has. For high orders,
+// double leaves no step size at which the leading error term dominates and rounding does not; with 33 digits
+// there are enough. A witness is tied to the product by the end of its motion, which equals the product's to
 // rounding at the same steps. What remains of rounding is that of the tables' coefficients, 1e-16: errors are
-// taken against the same table with finer steps, which drops its part that is the same for all steps.
+// taken against the same table with finer steps, which removes the part that is the same for all steps.
 #pragma once
 #include <functional>
 #include <string_view>
@@ -39,8 +39,8 @@ ExtendedStep extended_collocation(const std::array<double, 8>& nodes);
 /// y at the end of `steps` equal steps from the problem's start.
 std::vector<Extended> extended_end(const ExtendedStep& step, const ExtendedProblem& problem, size_t steps);
 
-/// Observed order of the error without its parts that go like h^0 ... h^dropped, which rounded coefficients
-/// leave (1e-16 and below) and which n, 2n, 3n ... steps tell apart. `dropped` is below every promise.
+/// Observed order of the error without its terms in h^0 ... h^dropped, which rounded coefficients leave
+/// (1e-16 and below) and which runs of n, 2n, 3n ... steps separate. `dropped` is below every promised order.
 double extended_order(const ExtendedStep& step, const ExtendedProblem& problem, int dropped, const Fit& fit);
 
 }  // namespace truestep::test

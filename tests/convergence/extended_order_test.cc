@@ -1,5 +1,5 @@
-// Explicit rows of order 5 and more show their order to 0.1 in 33 digits (extended.h), and the product's
-// steps are those of the witness.
+// Explicit rows of order 5 and more show their order to within 0.1 with 33 digits (extended.h), and the
+// product's steps equal those of the witness.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -23,7 +23,7 @@ constexpr double kTolerance = 0.1;
 struct Witness {
   const char* row;
   ExtendedStep step;
-  size_t tie;  ///< steps at which the product is compared: its error shows there
+  size_t tie;  ///< steps at which the product is compared; its error is visible there
 };
 const std::vector<Witness>& witnesses() {
   static const std::vector<Witness> kAll = {
@@ -40,8 +40,8 @@ int promise(const Integrator& m, const ExtendedProblem& p) {
   return p.moving ? m.order_with_velocity : m.order;
 }
 
-// Windows in which the leading term rules, found by where the fits settle. Rounded coefficients, 1e-16 and
-// less in the error, are told apart up to a power well below the promise.
+// Windows in which the leading term dominates, found by where the fits settle. Rounded coefficients, 1e-16
+// and less of the error, are separated up to a power well below the promised order.
 double order_of(const ExtendedStep& step, const ExtendedProblem& p, int promised) {
   if (promised >= 15) return extended_order(step, p, 4, {1e-19, 1e-24, 4});
   if (promised >= 12) return extended_order(step, p, 7, {1e-15, 1e-18, 4});
@@ -73,7 +73,7 @@ TEST_P(ExtendedOrder, IsWhatTheRowPromises) {
 
 TEST_P(ExtendedOrder, TheProductTakesTheWitnessSteps) {
   each_row([](const Witness& w, const Integrator& m, int) {
-    // The product's end as the exact solution: what is left is rounding, some 1e-16 a step.
+    // The product's end taken as the exact solution: the rest is rounding, some 1e-16 per step.
     const auto end = extended_end(w.step, GetParam(), w.tie);
     Problem p = GetParam().in_double();
     const double error = end_error(m, p, w.tie, {.tolerance = 1e300});
@@ -110,7 +110,8 @@ double slope(const ExtendedStep& step, const ExtendedProblem& p, size_t n) {
 }
 
 TEST(ExtendedOrderControl, AChangedCoefficientLosesTheOrder) {
-  // By one in a thousand, sums over a row kept. What is measured is one slope, still on its way to the order.
+  // Changed by one in a thousand, with the sums over each row preserved. The measured slope is a single one,
+  // still converging to the order.
   const ExtendedProblem p = extended_problems()[2];
   const auto check = [&](const char* name, const ExtendedStep& right, const ExtendedStep& wrong, size_t n,
                          int order) {

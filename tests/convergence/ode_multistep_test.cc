@@ -1,5 +1,5 @@
-// Methods that remember earlier steps keep their order through a scene's system "ode", whose every step is a
-// call of its own.
+// Methods with a memory of earlier steps keep their order in a scene's system "ode", whose steps are separate
+// calls.
 #include <cmath>
 
 #include "tests/convergence/problems.h"
@@ -8,8 +8,7 @@
 namespace truestep::test {
 namespace {
 
-// x'' = -4 x - 0.6 x' + sin(t) from (1, 0.3), with t as a state where `extra` asks for equations of first
-// order.
+// x'' = -4 x - 0.6 x' + sin(t) from (1, 0.3), with t as a state if `extra` asks for first-order equations.
 double end_of(const std::string& method, size_t steps) {
   OdeRun run(R"s("states": {"x": 1, "v": 0.3}, "equations": {"x": "v", "v": "-4 * x - 0.6 * v + sin(t)"},
     "newton_tolerance": 1e-13, "integrator": ")s" +
@@ -30,14 +29,14 @@ double order_of(const std::string& method) {
 }
 
 TEST(OdeMultistep, OrderTwoThroughTheSystem) {
-  // 0.1 as for every row; what is left after extrapolation is some 1e-3.
+  // 0.1 as for every row; about 1e-3 is left after extrapolation.
   for (const char* method : {"bdf2", "generalized_alpha", "newmark"}) {
     EXPECT_NEAR(order_of(method), 2, 0.1) << method;
   }
 }
 
 TEST(OdeMultistep, AMethodThatForgetsIsAnother) {
-  // Control: a command before every step makes the method begin anew. BDF2 is then TR-BDF2 at every step.
+  // Control: a command before every step makes the method start anew. BDF2 is then TR-BDF2 in every step.
   const std::string system = R"s("states": {"x": 1, "v": 0.3}, "parameters": {"k": 4},
     "equations": {"x": "v", "v": "-k * x"}, "integrator": "bdf2")s";
   OdeRun remembers(system, 0.05), forgets(system, 0.05);

@@ -1,4 +1,4 @@
-// Every row of the integrator table has the order it promises, on every problem it serves.
+// Every row of the integrator table has its promised order, on every problem that it supports.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -15,7 +15,7 @@ namespace {
 // of the error expansion leaves a few hundredths.
 constexpr double kTolerance = 0.1;
 
-// Adaptive methods take every step as one when no error is too large.
+// Adaptive methods take every step as a whole if no error is too large.
 const IntegratorOptions kOptions = {.tolerance = 1e300, .newton_tolerance = 1e-13};
 
 struct Named {
@@ -44,7 +44,7 @@ TEST(Order, EveryRowKeepsItsPromise) {
         continue;
       }
       if (m.name.starts_with("cvode")) {
-        // Every call begins at order 1 again: what such a method promises is its tolerance.
+        // Every call starts at order 1 again: such a method promises its tolerance, not an order.
         EXPECT_LT(end_error(m, p, 1, {.tolerance = 1e-10}), 1e-6) << m.name << " on " << named.name;
         continue;
       }
@@ -63,7 +63,7 @@ TEST(Order, EveryRowKeepsItsPromise) {
 }
 
 TEST(Order, AMutatedTableauFails) {
-  // The last two weights of rk4 exchanged: they still add up to 1.
+  // The last two weights of rk4 exchanged: they still sum to 1.
   static const Tableau kWrong = [] {
     Tableau t = kRk4Tableau;
     std::swap(t.b[2], t.b[3]);
@@ -80,7 +80,7 @@ TEST(Order, AMutatedTableauFails) {
 }
 
 TEST(Order, AdaptiveErrorsFollowTheTolerance) {
-  // Ten times the tolerance, at most some ten times the error: proportionality within a factor of 4.
+  // Ten times the tolerance may give at most some ten times the error: proportionality within a factor of 4.
   const Problem p = kepler();
   for (const char* name : {"step_doubling", "dopri5"}) {
     const Integrator& m = *find_integrator(name);

@@ -1,4 +1,4 @@
-// Free body: I w' = -w x I w, Kepler with G M = 1; both integrate nothing but what their equations say.
+// Free body: I w' = -w x I w, Kepler with G M = 1; both integrate exactly their equations and nothing else.
 #include "tests/convergence/problems.h"
 
 #include <algorithm>
@@ -177,7 +177,7 @@ double observed_order(const std::function<double(size_t steps)>& error, size_t f
 }
 
 double fitted_order(const std::function<double(size_t)>& error, const Fit& fit) {
-  // Normal equations of the unknowns, summed over the step counts that count; the last column is their right
+  // Normal equations of the unknowns, summed over the step counts used; the last column is the right-hand
   // side.
   constexpr int kMost = 4;
   const int terms = fit.terms;

@@ -35,8 +35,8 @@ double end_error(const Integrator& method, const Problem& problem, size_t steps,
 /// (1e-12), the last two extrapolated to h = 0 (2 s_k - s_{k-1}: the error's second term falls like h).
 double observed_order(const std::function<double(size_t steps)>& error, size_t first, size_t doublings);
 
-/// How an order is fitted: over errors below `largest`, where the leading term rules, and above `smallest`,
-/// where rounding has no share, with the first `terms` of log e = c + p log h + d h + e h^2.
+/// How an order is fitted: over errors below `largest`, where the leading term dominates, and above
+/// `smallest`, where rounding is negligible, with the first `terms` of log e = c + p log h + d h + e h^2.
 struct Fit {
   double largest = 1e-7, smallest = 1e-12;
   int terms = 3;

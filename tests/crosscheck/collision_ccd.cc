@@ -1,5 +1,5 @@
-// Overlap and depth of convex solids beside libccd's GJK + EPA, which knows them by support functions of our
-// own test rig only. libccd's depth is that of one direction it finds.
+// Overlap and depth of convex solids beside libccd's GJK + EPA, which sees them only through support
+// functions of our test rig. libccd's depth is that of the one direction it finds.
 #include <ccd/ccd.h>
 #include <gtest/gtest.h>
 
@@ -84,18 +84,18 @@ TEST(CollisionBesideLibccd, SameOverlapsAndNoLargerDepths) {
         ccd_vec3_t dir, at;
         const int theirs = ccdGJKPenetration(&x, &y, &ccd, &depth, &dir, &at);
         if (theirs == -2) continue;  // out of memory or iterations
-        // Where they touch by less than 1e-4 rounding may decide either way.
+        // If they overlap by less than 1e-4, rounding may decide either way.
         if (ours != (theirs == 0)) {
           EXPECT_LT(ours ? m.deepest() : depth, 1e-4) << a << " " << b << " " << i;
           continue;
         }
         if (!ours) continue;
         ++overlaps;
-        // libccd's depth in deep overlap is not always that of its own direction; what the direction is worth
-        // is an upper bound of the smallest depth.
+        // In deep overlap, libccd's depth does not always belong to its own direction; the depth along that
+        // direction is an upper bound of the smallest one.
         const Vec3 n = normalized(Vec3{dir.v[0], dir.v[1], dir.v[2]});
         const double bound = std::min(reach_along(x, y, n), reach_along(x, y, -n));
-        // Faces are preferred to edges by a thousandth of 0.3 m; cylinders are right to 1e-4.
+        // Faces are preferred to edges by a thousandth of 0.3 m; cylinders are accurate to 1e-4.
         EXPECT_LE(m.deepest(), bound + 5e-4) << a << " " << b << " " << i;
         close += std::fabs(m.deepest() - depth) < 1e-3;
       }

@@ -1,5 +1,5 @@
-// rigid2d beside Box2D 2.4.1 (floats): where the motion is smooth the same places at the same times, to what
-// its steps of first order leave; where it is chaotic the same statistics.
+// rigid2d beside Box2D 2.4.1 (floats): the same positions at the same times for smooth motion, to the error
+// of its first-order steps; the same statistics for chaotic motion.
 #include <gtest/gtest.h>
 
 #include "engine/base/errors.h"
@@ -26,7 +26,7 @@ BodyDef ground() {
   return body(BoxDef{{50, 1, 0}}, {0, -1, 0}, Motion::fixed);
 }
 
-/// Largest distance of all bodies over `seconds`, looked at twenty times.
+/// Largest distance over all bodies in `seconds`, sampled twenty times.
 double apart(const Rigid2dDef& d, const Rigid2dDef& peer, double h, double seconds) {
   EngineRun a = ours(d, h), b = theirs(peer, h);
   double most = 0;
@@ -43,11 +43,11 @@ TEST(Box2d, FreeFallDiffersByTheFirstOrderErrorOfItsSteps) {
   d.bodies[0].angular_velocity = 1, d.bodies[0].velocity = {2, 0, 0};
   EngineRun b = theirs(d);
   b.seconds(1);
-  // Semi-implicit Euler falls g t h / 2 further than the parabola; floats keep 1e-5 of 10 m.
+  // Semi-implicit Euler falls g t h / 2 farther than the parabola; floats keep 1e-5 of 10 m.
   EXPECT_NEAR(b.x(0).y, 10 - kG / 2 - kG / 120, 1e-4);
   EXPECT_NEAR(b.x(0).x, 2, 1e-5);
   EXPECT_NEAR(b.angle(0), 1, 1e-5);
-  // Ours takes four small steps.
+  // Ours takes four substeps.
   EngineRun a = ours(d);
   a.seconds(1);
   EXPECT_NEAR(a.x(0).y - b.x(0).y, kG / 120 * 0.75, 2e-3);
@@ -102,7 +102,7 @@ TEST(Box2d, JointsConvergeToTheSamePath) {
   for (const auto& [name, d] : swinging()) {
     const double coarse = apart(d, d, 1.0 / 240, 1.5), fine = apart(d, d, 1.0 / 960, 1.5);
     EXPECT_LT(fine, 0.02) << name;
-    // First order, but for what floats and the soft constraints of ours leave.
+    // First order, except for what floats and our soft constraints leave.
     EXPECT_LT(fine, 0.5 * coarse + 2e-3) << name;
     if (name == "weld") continue;  // does not move in either
     Rigid2dDef lighter = d;
@@ -157,7 +157,7 @@ TEST(Box2d, GearsAndPulleysCouple) {
     r.seconds(0.5);
     EXPECT_NEAR(r.angle(0), 1, 0.02);
     EXPECT_NEAR(r.angle(0) + 2 * r.angle(1), 0, 0.01);
-    // Atwood: twice the weight on the right, a third of g.
+    // Atwood's machine: twice the weight on the right gives a third of g.
     EXPECT_NEAR(r.x(2).y, kG / 3 / 8, 0.02);
     EXPECT_NEAR(r.x(2).y + r.x(3).y, 0, 0.01);
   }
@@ -171,7 +171,7 @@ TEST(Box2d, APyramidStandsAtTheSameHeight) {
   EngineRun a = ours(d), b = theirs(d);
   a.seconds(5), b.seconds(5);
   const size_t top = 78;
-  // Box2D leaves 5 mm of overlap in every contact, ours sinks by less.
+  // Box2D leaves 5 mm of overlap in every contact; ours sinks by less.
   EXPECT_NEAR(b.x(top).y, a.x(top).y, 0.005 * 12 + 0.01);
   EXPECT_LT(std::abs(b.x(top).x - a.x(top).x), 0.05);
   EXPECT_LT(b.observed("penetration.max"), 0.01);

@@ -1,5 +1,5 @@
-// rigid3d beside Bullet 3.24 (double): where the motion is smooth the same places at the same times, to what
-// Bullet's own steps of first order leave; where it is chaotic the same statistics.
+// rigid3d beside Bullet 3.24 (double): the same positions at the same times for smooth motion, to the error
+// of Bullet's first-order steps; the same statistics for chaotic motion.
 #include <gtest/gtest.h>
 
 #include "engine/base/errors.h"
@@ -28,7 +28,7 @@ double apart(const EngineRun& a, const EngineRun& b) {
 }
 
 TEST(Bullet, FreeFallDiffersByTheFirstOrderErrorOfItsSteps) {
-  // Semi-implicit Euler falls g t h / 2 further than the parabola; ours follows it.
+  // Semi-implicit Euler falls g t h / 2 farther than the parabola; ours follows the parabola.
   Rigid3dDef d;
   d.bodies = {ball(0.5, {0, 10, 0})};
   for (const double h : {1.0 / 60, 1.0 / 120}) {
@@ -58,7 +58,7 @@ TEST(Bullet, ABoxSlidesAsFar) {
   };
   const auto own = [](const Rigid3dDef& d) { return ours(d); };
   const auto other = [](const Rigid3dDef& d) { return theirs(d); };
-  // v^2 / (2 mu g), to the v h / 2 of the first step.
+  // v^2 / (2 mu g), to within v h / 2 of the first step.
   const double expected = 9 / (2 * 0.5 * kG), tolerance = 3.0 / 120 + 0.005;
   EXPECT_NEAR(distance(own, 0.5), expected, tolerance);
   EXPECT_NEAR(distance(other, 0.5), expected, tolerance);
@@ -93,9 +93,9 @@ TEST(Bullet, PendulumsOnBallAndHingeConvergeToTheSamePath) {
   for (const Rigid3dDef& d : {hanging<BallJointDef>(), hanging<HingeJointDef>()}) {
     const double coarse = pendulum(d, 1.0 / 240, d), fine = pendulum(d, 1.0 / 960, d);
     EXPECT_LT(fine, 0.02) << d.joints[0].index();
-    // First order: a quarter of the step, a quarter of the difference, with room for what is ours.
+    // First order: a quarter of the step gives a quarter of the difference, with room for our own error.
     EXPECT_GT(coarse, 2.5 * fine) << d.joints[0].index();
-    // Control: another pendulum, 2 % lighter gravity, is not on that path.
+    // Control: another pendulum, with 2 % less gravity, does not follow that path.
     Rigid3dDef other = d;
     other.gravity = Vec3{0, -0.98 * kG, 0};
     EXPECT_GT(pendulum(d, 1.0 / 960, other), 0.03) << d.joints[0].index();
@@ -109,7 +109,7 @@ TEST(Bullet, ASliderFallsAlongItsAxisOnly) {
   d.sleeping = false;
   EngineRun a = ours(d, 1.0 / 240), b = theirs(d, 1.0 / 240);
   a.seconds(1), b.seconds(1);
-  const double down = 0.5 * kG * 0.5;  // g sin(45 deg) along the axis, of which sin(45 deg) is down
+  const double down = 0.5 * kG * 0.5;  // g sin(45 deg) along the axis, of which sin(45 deg) is vertical
   for (const EngineRun* r : {&a, &b}) {
     EXPECT_NEAR(r->x(0).y, -down, 0.02);
     EXPECT_NEAR(r->x(0).x - 0.3, -down, 0.02);
@@ -130,7 +130,7 @@ TEST(Bullet, FixedBodiesMoveAsOne) {
   EXPECT_NEAR(norm(b.x(1) - b.x(0)), 1, 0.005);
 }
 
-/// A weight off the joint's anchor, on a joint to the world.
+/// A weight beside the joint's anchor, on a joint to the world.
 Rigid3dDef on(AnyJointDef joint, Vec3 at = {0.6, 0, 0}) {
   Rigid3dDef d;
   d.bodies = {box({0.5, 0.1, 0.2}, at)};
@@ -198,7 +198,7 @@ TEST(Bullet, UniversalConeTwistAndSixWaysDoTheSame) {
   six.turn_z.emplace();
   EXPECT_LT(parting(on(six), 0.6), 0.02);
   cone.swing = 0.4;
-  // The stop of a cone is soft in both: where it holds, not how it is met.
+  // The stop of a cone is soft in both engines: where it stops is compared, not how it gets there.
   EngineRun a = ours(on(cone), 1.0 / 960), b = theirs(on(cone), 1.0 / 960);
   a.seconds(4), b.seconds(4);
   EXPECT_NEAR(a.x(0).y, -0.6 * std::sin(0.4), 0.03);
@@ -233,7 +233,7 @@ TEST(Bullet, AStackOfBoxesStandsAtTheSameHeight) {
   EngineRun x = ours(d), y = theirs(d);
   x.seconds(5), y.seconds(5);
   for (size_t i = 1; i < x.count(); ++i) {
-    // Either lets a contact sink by a few millimetres.
+    // Both let a contact sink by a few millimetres.
     EXPECT_NEAR(x.x(i).y, y.x(i).y, 0.005 * static_cast<double>(i)) << i;
     EXPECT_LT(std::hypot(y.x(i).x, y.x(i).z), 0.02) << i;
   }
@@ -281,7 +281,7 @@ Heap heap(EngineRun r) {
 
 TEST(Bullet, HeapsWithoutFrictionSettleToTheSameStatistics) {
   for (const Filling f : {Filling::boxes, Filling::balls}) {
-    // Each engine throws its own dice, and heaps of 64 scatter by some 2 %: the mean of six counts.
+    // Each engine draws its own random numbers, and heaps of 64 scatter by some 2 %: the mean of six runs.
     Heap a, b;
     for (const double shift : {0.0, 0.01, 0.02, 0.03, 0.04, 0.05}) {
       const Heap x = heap(ours(heap_scene(f, 1, 0, shift))), y = heap(theirs(heap_scene(f, 1, 0, shift)));
@@ -289,21 +289,22 @@ TEST(Bullet, HeapsWithoutFrictionSettleToTheSameStatistics) {
       a.kinetic = std::max(a.kinetic, x.kinetic), b.kinetic = std::max(b.kinetic, y.kinetic);
       a.penetration = std::max(a.penetration, x.penetration);
     }
-    // Bullet's boxes overlap a little and go on settling for many seconds; balls come to the same height.
+    // Bullet's boxes overlap slightly and keep settling for many seconds; balls reach the same height.
     EXPECT_NEAR(a.height, b.height, (f == Filling::balls ? 0.04 : 0.12) * a.height);
-    // The fall brought 150 kJ; frictionless boxes go on gliding slowly.
+    // The fall released 150 kJ; frictionless boxes keep sliding slowly.
     EXPECT_LT(a.kinetic, 1500);
     EXPECT_LT(b.kinetic, 1500);
-    // What still glides at half a metre per second comes 8 mm in a step, and may be that deep before it is
-    // pushed out; Bullet's boxes overlap by up to a decimetre where they are wedged in.
+    // A body that still slides at half a metre per second moves 8 mm per step, and may be that deep before it
+    // is pushed out; Bullet's boxes overlap by up to a decimetre where they are wedged in.
     EXPECT_LT(a.penetration, 0.025);
-    // Control: bodies larger by a tenth, a third more volume.
+    // Control: bodies larger by a tenth have a third more volume.
     EXPECT_GT(heap(theirs(heap_scene(f, 1.1, 0))).height, 1.15 * b.height);
   }
 }
 
 TEST(Bullet, WithFrictionItsHeapsNearOursAsStepsShrink) {
-  // Ten iterations a step let friction creep, so that its heaps pack closer; with shorter steps less so.
+  // With ten iterations per step friction creeps, so that Bullet's heaps are denser; less so with shorter
+  // steps.
   const auto looser = [](double h) {
     return heap(ours(heap_scene(Filling::balls, 1, 0.5), h)).height /
            heap(theirs(heap_scene(Filling::balls, 1, 0.5), h)).height;
@@ -355,7 +356,7 @@ TEST(Bullet, MeshesAndHeightFieldsCarry) {
 }
 
 TEST(Bullet, SurfacesMixByTheScenesRules) {
-  // Restitution: the larger counts. A ball of 0.8 on dead ground jumps to 0.64 of its height.
+  // Restitution: the larger value counts. A ball with 0.8 on a floor with 0 bounces to 0.64 of its height.
   const auto second_height = [](EngineRun r) {
     double top = 0;
     r.seconds(0.7);
@@ -366,8 +367,8 @@ TEST(Bullet, SurfacesMixByTheScenesRules) {
   SphereBodyDef b = ball(0.1, {0, 1.1, 0});
   b.restitution = 0.8;
   d.bodies = {ground(), b};
-  // The impact's instant is known to a step, v h = 4.4 m/s / 240 of height either way, and Bullet's contacts
-  // begin 2 cm before the bodies touch.
+  // The time of the impact is known to within a step, that is v h = 4.4 m/s / 240 of height either way, and
+  // Bullet's contacts begin 2 cm before the bodies touch.
   EXPECT_NEAR(second_height(ours(d, 1.0 / 240)), 0.74, 0.03);
   EXPECT_NEAR(second_height(theirs(d, 1.0 / 240)), 0.74, 0.03 + 0.02);
   std::get<SphereBodyDef>(d.bodies[1]).restitution = 0.6;
@@ -394,7 +395,7 @@ TEST(Bullet, JointsBreakAndDampingFades) {
   weight.mass = 1, slow.gravity_scale = 0, slow.velocity = {1, 0, 0}, slow.linear_damping = 2;
   d.bodies = {weight, slow};
   BallJointDef weak = joint<BallJointDef>(-1, 0, {0, 0, 0});
-  weak.break_force = 5;  // of the 9.81 that it carries
+  weak.break_force = 5;  // of the 9.81 N that it carries
   d.joints = {weak};
   EngineRun b = theirs(d);
   b.seconds(1);
@@ -418,13 +419,13 @@ TEST(Bullet, CommandsActAndARebuiltWorldGoesOn) {
   d.bodies = {ground(), b, free};
   EngineRun r = theirs(d);
   r.seconds(1);
-  // The same state in a fresh workspace: what flies flies on to the bit, what stands goes on standing.
+  // The same state in a fresh workspace: free flight continues to the bit, and what stands keeps standing.
   EngineRun copy = theirs(d);
   copy.state = State::deserialize(r.state.serialize()), copy.step = r.step;
   r.run(20), copy.run(20);
   EXPECT_LT(norm(r.x(5) - copy.x(5)), 1e-12);
   for (size_t i = 1; i < 5;
-       ++i)  // Without the impulses of the step before every contact gives way by a millimetre or two, once.
+       ++i)  // Without the warm-start impulses every contact gives way by a millimetre or two, once.
     EXPECT_LT(norm(r.x(i) - copy.x(i)), 2.5e-3 * static_cast<double>(i)) << i;
 
   Command c;

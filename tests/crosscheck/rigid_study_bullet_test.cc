@@ -31,7 +31,7 @@ double at(const json::object& o, std::string_view pointer) {
 TEST_F(RigidStudy, TakesTheOtherEngineWhenNothingIsSaid) {
   const StudyResult r = run("");
   EXPECT_EQ(r.summary.at("b").at("engine").as_string(), "bullet");
-  // A box slides and stops: a hundredth of a metre is a step of it.
+  // A box slides and stops: a hundredth of a metre is its motion in one step.
   const double away = at(r.summary, "/poses/largest/position_largest");
   EXPECT_GT(away, 0);
   EXPECT_LT(away, 0.01);
@@ -41,7 +41,7 @@ TEST_F(RigidStudy, TakesTheOtherEngineWhenNothingIsSaid) {
   EXPECT_TRUE(r.summary.at("statistics").as_object().contains("penetration"));
   EXPECT_EQ(r.table.rows.size(), 11u);
   EXPECT_EQ(r.table.rows[0].size(), r.table.columns.size());
-  // From the other side.
+  // From the other engine's side.
   const StudyResult back = run("", R"("engine":"bullet")");
   EXPECT_EQ(back.summary.at("b").at("engine").as_string(), "truestep");
   EXPECT_NEAR(at(back.summary, "/poses/largest/position_largest"), away, 1e-12);

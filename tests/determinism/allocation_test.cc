@@ -120,7 +120,7 @@ TEST(Allocation, AtomsAllocateNothingAfterTheFirstStep) {
     testing_rig::AtomRun run(d, 0.005);
     run.step();
     const uint64_t before = allocations;
-    // The crystal melts and many lists are made within these.
+    // Within these steps the crystal melts and the neighbour list is rebuilt many times.
     run.step(100);
     EXPECT_EQ(allocations - before, 0u) << static_cast<int>(method);
   }
@@ -258,7 +258,7 @@ TEST(Allocation, HeatAndWavesAllocateNothingAfterTheFirstSteps) {
   }
 }
 
-// Neighbours come and go: lists may grow while a column falls, but not once it lies.
+// Neighbours come and go: lists may grow while a column falls, but not once it is at rest.
 TEST(Allocation, LiquidsAtRestAndBodiesInThemAllocateNothing) {
   for (const sph::Method solver : {sph::Method::dfsph, sph::Method::wcsph, sph::Method::pbf}) {
     sph::SphDef d;
@@ -279,7 +279,7 @@ TEST(Allocation, LiquidsAtRestAndBodiesInThemAllocateNothing) {
   }
 }
 
-// A block that falls apart, with a ball in it: more blocks of cells are in use than at the start.
+// A block that breaks apart, with a ball in it: more blocks of cells are in use than at the start.
 TEST(Allocation, StepsOfMaterialAllocateNothingAfterTheFirst) {
   const Solid ball = sphere_solid(0.1);
   for (const mpm::Transfer transfer : {mpm::Transfer::apic, mpm::Transfer::flip}) {

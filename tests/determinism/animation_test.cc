@@ -1,5 +1,4 @@
-// Animation comes out with the same bits on any number of threads, without scratch memory, and from a
-// snapshot.
+// Animation gives the same bits on any number of threads, without scratch memory, and from a snapshot.
 #include "engine/scene/gallery.h"
 #include "tests/support/coupled.h"
 

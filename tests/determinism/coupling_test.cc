@@ -1,4 +1,4 @@
-// The bits of coupled systems do not depend on threads, on scratch memory, or on where a snapshot goes on.
+// The bits of coupled systems do not depend on threads, on scratch memory, or on where a snapshot is resumed.
 #include "tests/support/coupled.h"
 
 namespace truestep {
@@ -47,7 +47,7 @@ TEST_P(CoupledDeterminism, SnapshotContinuesTheTrajectoryAndItsSums) {
     b.session.step(1);
     ASSERT_EQ(a.session.hash(), b.session.hash()) << "step " << i;
   }
-  // The control: the couplings' own states count.
+  // The control: the states of the couplings matter.
   WorldState altered = a.session.state();
   ASSERT_FALSE(altered.couplings.empty());
   altered.couplings[0].f64(0)[0] += 1;

@@ -1,5 +1,4 @@
-// Crowds come out with the same bits on any number of threads, without a workspace, and from a copy of a
-// state.
+// Crowds give the same bits on any number of threads, without a workspace, and from a copy of a state.
 #include "tests/unit/crowd_rig.h"
 
 namespace truestep::crowd {
@@ -7,7 +6,7 @@ namespace {
 
 using testing_rig::CrowdRun;
 
-/// A throng that leaves by a door, so that rows go while it runs.
+/// A crowd that leaves through a door, so that rows are removed while it runs.
 CrowdDef throng(Model model) {
   CrowdDef d;
   d.model = model, d.noise = 0.1;

@@ -1,5 +1,5 @@
-// Bodies of finite elements come out with the same bits on any number of threads, with and without a
-// workspace, and from a copy of a state.
+// Finite element bodies give the same bits on any number of threads, with and without a workspace, and from a
+// copy of a state.
 #include <gtest/gtest.h>
 
 #include "tests/unit/fem_rig.h"
@@ -46,7 +46,7 @@ TEST(FemDeterminism, AStateIsAllThatAStepNeeds) {
   }
 }
 
-// Bodies that pile up and meet each other, by a barrier.
+// Bodies that pile up and touch each other through a barrier.
 TEST(FemDeterminism, BarriersKeepNothingOutsideTheState) {
   FemDef d;
   d.block = SoftBlockShape{{-0.1, -0.1, -0.1}, {0.2, 0.2, 0.2}, 2, 2, 2};

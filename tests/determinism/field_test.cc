@@ -1,5 +1,5 @@
-// The same bits from heat and waves, whatever the number of threads, with a workspace that is thrown away,
-// with another state in between, and from a restored snapshot.
+// Heat and waves give the same bits for any number of threads, with a workspace that is discarded, with
+// another state in between, and from a restored snapshot.
 #include <gtest/gtest.h>
 
 #include "tests/support/field_run.h"
@@ -18,7 +18,7 @@ struct Kind {
 
 std::unique_ptr<FieldRun> make(const Kind& k, int threads) {
   const auto fill = [&](auto& d) {
-    // Rows for more than one block of every loop.
+    // Enough rows for several blocks of every loop.
     d.cells = {40, 260};
     d.integrator = k.integrator;
     d.initial = "exp(-50*((x - 0.4)^2 + (y - 0.6)^2))";
@@ -100,7 +100,7 @@ INSTANTIATE_TEST_SUITE_P(Fields, FieldBits,
                          [](const auto& info) { return info.param.name; });
 
 TEST(FieldBits, EulerInPlaceIsEuler) {
-  // Nothing is put in: one thread steps in place, several into a second array.
+  // Without forcing, one thread steps in place and several threads into a second array.
   for (const auto order : {lattice::LatticeDef::Order::second, lattice::LatticeDef::Order::fourth}) {
     for (const SideKind kind : {SideKind::dirichlet, SideKind::neumann, SideKind::periodic}) {
       for (const size_t dimensions : {1, 2, 3}) {

@@ -1,5 +1,4 @@
-// Flocks come out with the same bits on any number of threads, without a workspace, and from a copy of a
-// state.
+// Flocks give the same bits on any number of threads, without a workspace, and from a copy of a state.
 #include "tests/unit/flocking_rig.h"
 
 namespace truestep::flocking {

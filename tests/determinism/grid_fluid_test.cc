@@ -1,5 +1,5 @@
-// The same bits from a flow on a grid, whatever the number of threads, with a workspace that is thrown away,
-// and from a restored snapshot.
+// A flow on a grid gives the same bits for any number of threads, with a workspace that is discarded, and
+// from a restored snapshot.
 #include <gtest/gtest.h>
 
 #include "tests/support/grid_flow.h"

@@ -1,5 +1,5 @@
-// The same bits from shallow water, whatever the number of threads, with a workspace that is thrown away, and
-// from a restored snapshot; no allocation inside its steps is allocation_test's.
+// Shallow water gives the same bits for any number of threads, with a workspace that is discarded, and from a
+// restored snapshot; that its steps do not allocate is checked in allocation_test.
 #include <gtest/gtest.h>
 
 #include "tests/support/shallow_run.h"

@@ -1,4 +1,4 @@
-// Bodies in water come out with the same bits on any number of threads, without scratch, from a snapshot.
+// Bodies in water give the same bits on any number of threads, without scratch memory, and from a snapshot.
 #include "tests/support/immersed_scenes.h"
 
 namespace truestep {
@@ -39,7 +39,7 @@ TEST_P(ImmersionDeterminism, ASnapshotContinuesTheTrajectory) {
     a.session.step(1), b.session.step(1);
     ASSERT_EQ(a.session.hash(), b.session.hash()) << "step " << i;
   }
-  // The control: the coupling's own state, what else acts on the body, counts.
+  // The control: the coupling's own state, the other impulses on the body, matters.
   WorldState s = WorldState::deserialize(a.session.state().serialize());
   s.couplings[0] = b.world->initial_state().couplings[0];
   b.session.restore(s);

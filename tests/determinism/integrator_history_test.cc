@@ -1,6 +1,6 @@
-// Methods that remember earlier steps continue with the same bits where nothing but the state has survived:
-// from a snapshot restored elsewhere, with a workspace that is thrown away, after another state has used it,
-// and over the places where a history begins anew (commands, events, its greatest length).
+// Methods with a memory of earlier steps continue with the same bits where only the state has survived: from
+// a snapshot restored elsewhere, with a discarded workspace, after another state has used the workspace, and
+// across the points where a history starts anew (commands, events, its greatest length).
 #include <gtest/gtest.h>
 
 #include "tests/support/ode_run.h"
@@ -8,7 +8,7 @@
 namespace truestep::test {
 namespace {
 
-// Kepler's ellipse with a bounce that changes a velocity every now and then.
+// A Kepler ellipse with a bounce that changes a velocity now and then.
 std::string ellipse(const std::string& integrator) {
   return R"("states": {"x": 0.5, "y": 0}, "velocities": {"x": 0, "y": 1.7320508075688772},
     "parameters": {"mu": 1},
@@ -37,7 +37,7 @@ TEST_P(History, ContinuesWithTheSameBits) {
     for (int k = 0; k < kSteps; ++k) {
       forgetful.workspace.clear();
       forgetful.steps(1);
-      // Two states with one workspace.
+      // Two states that share one workspace.
       shared.steps(1);
       std::swap(shared.workspace, other.workspace);
       other.steps(1);
@@ -49,7 +49,7 @@ TEST_P(History, ContinuesWithTheSameBits) {
   }
 }
 
-// So many steps that a history grows too long to be repeated.
+// Enough steps for a history that is too long to be replayed.
 TEST_P(History, OfGreatLengthContinuesWithTheSameBits) {
   const std::string scene = R"("states": {"x": 1}, "velocities": {"x": 0}, "second": {"x": "-400 * x"},
     "tolerance": 1e-7, "integrator": ")" +

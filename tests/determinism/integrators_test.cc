@@ -1,5 +1,5 @@
-// The same bits from every integrator on a cloth of 4,900 points, whatever the number of threads, with a
-// workspace that is thrown away, with another state in between, and from a restored snapshot.
+// Every integrator gives the same bits on a cloth of 4,900 points for any number of threads, with a discarded
+// workspace, with another state in between, and from a restored snapshot.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -45,8 +45,8 @@ TEST_P(Bits, DoNotDependOnHowTheRunIsMade) {
   // Damping makes the force depend on velocity, which some methods refuse.
   const Integrator& method = *find_integrator(GetParam());
   const bool damped = method.order_with_velocity > 0;
-  // Methods that factorise the whole Jacobian in every step run on 256 points: they have no threads to mix
-  // up.
+  // Methods that factorize the whole Jacobian in every step run on 256 points: they do not use several
+  // threads.
   const bool factorises = method.kind == Integrator::Kind::implicit && method.advance;
   const auto system = cloth(GetParam(), damped ? 1e-3 : 0, factorises ? 16 : 70);
   Stepper one(*system, 1);
@@ -117,8 +117,8 @@ TEST(VelocityVerlet, KeepsNoForceThatACommandHasChanged) {
 }
 
 TEST(Verlet, SurvivesCommandsBetweenSteps) {
-  // A kick given as velocity must act as on velocity_verlet: both are second order, so the paths differ by
-  // O(h^2); forgetting the kick would leave them apart by 0.5 m/s times the time.
+  // A velocity kick must act as in velocity_verlet: both are of second order, so the paths differ by O(h^2);
+  // losing the kick would separate them by 0.5 m/s times the time.
   const auto a = cloth("verlet"), b = cloth("velocity_verlet");
   Stepper sa(*a, 1), sb(*b, 1);
   State x = a->initial_state(), y = b->initial_state();

@@ -1,5 +1,5 @@
-// The same bits from a liquid on a grid, whatever the number of threads, with a workspace that is thrown
-// away, and from a restored snapshot.
+// A liquid on a grid gives the same bits for any number of threads, with a discarded workspace, and from a
+// restored snapshot.
 #include <gtest/gtest.h>
 
 #include "tests/support/liquid_grid.h"

@@ -1,4 +1,4 @@
-// The bits of a cloth do not depend on threads, on scratch memory, or on what else a system is used for.
+// The bits of a cloth do not depend on threads, on scratch memory, or on other uses of the system.
 #include "tests/unit/mass_spring_rig.h"
 
 namespace truestep {

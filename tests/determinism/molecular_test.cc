@@ -1,5 +1,5 @@
-// Atoms come out with the same bits on any number of threads, without a workspace, and from a copy of a state
-// in the middle between two lists of neighbours; no step after the first allocates (allocation_test.cc).
+// Atoms give the same bits on any number of threads, without a workspace, and from a copy of a state halfway
+// between two neighbour lists; that no step after the first allocates is checked in allocation_test.cc.
 #include "tests/unit/molecular_rig.h"
 
 namespace truestep::molecular {

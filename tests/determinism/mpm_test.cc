@@ -1,5 +1,5 @@
-// The material point method comes out with the same bits on any number of threads, with and without a
-// workspace, and from a copy of a state.
+// The material point method gives the same bits on any number of threads, with and without a workspace, and
+// from a copy of a state.
 #include <gtest/gtest.h>
 
 #include "engine/geometry/solid.h"
@@ -50,7 +50,7 @@ TEST(MpmDeterminism, AStateIsAllThatAStepNeeds) {
   EXPECT_EQ(run.state.hash(), copy.state.hash());
 }
 
-// Newton's method and conjugate gradients over blocks of nodes: sums in their order.
+// Newton's method and conjugate gradients over blocks of nodes, with sums in a fixed order.
 TEST(MpmDeterminism, ImplicitStepsAreTheSameOnAnyNumberOfThreadsAndFromACopy) {
   for (const int dimension : {2, 3}) {
     MpmDef d;

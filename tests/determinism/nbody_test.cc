@@ -1,5 +1,4 @@
-// Bodies come out with the same bits on any number of threads, without a workspace, and from a copy of a
-// state.
+// Bodies give the same bits on any number of threads, without a workspace, and from a copy of a state.
 #include "tests/support/nbody_run.h"
 
 namespace truestep::nbody {

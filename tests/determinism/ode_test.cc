@@ -1,5 +1,5 @@
-// Same bits of ode systems on any number of threads, through snapshots, with a workspace that is thrown away,
-// and through a journal; and no allocation per step.
+// Ode systems give the same bits on any number of threads, through snapshots, with a discarded workspace, and
+// through a journal; and no step allocates.
 #include "tests/support/ode_run.h"
 
 #include "engine/session/session.h"
@@ -18,7 +18,7 @@ const std::string kBall = R"s("states": {"h": 1, "v": 0, "w": [1, 2, 3, 4]},
 }, "integrator": "dopri5",
   "events": [{"when": "h", "direction": "falling", "set": {"v": "-0.9 * v"}}])s";
 
-// Methods with a memory, and an event that makes them forget it.
+// Methods with a memory, and an event that clears it.
 std::string remembering(const std::string& method) {
   return R"s("states": {"x": 1}, "velocities": {"x": 0.5}, "parameters": {"k": 40}, "second": {"x": "-k * x - 0.2 * x'"
 },
@@ -39,7 +39,7 @@ TEST(OdeDeterminism, AnyNumberOfThreads) {
     OdeRun run(kFlow, 0.05, threads);
     EXPECT_EQ(hashes(run, 30), expected) << threads;
   }
-  // Control: half the step is another run.
+  // Control: half the step gives another run.
   OdeRun other(kFlow, 0.025, 0);
   EXPECT_NE(hashes(other, 30), expected);
 }

@@ -1,5 +1,5 @@
-// One scene with everything in it: the same bits for any number of threads, without the workspace, and after
-// a snapshot.
+// One scene with every feature: the same bits for any number of threads, without the workspace, and after a
+// snapshot.
 #include <gtest/gtest.h>
 
 #include "engine/base/errors.h"

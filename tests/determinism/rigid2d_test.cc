@@ -1,5 +1,5 @@
 // Rigid bodies in the plane give the same bits on any number of threads, after a restore in the middle of a
-// collapse, without their scratch, and beside a sleeping body that has nothing to do with them.
+// collapse, without scratch memory, and with an unrelated sleeping body beside them.
 #include <gtest/gtest.h>
 
 #include "engine/session/world.h"
@@ -60,7 +60,7 @@ TEST(Rigid2dDeterminism, GoesOnTheSameAfterARestoreInTheMiddleOfACollapse) {
       whole.steps(20), restored.steps(20);
       ASSERT_EQ(restored.hash(), whole.hash()) << precision << " " << k;
     }
-    // The control: a restore that forgets the contacts' impulses goes elsewhere.
+    // The control: a restore without the contacts' impulses takes another course.
     Trial forgetful(scene(precision));
     forgetful.state.systems[0] = State::deserialize(whole.state.systems[0].serialize());
     for (float& p : forgetful.state.systems[0].span<float>(forgetful.state.systems[0].at("contact.impulse")))

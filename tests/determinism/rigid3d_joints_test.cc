@@ -1,5 +1,5 @@
-// Every kind of joint in motion: the same bits for any number of threads, restored half way, and without
-// scratch.
+// Every kind of joint in motion: the same bits for any number of threads, after a restore halfway, and
+// without scratch memory.
 #include <gtest/gtest.h>
 
 #include "tests/support/rigid3d_run.h"
@@ -10,7 +10,7 @@ namespace {
 
 using testing::RigidRun;
 
-/// Pairs of boxes above the ground, each held by another kind of joint, the first of a pair by the world.
+/// Pairs of boxes above the ground, each held by another kind of joint, the first of each pair by the world.
 Rigid3dDef machines() {
   Rigid3dDef d;
   d.bodies.push_back(testing::ground());
@@ -75,7 +75,7 @@ TEST_P(Rigid3dJointDeterminism, ThreadsChangeNothing) {
   for (RigidRun* run : {&one, &none, &eight}) run->run(120);
   EXPECT_EQ(one.state, none.state);
   EXPECT_EQ(one.state, eight.state);
-  // It moves: a motor has turned its hinge further than half a turn, so that the turns are in the state.
+  // It moves: a motor has turned its hinge by more than half a turn, so that the angles must be in the state.
   EXPECT_GT(one.observed("joint.j26.angle"), 3.2);
 }
 
@@ -87,7 +87,7 @@ TEST_P(Rigid3dJointDeterminism, RestoredInMotionItGoesOnTheSame) {
   other.step = run.step;
   run.run(60), other.run(60);
   EXPECT_EQ(run.state, other.state);
-  // The controls: without the impulses of drives, and without the turns, it would not.
+  // The controls: without the drives' impulses, or without the angles, the bits differ.
   for (const auto column : {rigid3d::columns::drive_impulse, rigid3d::columns::drive_coordinate}) {
     RigidRun cold(scene());
     cold.run(70);

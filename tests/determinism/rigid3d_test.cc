@@ -1,4 +1,4 @@
-// The bits of a collapsing heap do not depend on threads, on scratch memory, or on where it was restored.
+// The bits of a collapsing heap do not depend on threads, on scratch memory, or on where it is restored.
 #include <gtest/gtest.h>
 
 #include "tests/support/rigid3d_run.h"
@@ -70,7 +70,7 @@ TEST_P(Rigid3dDeterminism, RestoredInTheMiddleOfACollapseItGoesOnTheSame) {
   other.step = run.step;
   run.run(60), other.run(60);
   EXPECT_EQ(run.state, other.state);
-  // The control: without the contacts' impulses it would not.
+  // The control: without the contacts' impulses they would.
   RigidRun cold(scene());
   cold.run(40);
   for (double& l : cold.state.f64(rigid3d::columns::contact_impulse)) l = 0;
@@ -79,7 +79,7 @@ TEST_P(Rigid3dDeterminism, RestoredInTheMiddleOfACollapseItGoesOnTheSame) {
 }
 
 TEST_P(Rigid3dDeterminism, ASleepingBodyElsewhereChangesNothing) {
-  // Right after the ground, so that every other body has another row.
+  // Inserted right after the ground, so that every other body has another row.
   Rigid3dDef d = scene();
   d.bodies.insert(d.bodies.begin() + 1, testing::box({0.5, 0.5, 0.5}, {500, 5, 0}));
   for (auto& j : d.joints) ++std::get<BallJointDef>(j).a, ++std::get<BallJointDef>(j).b;
@@ -92,7 +92,7 @@ TEST_P(Rigid3dDeterminism, ASleepingBodyElsewhereChangesNothing) {
     ASSERT_EQ(alone.x(i), beside.x(i + 1)) << i;
     ASSERT_EQ(alone.w(i), beside.w(i + 1)) << i;
   }
-  // The control: it did sleep, in mid air.
+  // The control: it did sleep, in mid-air.
   EXPECT_EQ(beside.x(1), (Vec3{500, 5, 0}));
   EXPECT_LT(awake.x(1).y, 4);
 }

@@ -1,5 +1,5 @@
-// Same scene, seed and commands give the same bits: through snapshots, seeks, journals, sinks and dropped
-// scratch.
+// The same scene, seed and commands give the same bits: through snapshots, seeks, journals, sinks and dropped
+// scratch memory.
 #include <gtest/gtest.h>
 
 #include "engine/base/random.h"
@@ -29,7 +29,7 @@ Command impulse(double x) {
   return c;
 }
 
-// Takes every frame; does nothing with it.
+// Accepts every frame and ignores it.
 class CountingSink : public Sink {
  public:
   CountingSink() { request_ = {{{0, 0, Scalar::f64}}, FrameRequest::Extras::state_hash}; }
@@ -69,12 +69,12 @@ TEST(SessionReplay, SeekingRepeatsTheRunWithItsCommands) {
               std::min(target, s.step_index()));
     s.seek(target);
     EXPECT_EQ(s.step_index(), target);
-    // At the steps of the commands a seek has carried them out already.
+    // At the steps of the commands, a seek has already executed them.
     if (target != 20 && target != 90) {
       EXPECT_EQ(s.hash(), hashes[target]) << "step " << target;
     }
   }
-  // The control: without the commands the run is another.
+  // The control: without the commands the run is different.
   Session plain(world, serial());
   plain.step(200);
   EXPECT_NE(plain.hash(), hashes[200]);

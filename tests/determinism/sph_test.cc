@@ -1,5 +1,5 @@
-// A liquid of particles comes out with the same bits on any number of threads, with and without a workspace,
-// and from a copy of a state.
+// A liquid of particles gives the same bits on any number of threads, with and without a workspace, and from
+// a copy of a state.
 #include <gtest/gtest.h>
 
 #include "tests/unit/sph_rig.h"

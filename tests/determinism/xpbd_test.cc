@@ -1,5 +1,5 @@
-// The bits of a cloth that is solved colour by colour do not depend on threads, on scratch memory, or on a
-// restore in between.
+// The bits of a cloth solved colour by colour do not depend on threads, on scratch memory, or on a restore in
+// between.
 #include "tests/unit/xpbd_rig.h"
 
 namespace truestep {
@@ -12,7 +12,7 @@ class XpbdDeterminism : public testing::TestWithParam<Precision> {
  protected:
   static XpbdDef cloth() {
     XpbdDef d;
-    // Colours of more than one task: lines of 200 links in more than four batches.
+    // Colours with several tasks: lines of 200 links in more than four batches.
     d.cloth_grid = ClothGridShape{.origin = {0, 1, 0}, .nx = 201, .ny = 150};
     d.density = 0.2;
     d.pinned = {"corner_00", "corner_10"};
@@ -23,7 +23,7 @@ class XpbdDeterminism : public testing::TestWithParam<Precision> {
     d.colliders.push_back(SphereColliderDef{{}, {0.5, 0.6, 0.5}, 0.3, false});
     return d;
   }
-  /// Falls on a small ball and on itself.
+  /// Cloth that falls on a small ball and on itself.
   static XpbdDef folding() {
     XpbdDef d;
     d.cloth_grid = ClothGridShape{.origin = {-0.5, 0.4, -0.5}, .nx = 21, .ny = 21};
@@ -69,7 +69,7 @@ TEST_P(XpbdDeterminism, WhatMeetsItselfIsTheSameWithThreadsAndRestores) {
     ASSERT_EQ(one.state, two.state) << "step " << i;
     ASSERT_EQ(one.state, dropped.state) << "step " << i;
   }
-  // It has met itself.
+  // The cloth has touched itself.
   EXPECT_NE(one.state, open.state);
 }
 
@@ -85,7 +85,8 @@ TEST_P(XpbdDeterminism, DroppedWorkspaceAndRestoreChangeNothing) {
 }
 
 TEST_P(XpbdDeterminism, AChangedParameterIsSeenAtOnce) {
-  // The constants are packed and kept: after a command they must be those of a run that never had others.
+  // The constants are packed and cached: after a command they must equal those of a run that started with
+  // them.
   XpbdDef soft = cloth(), stiff = cloth();
   soft.stiffness = 500;
   XpbdRun changed(soft), fresh(stiff);

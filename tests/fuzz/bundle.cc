@@ -1,5 +1,4 @@
-// Bundles: contents that the checksum vouches for are refused with a code or replayed, if that is little
-// work.
+// Bundles: contents with a valid checksum are refused with a code or, if that is little work, replayed.
 #include <cstddef>
 #include <cstdint>
 

@@ -1,6 +1,6 @@
-// Chunk logs: any bytes give a layout that plans and survives the way back, or nothing; and a log of whole
-// batches, or nothing. The checksums keep mutations out of a log's inside, so the same bytes are also read as
-// a layout without one, and a log is made around them with sums that are right.
+// Chunk logs: any bytes give a layout that plans and survives a round trip, or nothing; and a log of whole
+// batches, or nothing. The checksums keep mutations from reaching the inside of a log, so the same bytes are
+// also read as a layout without one, and wrapped in a log with correct checksums.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -50,7 +50,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   const auto bytes = std::as_bytes(std::span(data, size));
   read(bytes);
   if (size < 2) return 0;
-  // The first two bytes say where the layout ends and a batch begins.
+  // The first two bytes give the end of the layout, where a batch begins.
   const auto rest = bytes.subspan(2);
   const size_t cut = std::min<size_t>(data[0] | data[1] << 8, rest.size());
   std::vector<std::byte> log;

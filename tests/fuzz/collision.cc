@@ -1,5 +1,5 @@
-// Two convex solids of any size in any places, from the bytes: the contact is a sane one, it is there exactly
-// when GJK finds them near enough, and the time of impact of a sweep leaves a gap.
+// Two convex solids of any size at any poses, from the bytes: the contact is sane, it exists exactly when GJK
+// finds the solids near enough, and the time of impact of a sweep leaves a gap.
 #include <cmath>
 #include <cstring>
 

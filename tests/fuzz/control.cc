@@ -1,5 +1,5 @@
-// The planted fault: reads past the end of a buffer once the input begins with three given bytes. A fuzzing
-// run that does not find it finds nothing.
+// A planted bug: reads past the end of a buffer once the input begins with three given bytes. A fuzzing run
+// that does not find it can find nothing.
 #include <cstddef>
 #include <cstdint>
 #include <vector>

@@ -1,5 +1,5 @@
-// Systems of equations: the bytes are texts, one per line, that become a system of two states, an array, a
-// definition and an event; whatever they say, they compile and step, or are refused with a pointer.
+// Systems of equations: the bytes are texts, one per line, which become a system of two states, an array, a
+// definition and an event; whatever the texts are, they compile and step, or are refused with a pointer.
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -38,7 +38,7 @@ OdeDef system_of(const uint8_t* data, size_t size) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  // What a text may expand to is bounded, but slow under sanitizers: long inputs only repeat.
+  // The expansion of a text is bounded but slow under sanitizers: long inputs only repeat.
   if (size > 600) return 0;
   const OdeDef def = system_of(data, size);
   try {

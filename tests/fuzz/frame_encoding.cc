@@ -1,6 +1,7 @@
-// Q16_DELTA and QUAT32 over any floats: what a client decodes is within half a quantum (or the stated angle)
-// of what was sent, in every frame, whichever frames the client missed. The first byte holds the row's width
-// and whether frames are missed, then frames of up to 64 floats follow, each led by the number of its rows.
+// Q16_DELTA and QUAT32 over arbitrary floats: what a client decodes is within half a quantum (or the stated
+// angle) of what was sent, in every frame, whichever frames the client missed. The first byte holds the row's
+// width and whether frames are missed; then frames of up to 64 floats follow, each preceded by its number of
+// rows.
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -30,7 +31,7 @@ void check(const v1::Block& block, const std::vector<double>& decoded, const std
   for (size_t i = 0; i < sent.size(); i += 4) {
     double norm = 0, dot = 0;
     for (size_t c = i; c < i + 4; ++c) norm += double(sent[c]) * sent[c], dot += decoded[c] * sent[c];
-    // cos of half the angle; 1e-6 for decoded quaternions whose length is only nearly 1.
+    // Cosine of half the angle; 1e-6 for decoded quaternions, whose length is only approximately 1.
     need(std::abs(dot) / std::sqrt(norm) > std::cos(kQuaternionPackingError / 2) - 1e-6);
   }
 }

@@ -1,5 +1,5 @@
-// glTF files: whatever the bytes are, they are read into a model whose parts fit together, and made a motion
-// of, or refused with a sentence.
+// glTF files: whatever the bytes are, they are read into a consistent model and converted to a motion, or
+// refused with a sentence.
 #include <cstddef>
 #include <cstdint>
 

@@ -1,5 +1,6 @@
-// HTTP requests: Beast's parser with our refusals says the same whether the bytes come at once or one by one,
-// never consumes more than it was given, and refuses with a client's status. Bodies are read too.
+// HTTP requests: Beast's parser with our own refusals gives the same result whether the bytes come at once or
+// one by one, never consumes more than it was given, and refuses with a client error status. Bodies are read
+// too.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -18,7 +19,7 @@ struct Outcome {
   size_t used;
 };
 
-// Feeds what is there after each piece, and again after the head.
+// Feeds the available bytes after each piece, and again after the head.
 Outcome feed(RequestParser& parser, std::string_view text, size_t piece) {
   size_t used = 0;
   for (size_t end = std::min(piece, text.size()); end <= text.size(); end += piece) {
@@ -42,7 +43,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   Request from_whole, from_pieces;
   RequestParser whole(from_whole, 4096), pieces(from_pieces, 4096);
   const Outcome at_once = feed(whole, text, std::max<size_t>(size, 1)), by_byte = feed(pieces, text, 1);
-  // Byte by byte, Beast waits for the end of a head or chunk header and finds its faults later.
+  // Byte by byte, Beast waits for the end of a head or chunk header and finds its errors later.
   if (at_once.progress != by_byte.progress && at_once.progress != Progress::refused) __builtin_trap();
   if (at_once.progress == Progress::refused && by_byte.progress != Progress::refused &&
       by_byte.progress != Progress::need_more)

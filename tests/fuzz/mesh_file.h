@@ -1,5 +1,5 @@
-// What holds of any reader of surface files: every index is one of a vertex, every coordinate finite, or the
-// fault is at a place that the file has or that it lacks.
+// Requirements on any reader of surface files: every index refers to a vertex and every coordinate is finite,
+// or the error is at a place in the file, or at one that the file lacks.
 #pragma once
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
-// MSH files: whatever the bytes are, they are whole elements of vertices that are all used, with groups and a
-// surface of the same vertices, or a fault with its line.
+// MSH files: whatever the bytes are, they give whole elements whose vertices are all used, with groups and a
+// surface on the same vertices, or an error with its line.
 #include "engine/geometry/read/msh.h"
 
 #include "tests/fuzz/mesh_file.h"

@@ -1,7 +1,7 @@
-// Recordings: any bytes give frames or an Error with a code, never more memory than a few times the file.
-// What can be read exports in every format and does not differ from itself; every so often the bytes are
-// repaired as well, in the child process that repair always runs in, and what the repair calls good must read
-// as it said.
+// Recordings: any bytes give frames or an Error with a code, never using more memory than a few times the
+// file. What can be read exports in every format, and reading it again gives the same; now and then the bytes
+// are repaired as well, in the child process in which repairs always run, and what the repair reports as good
+// must read as reported.
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -34,7 +34,7 @@ void write_exports(RecordingReader& reader) {
 
 }  // namespace
 
-// The library loses memory of its own when it refuses a file; ours is checked.
+// The library leaks memory of its own when it refuses a file; ours is checked.
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libhdf5";
 }

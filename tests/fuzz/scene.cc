@@ -1,6 +1,6 @@
-// Scenes: any text gives a scene or an Error with a code; what the parser accepts it writes back as a scene
-// that it accepts again, unchanged. A scene whose estimate is small is built and stepped: it runs, or says
-// why not.
+// Scenes: any text gives a scene or an Error with a code; a scene that the parser accepts is written back as
+// one that it accepts again, unchanged. A scene with a small cost estimate is built and stepped: it runs or
+// gives a reason.
 #include <boost/json/serialize.hpp>
 #include <cstddef>
 #include <cstdint>

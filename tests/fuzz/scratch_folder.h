@@ -1,4 +1,4 @@
-// One folder for the files of a fuzz target, in memory where there is such, for the life of the process.
+// One folder for the files of a fuzz target, in memory if possible, for the lifetime of the process.
 #pragma once
 #include <unistd.h>
 

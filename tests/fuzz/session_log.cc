@@ -1,6 +1,6 @@
-// The files that a session is restored from. A first byte of 0: the rest is a log; 1: a saved state; 2: two
-// bytes of its size (the higher first), a saved state and a log. What is read is refused with
-// "session_damaged" or comes to a course whose commands are in order.
+// The files from which a session is restored. A first byte of 0: the rest is a log; 1: a saved state; 2: two
+// bytes with its size (high byte first), a saved state and a log. What is read is refused with
+// "session_damaged" or gives a history whose commands are in order.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,6 @@
-// Snapshots of worlds. The first byte picks a scene; the rest are edits (place, value) of the bytes of one of
-// its states: what is read from that is refused with "bad_snapshot" or can be stepped, observed and saved
-// again. With a first byte of 255 the rest is a snapshot's file.
+// Snapshots of worlds. The first byte selects a scene; the rest are edits (place, value) of the bytes of one
+// of its states: the result is refused with "bad_snapshot" or can be stepped, observed and saved again. With
+// a first byte of 255 the rest is a snapshot file.
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -42,7 +42,7 @@ const std::shared_ptr<const ThreadArena>& arena() {
   return a;
 }
 
-// A state with contacts and hands on it.
+// A state with contacts, pushes and drags.
 Case make(const char* text) {
   Case c{std::make_shared<const World>(parse_scene(text)), {}};
   Session session(c.world, arena(), {.history_bytes = 0});

@@ -1,4 +1,4 @@
-// What clients of a stream send: any bytes, in both wire forms, give a message or an Error with a code.
+// Messages from clients of a stream: any bytes, in both wire forms, give a message or an Error with a code.
 #include <cstddef>
 #include <cstdint>
 #include <string_view>

@@ -1,4 +1,4 @@
-// Some inputs describe work that takes long, as they may. It is interrupted, which is tried by that, too.
+// Some inputs describe work that legitimately takes long. It is interrupted, which tests interruption, too.
 #pragma once
 #include <atomic>
 #include <chrono>
@@ -8,7 +8,7 @@
 
 namespace truestep {
 
-/// While it lives, this thread's work is interrupted after a second.
+/// During its lifetime, work of this thread is interrupted after a second.
 class TimeLimit {
  public:
   TimeLimit() : scope_(clock().interrupt) {

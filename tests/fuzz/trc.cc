@@ -1,5 +1,5 @@
-// Files of markers: whatever the bytes are, they are read into places of every frame and marker, or refused
-// with a line that the text has.
+// Marker files: whatever the bytes are, they are read into positions of every frame and marker, or refused
+// with a line that exists in the text.
 #include <cstddef>
 #include <cstdint>
 

@@ -1,5 +1,5 @@
-// A WebSocket that Beast speaks and we serve: whatever a client sends after the handshake, in pieces (the
-// first byte of the input is the piece's length), the conversation ends once, and what is echoed is valid.
+// A WebSocket served by us on top of Beast: whatever a client sends after the handshake, in pieces (the first
+// byte of the input is their length), the conversation ends once, and what is echoed is valid.
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -71,7 +71,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     }
     ::shutdown(pair[1], SHUT_WR);
     for (int i = 0; i < 1000 && ends == 0; ++i) {
-      // Once everything has been tried: the time that a closing may take is over.
+      // Once everything has been fed: past the time that closing may take.
       if (i == 500) socket->tick(Clock::now() + kLimits.close_wait + std::chrono::seconds(1));
       io.poll();
       drain(pair[1]);

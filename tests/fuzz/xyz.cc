@@ -1,5 +1,5 @@
-// Texts of atoms: whatever the bytes are, they give as many names as places, all finite, or a fault in a line
-// that the text has or that it lacks.
+// XYZ texts: whatever the bytes are, they give as many names as positions, all finite, or an error in a line
+// of the text or one that it lacks.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

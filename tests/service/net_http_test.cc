@@ -76,7 +76,7 @@ TEST_F(NetServer, LongPollIsWokenBySignalAndEndedByStop) {
   std::string woken, ended;
   std::jthread first([&] { woken = get("/poll"); });
   while (woken.empty() && server_->stats().requests < 1) std::this_thread::sleep_for(1ms);
-  // The handler may not wait yet when the request is counted: raise until it has answered.
+  // The handler may not be waiting yet when the request is counted: notify until it has answered.
   std::jthread raiser([&](std::stop_token stop) {
     while (!stop.stop_requested()) {
       signal_.notify();

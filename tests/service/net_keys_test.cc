@@ -1,4 +1,5 @@
-// The brake on guessed keys: what it costs, who is spared, and that it stays small whoever comes.
+// The throttle on guessed keys: what it costs, who is exempt, and that its memory stays small whoever
+// connects.
 #include "server/net/key_throttle.h"
 
 #include <gtest/gtest.h>

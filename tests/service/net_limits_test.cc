@@ -1,4 +1,4 @@
-// Who is turned away: foreign hosts and origins, strangers without a key, slow and too many peers.
+// Who is turned away: foreign hosts and origins, clients without a key, slow and too many peers.
 #include "tests/service/net_server.h"
 
 namespace truestep::net {

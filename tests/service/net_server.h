@@ -1,5 +1,5 @@
-// A server of server/net alone over real sockets, in the test's process, with routes that answer in every way
-// there is, and a client that sends raw text.
+// server/net alone over real sockets, in the test's process, with routes for every kind of answer, and a
+// client that sends raw text.
 #pragma once
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using namespace std::chrono_literals;
 
-// What the tests see of the last WebSocket.
+// What the tests observe of the last WebSocket.
 struct Seen {
   std::mutex mutex;
   std::shared_ptr<WebSocket> socket;

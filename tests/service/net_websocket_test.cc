@@ -1,5 +1,5 @@
-// WebSockets: messages, subprotocols, compression, closing, the queue; and what Beast alone gets wrong, with
-// raw frames.
+// WebSockets: messages, subprotocols, compression, closing, the queue; and what Beast alone gets wrong,
+// tested with raw frames.
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
 
@@ -38,7 +38,7 @@ class NetWebSocket : public NetServer {
     for (int i = 0; i < 10000 && seen_.close_code == 0; ++i) std::this_thread::sleep_for(1ms);
     return seen_.close_code;
   }
-  // Sends the bytes and the end of all bytes, and returns everything that comes back.
+  // Sends the bytes and then end-of-stream, and returns everything that comes back.
   static std::string rest_after(tcp::socket& s, const std::string& bytes) {
     asio::write(s, asio::buffer(bytes));
     s.shutdown(tcp::socket::shutdown_send);
@@ -133,8 +133,8 @@ TEST_F(NetWebSocket, EndsWhenAFrameBreaksTheRulesWhileItCloses) {
   {
     auto [s, head] = shake();
     served = seen_.get();
-    // The text that ends inside a character makes the server close; then a frame without a mask, which Beast
-    // answers with a close of its own, and no end of the bytes.
+    // The text that ends inside a character makes the server close; then comes a frame without a mask, which
+    // Beast answers with a close of its own, and no end-of-stream.
     asio::write(s, asio::buffer("\x01\x81\0\0\0\0\xCE\x80\x80\0\0\0\0\x81\x01x"s));
     EXPECT_EQ(end_code(), 1007);
   }
@@ -145,7 +145,7 @@ TEST_F(NetWebSocket, EndsWhenAFrameBreaksTheRulesWhileItCloses) {
 TEST_F(NetWebSocket, TheLengthThatACompressedFrameClaimsIsNotBelieved) {
   start();
   auto [s, head] = shake("Sec-WebSocket-Extensions: permessage-deflate\r\n");
-  // Compressed text of 2^62 bytes, of which empty stored blocks come, one after the other.
+  // A compressed text announced as 2^62 bytes, of which empty stored blocks arrive one after the other.
   asio::write(s, asio::buffer("\xC1\xFF\x40\0\0\0\0\0\0\0\0\0\0\0\0\0\0\xFF\xFF"s));
   for (int i = 0; i < 5; ++i) {
     std::this_thread::sleep_for(20ms);
@@ -165,7 +165,7 @@ TEST_F(NetWebSocket, CloseCodesBeyondTheRangeAreRefused) {
     EXPECT_TRUE(rest_after(s, close_5000).ends_with(refused));
   }
   seen_.close_code = 0;
-  // The same while a message that fills the socket is on its way and another one waits.
+  // The same while a message that fills the socket is being sent and another one waits.
   auto [s, head] = shake();
   const auto socket = seen_.get();
   ASSERT_TRUE(socket);
@@ -203,7 +203,7 @@ TEST_F(NetWebSocket, QueueIsBoundedAndOtherThreadsMaySend) {
   const auto socket = seen_.get();
   ASSERT_TRUE(socket);
   const auto frame = std::make_shared<const std::string>(size_t{1} << 20, 'f');
-  // Nobody reads: at most the queue's limit and what the kernel takes is accepted, then sends are refused.
+  // Nobody reads: at most the queue's limit plus what the kernel buffers is accepted, then sends are refused.
   int accepted = 0;
   std::vector<std::jthread> senders;
   std::atomic<int> total{0};
@@ -217,7 +217,7 @@ TEST_F(NetWebSocket, QueueIsBoundedAndOtherThreadsMaySend) {
   EXPECT_LT(accepted, 60);
   EXPECT_GE(accepted, 8);
   EXPECT_LE(socket->queued_bytes(), options.websocket.max_queue);
-  // Every accepted message arrives, whole and in one piece.
+  // Every accepted message arrives complete.
   client.read_message_max(size_t{2} << 20);
   for (int i = 0; i < accepted; ++i) {
     beast::flat_buffer buffer;
@@ -237,7 +237,7 @@ TEST_F(NetWebSocket, SilentPeersAreAskedAndThenCut) {
   const auto begin = std::chrono::steady_clock::now();
   asio::read(silent, asio::dynamic_buffer(all), ec);
   EXPECT_EQ(all, "\x89\0"s) << "one ping";
-  // Asked after 1 s, cut 2 s later, both found by a sweep every 0.25 s; the rest is for a busy machine.
+  // Pinged after 1 s, dropped 2 s later, both found by a sweep every 0.25 s; the rest is for a busy machine.
   EXPECT_GE(std::chrono::steady_clock::now() - begin, 2900ms);
   EXPECT_LT(std::chrono::steady_clock::now() - begin, 15s);
   EXPECT_EQ(end_code(), 1006);

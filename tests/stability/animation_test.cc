@@ -1,6 +1,6 @@
-// Animation at its extremes: chains of a thousand joints, targets at a thousand million metres, times of
-// years, limits that leave no way, curves whose keys lie next to each other. Nothing is lost, whatever is
-// reached.
+// Animation at its extremes: chains of a thousand joints, targets a thousand million metres away, times of
+// years, limits that leave no solution, curves whose keys are next to each other. Everything stays finite and
+// consistent, whether the target is reached or not.
 #include "tests/unit/animation_rig.h"
 
 namespace truestep::animation {
@@ -15,7 +15,7 @@ constexpr IkMethod kIterative[] = {IkMethod::gradient, IkMethod::gauss_newton, I
 void expect_bones(const Chain& chain, double length) {
   for (size_t j = 1; j < chain.joints.size(); ++j) {
     const double l = norm(chain.work.poses[j].position - chain.work.poses[j - 1].position);
-    // Rounding of places of order 1, added along the chain.
+    // Rounding of positions of order 1, accumulated along the chain.
     ASSERT_NEAR(l, length, 1e-12);
   }
 }
@@ -72,7 +72,7 @@ TEST(AnimationExtremes, StepsOfAnyLength) {
   for (const double h : {1e-9, 1e-3, 1.0, 1e6}) {
     AnimationRun<keyframes::Keyframes> run(d, h);
     run.step(100);
-    // Where it is depends on the time alone.
+    // The position depends on the time alone.
     EXPECT_NEAR(run.observe("shape.a.x"), std::sin(100 * h), 1e-12) << h;
   }
 }

@@ -1,5 +1,6 @@
-// What attachments bring to ropes and cloths that are solved implicitly: nothing. A link that puts a point in
-// place by its own mass stretches the springs that hold it, h^2 k / m times the energy of the impulse.
+// Attachments must add no energy to ropes and cloths that are solved implicitly. A link that moves a point
+// according to the point's own mass stretches the springs attached to it, by h^2 k / m times the energy of
+// the impulse.
 #include <algorithm>
 
 #include "tests/support/coupled.h"
@@ -42,8 +43,8 @@ constexpr const char* kLoose = R"("velocity": [0, 0, 0])";
 constexpr const char* kThrown = R"("velocity": [0, 1, 0.5])";
 constexpr const char* kLink = R"("link": "rigid")";
 
-// Put in place by their own masses, the points brought 8.7 J beside 4.9 J in the fall and a half as much
-// again to what is thrown.
+// Moved according to their own masses, the points gained 8.7 J beside 4.9 J in the fall, and half as much
+// again when thrown.
 TEST(AttachedEnergy, LinkedRopesGainNothing) {
   SceneRun fall(ropes(kDown, kPinned, kLoose, kLink)), thrown(ropes("[0, 0, 0]", kLoose, kThrown, kLink));
   for (SceneRun* run : {&fall, &thrown}) {
@@ -51,12 +52,12 @@ TEST(AttachedEnergy, LinkedRopesGainNothing) {
     EXPECT_LT(r.most, r.start * (1 + 1e-9));
     EXPECT_LT(run->observe("tie.length.error"), 1e-12);
   }
-  // The control: it moves, and the link has something to do.
+  // The control: the ropes move, and the link has work to do.
   EXPECT_LT(fall.observe("a.momentum.y") + fall.observe("b.momentum.y"), 1);
   EXPECT_GT(thrown.observe("tie.impulse.sum"), 0.05);
 }
 
-// Kicks of this spring are unstable at h sqrt(k K) = 2, this one has 10.
+// Kicks of this spring are unstable from h sqrt(k K) = 2 on; here it is 10.
 TEST(AttachedEnergy, StiffSpringsBetweenRopesHold) {
   const std::string spring = R"("link": "spring", "stiffness": 9000)";
   SceneRun fall(ropes(kDown, kPinned, kLoose, spring)), thrown(ropes("[0, 0, 0]", kLoose, kThrown, spring));
@@ -66,7 +67,7 @@ TEST(AttachedEnergy, StiffSpringsBetweenRopesHold) {
   }
 }
 
-// Nothing from outside: momentum stays, as far as the solver's accuracy of 1e-10 goes.
+// No external forces: momentum is conserved to the solver's accuracy of 1e-10.
 TEST(AttachedEnergy, LinkedRopesKeepTheirMomentum) {
   for (const char* tie : {kLink, R"("link": "spring", "stiffness": 9000, "damping": 0.3)"}) {
     SceneRun run(ropes("[0, 0, 0]", kLoose, kThrown, tie));
@@ -78,7 +79,8 @@ TEST(AttachedEnergy, LinkedRopesKeepTheirMomentum) {
   }
 }
 
-// The lower rope hangs on the link: it passes on that rope's weight, 5 points of 0.05 kg, once all is still.
+// The lower rope hangs on the link, which carries its weight, 5 points of 0.05 kg, once everything is at
+// rest.
 TEST(AttachedEnergy, LinkBearsTheWeightBelowIt) {
   for (const char* tie : {kLink, R"("link": "spring", "stiffness": 9000)"}) {
     SceneRun run(ropes(kDown, R"("pinned": ["first"], "damping": 0.2)", R"("damping": 0.2)", tie));
@@ -90,7 +92,7 @@ TEST(AttachedEnergy, LinkBearsTheWeightBelowIt) {
   }
 }
 
-// A seam of two cloths, two of its pairs on one point, and a particle that hangs on it.
+// A seam between two cloths, with two of its pairs on one point, and a particle that hangs on it.
 TEST(AttachedEnergy, SeamsHoldTheirLengths) {
   SceneRun run(R"({"time": {"dt": 0.016666666666666666}, "systems": [
       {"type": "mass_spring", "id": "a", "cloth_grid": {"nx": 5, "ny": 5}, "pinned": ["corner_00"],

@@ -1,5 +1,5 @@
-// Random scenes keep their energy, their momentum and their place: a few hundred of them, the same ones every
-// time. The program campaign judges as many more as wanted.
+// Random scenes conserve their energy, their momentum and their place: a few hundred of them, the same ones
+// every time. The program `campaign` judges as many more as desired.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -78,8 +78,8 @@ TEST(Campaign, JudgesAtLeastThreeHundredScenes) {
   EXPECT_GE(scenes, 300u);
 }
 
-// Scenes that few draws come to: springs between jointed bodies that turn by half a radian in a step, and
-// boxes and cylinders that spin on a floor by as much.
+// Rarely drawn scenes: springs between jointed bodies that turn by half a radian per step, and boxes and
+// cylinders that spin just as fast on a floor.
 TEST(Campaign, RareScenes) {
   for (const uint64_t seed : {654, 1292, 1756, 2307, 3293, 3467, 4308, 4366, 5468, 5642, 1398, 1456, 1833,
                               3312, 3457, 4820, 8445, 8706}) {
@@ -89,8 +89,9 @@ TEST(Campaign, RareScenes) {
   }
 }
 
-// Ropes that are far too stiff for an explicit method's step, tied together, bring a million times what was
-// there: told, not shown. By the methods that the ropes choose themselves nothing comes of it.
+// Ropes far too stiff for an explicit method's step, tied together, gain a million times their initial
+// energy: this must be reported, not shown. With the methods that the ropes choose themselves nothing
+// happens.
 TEST(Campaign, CoupledSystemsThatRunAwayAreAnEvent) {
   Trial stiff = make_trial(3968);
   EXPECT_FALSE(judge(stiff).event.has_value());
@@ -98,7 +99,7 @@ TEST(Campaign, CoupledSystemsThatRunAwayAreAnEvent) {
   EXPECT_TRUE(judge(stiff).event.has_value());
 }
 
-// Links and springs on ropes whose points answer with all that is tied to them.
+// Links and springs on ropes whose points respond together with everything tied to them.
 TEST(Campaign, StiffAttachments) {
   for (const uint64_t seed : {285, 1967, 2634, 3968, 5331, 7709, 8666, 16409, 19947}) {
     const Trial trial = make_trial(seed);
@@ -116,8 +117,8 @@ TEST(Campaign, RestOnCloth) {
   }
 }
 
-// Cloth that hardly stretches falls on a sphere: the friction that its points were held with grew from
-// solution to solution of one step.
+// Cloth that hardly stretches falls on a sphere: the friction that held its points used to grow from solve to
+// solve within one step.
 TEST(Campaign, StiffClothOnSolids) {
   for (const uint64_t seed : {484, 4544, 5182, 7879}) {
     const Trial trial = make_trial(seed);
@@ -126,10 +127,9 @@ TEST(Campaign, StiffClothOnSolids) {
   }
 }
 
-// Light points between heavy bodies, which a step turns further than one linear solution holds: energy crept
-// up by a hundredth a step, or a rope was flung (9,700 J beside 99). Corners caught in cloth, where some
-// touches bounce and others hold, asked for more than there was (1001079: 13 J beside 27; 1002483: 5 J beside
-// 19).
+// Light points between heavy bodies, which a step turns farther than one linear solve can follow: energy
+// crept up by a hundredth per step, or a rope was flung (9,700 J beside 99). Corners caught in cloth, where
+// some touches bounce and others hold, gained energy (1001079: 13 J beside 27; 1002483: 5 J beside 19).
 TEST(Campaign, TiedBodies) {
   for (const uint64_t seed : {1000136, 1000220, 1000367, 1000502, 1000652, 1000658, 1000688, 1000739, 1000802,
                               1001006, 1001079, 1002378, 1002483}) {
@@ -139,7 +139,7 @@ TEST(Campaign, TiedBodies) {
   }
 }
 
-// Cylinders, and a flat box (22829), that spin upright by up to two radians a step.
+// Cylinders, and a flat box (22829), that spin upright by up to two radians per step.
 TEST(Campaign, SpinningCylinders) {
   for (const uint64_t seed :
        {20364, 20538, 21553, 22713, 22771, 22829, 23061, 23177, 23264, 23525, 23612, 23873}) {
@@ -149,7 +149,7 @@ TEST(Campaign, SpinningCylinders) {
   }
 }
 
-// A judge that finds nothing in a scene that is wrong would be worth nothing.
+// A judge that finds nothing in a wrong scene would be worthless.
 TEST(Campaign, JudgesFindWhatIsWrong) {
   Trial t = make_trial(0);
   t.scene["expect"] =

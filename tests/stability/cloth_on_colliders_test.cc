@@ -1,5 +1,5 @@
-// Stiff cloth that falls on what does not give way: points that are held to a surface are part of the step's
-// own solution, so that no spring is stretched by putting them there.
+// Stiff cloth that falls on rigid solids: points held to a surface are part of the step's own solve, so that
+// no spring is stretched by moving them there.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -48,8 +48,8 @@ TEST(ClothOnColliders, StiffSheetsGainNothing) {
     EXPECT_LT(f.gain, 0.08) << stiffness;
     EXPECT_LT(f.deepest, 0.015) << stiffness << ": what stiff sheets wait with is less than their thickness";
   }
-  // The control: a method that does not know of contacts has points put back to the surface after its steps,
-  // and loses hold of the springs that that stretches.
+  // The control: a method without support for contacts has its points moved back to the surface after each
+  // step, and cannot handle the springs that this stretches.
   EXPECT_LT(fall(1e4, R"(, "integrator": "bdf2")").steps, 60);
 }
 

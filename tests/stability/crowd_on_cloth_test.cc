@@ -1,5 +1,5 @@
-// Crowds that hit a light cloth all at once used to leak through it: the answers of a step lost the ways
-// before them, and a triangle that turns fast was met too late. Here nothing passes, whatever the speeds.
+// Crowds that hit a light cloth all at once used to leak through it: the answers of a step lost the paths
+// before them, and a fast rotating triangle was met too late. Now nothing passes, at any speed.
 #include <cmath>
 
 #include "engine/base/random.h"
@@ -16,7 +16,8 @@ Vec3 random_vec(uint64_t stream, uint64_t i) {
   return {2 * u[0] - 1, 2 * u[1] - 1, 2 * u[2] - 1};
 }
 
-// The triangle's straight motion, sampled: nothing comes within the target before what is found, or at all.
+// The triangle's straight motion, sampled: nothing comes within the target before the contact that is found,
+// or at all if none is.
 TEST(StraightContact, AgreesWithDenseSampling) {
   int hits = 0, late = 0;
   for (uint64_t i = 0; i < 3000; ++i) {
@@ -40,7 +41,7 @@ TEST(StraightContact, AgreesWithDenseSampling) {
     if (!hit) continue;
     ++hits;
     EXPECT_LE(hit->apart, std::max(2 * target, 1e-6)) << i;
-    // The control: with one direction at a time alone some are not found within as many advances.
+    // The control: with one direction at a time, some contacts are not found within as many advances.
     late += !first_hull_contact(p, c, 3, target);
   }
   EXPECT_GT(hits, 200);
@@ -60,7 +61,7 @@ TEST(StraightContact, CubicFallsAtItsFirstRoot) {
   }
 }
 
-/// How many points are under the cloth: straight above them lies an odd number of its triangles.
+/// Number of points under the cloth: those with an odd number of its triangles straight above them.
 int below(const SceneRun& run) {
   const ConstPoints c(run.session.state().systems[0], *run.world->system(0).ports().points);
   const ConstPoints p(run.session.state().systems[1], *run.world->system(1).ports().points);
@@ -103,7 +104,7 @@ constexpr const char* kContact =
 int most_below(const Crowd& crowd, const char* coupling) {
   SceneRun run(scene(crowd, coupling));
   int most = 0;
-  // Until the cloth has thrown the crowd back; later some fly over the border and fall beside it.
+  // Until the cloth has thrown the crowd back; later some fly over its edge and fall beside it.
   for (double t = 0; t < 0.25; t += crowd.dt) {
     run.session.step(1);
     most = std::max(most, below(run));
@@ -121,7 +122,7 @@ TEST(CrowdOnCloth, NothingPassesAt20MetresPerSecond) {
                       .count = 300,
                       .seed = seed};
     EXPECT_EQ(most_below(crowd, kContact), 0) << seed;
-    // The control: the same count without the coupling finds them all.
+    // The control: without the coupling the same count finds them all below.
     EXPECT_GT(most_below(crowd, ""), 290) << seed;
   }
 }
@@ -141,7 +142,7 @@ TEST(CrowdOnCloth, NorMuchHarder) {
   }
 }
 
-// Stops and zones exchange momentum, they do not make it: a crowd hits a cloth that floats free.
+// Stops and zones exchange momentum but do not create it: a crowd hits a cloth that floats freely.
 TEST(CrowdOnCloth, KeepsMomentumAndGainsNoEnergy) {
   SceneRun run(R"({"seed": 2, "gravity": [0, 0, 0], "time": {"dt": 0.001}, "systems": [
       {"type": "mass_spring", "id": "cloth", "cloth_grid": {"nx": 12, "ny": 12}, "mass": 0.004, "stiffness": 2,
@@ -157,7 +158,7 @@ TEST(CrowdOnCloth, KeepsMomentumAndGainsNoEnergy) {
   const Vec3 centre = before.center + before.linear * (300 * 0.001 / before.mass);
   EXPECT_LT(norm(after.center - centre), 1e-12 * norm(centre));
   EXPECT_LE(run.observe("energy.total"), energy);
-  // The control: there was something to keep.
+  // The control: there was momentum to conserve.
   EXPECT_GT(run.observe("c.impulse.sum"), 0.1 * before.scale);
 }
 

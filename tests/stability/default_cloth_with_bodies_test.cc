@@ -1,5 +1,4 @@
-// Scenes of cloth and ropes that touch bodies and say nothing of methods and substeps: what they get by
-// default holds.
+// Scenes of cloth and ropes that touch bodies and name neither methods nor substeps: the defaults hold.
 #include <string_view>
 
 #include "engine/integrators/table/integrators.h"
@@ -38,21 +37,21 @@ TEST(DefaultsWithBodies, ClothHoldsLightAndHeavyCrates) {
         ASSERT_TRUE(run.session.step(1)) << mass << " " << precision << " " << k;
         if (k % 30 != 0) continue;
         highest = std::max(highest, run.observe("energy.total"));
-        // A body may roll off the corner of a cloth, not through its middle.
+        // A body may roll off the corner of a cloth, but not pass through its middle.
         ASSERT_LT(run.observe("catch.penetration"), 1e-4) << mass << " " << precision << " " << k;
       }
-      // Rounding and the springs' own oscillation of a symplectic method: far below what the fall has
-      // brought.
+      // Rounding and the oscillation of a symplectic method's energy in the springs: far below the energy of
+      // the fall.
       EXPECT_LT(highest, start + 0.01 * drop) << mass << " " << precision;
       EXPECT_GT(run.observe("crate.position.y"), 0.2) << mass << " " << precision;
-      // It has come to rest on the cloth: what the crate weighs is what it got.
+      // It has come to rest on the cloth: the impulse on the crate equals its weight times the time.
       EXPECT_NEAR(run.observe("catch.impulse.y"), mass * 9.81 * seconds, 0.03 * mass * 9.81 * seconds)
           << mass;
     }
   }
 }
 
-// The control: the same springs in whole steps fly apart, and it is said.
+// The control: with whole steps the same springs fly apart, and this is reported.
 TEST(DefaultsWithBodies, WholeStepsDoNot) {
   SceneRun run(cloth_and_crate(1, "f64", R"(, "substeps": 1)"));
   EXPECT_EQ(run.world->scene().substeps(), 1);
@@ -61,7 +60,7 @@ TEST(DefaultsWithBodies, WholeStepsDoNot) {
 }
 
 TEST(DefaultsWithBodies, WhatASceneSaysCounts) {
-  // Substeps that are given, methods that are named, and scenes in which nothing touches bodies.
+  // Given substeps, named methods, and scenes in which nothing touches bodies.
   EXPECT_EQ(SceneRun(cloth_and_crate(1, "f64", R"(, "substeps": 50)")).world->scene().substeps(), 50);
   std::string alone = cloth_and_crate(1, "f64");
   const size_t from = alone.find("\"couplings\""), to = alone.find("\"probes\"");

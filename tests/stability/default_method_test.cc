@@ -1,4 +1,4 @@
-// What a scene that names no method gets: one that holds at the scene's own step, with the reason in the
+// The default of a scene that names no method: one that holds at the scene's own step, with the reason in the
 // plan.
 #include <gtest/gtest.h>
 
@@ -68,7 +68,7 @@ TEST(DefaultMethod, HoldsShortPendulumsAndStiffPairsOfParticles) {
 }
 
 // Three links that start at rest 3 rad from hanging flip at up to some 40 rad/s: 0.7 rad in a step of 1/60 s,
-// of which nothing is to be seen at the start.
+// which nothing at the start reveals.
 TEST(DefaultMethod, HoldsLinksThatFlipLater) {
   const auto gain = [](const std::string& method) {
     SceneRun run(R"({"type": "pendulum", "id": "p", "links": 4, "angles": [3, 2.8, -2.9, 3], )"
@@ -116,9 +116,10 @@ double tip(const SceneRun& run) {
   return static_cast<const double*>(x.data)[3 * (kLinks - 1) + 1];
 }
 
-// From straight under its own weight it swings about the deflection rho g L^4 / 8 EI with the period of its
-// first mode, 2 pi / (3.5160 sqrt(EI / rho L^4)) (Timoshenko, Vibration Problems in Engineering,
-// section 5.11): 0.39179 % of the length and 1 s here. A step of 1/60 s is some 4,800 times what rk4 holds.
+// Released from straight, under its own weight it swings about the deflection rho g L^4 / 8 EI with the
+// period of its first mode, 2 pi / (3.5160 sqrt(EI / rho L^4)) (Timoshenko, Vibration Problems in
+// Engineering, section 5.11): 0.39179 % of the length and 1 s here. A step of 1/60 s is some 4,800 times the
+// limit of rk4.
 TEST(DefaultMethod, StiffBeamOfTwoHundredLinksSwingsLikeABeam) {
   const double omega = 2 * std::numbers::pi, EI = std::pow(omega / 3.5160152685, 2);
   SceneRun run(beam(EI), 1.0 / 60, kLight);
@@ -136,8 +137,8 @@ TEST(DefaultMethod, StiffBeamOfTwoHundredLinksSwingsLikeABeam) {
   EXPECT_GT(std::abs(tip(run.steps(30)) / deflection), 1.5);
 }
 
-// A step that Newton's method cannot solve as a whole is divided: a sail of three links on springs that
-// swings far, 1e4 times faster than its step.
+// A step that Newton's method cannot solve as a whole is subdivided: a sail of three links on springs that
+// swings far, with oscillations 1e4 times faster than its step.
 TEST(DefaultMethod, FewStiffLinksDivideStepsThatCannotBeSolved) {
   const std::string links =
       R"({"type": "articulation", "id": "a", "links": [
@@ -157,7 +158,7 @@ TEST(DefaultMethod, FewStiffLinksDivideStepsThatCannotBeSolved) {
 }
 
 TEST(DefaultMethod, StiffBeamHoldsForLong) {
-  // Stiff enough that nothing is seen to move, and heavy enough to bend far.
+  // Stiff enough to show no motion, and soft enough to bend far under its weight.
   for (const double EI : {1e-1, 1e6}) {
     SceneRun run(beam(EI), 1.0 / 60);
     run.steps(20);
@@ -178,7 +179,7 @@ TEST(DefaultMethod, StiffestRopeHolds) {
     const double start = run.observed("energy.total");
     double most = start;
     for (int s = 0; s < 120; ++s) most = std::max(most, run.steps(1).observed("energy.total"));
-    // Nothing drives it, and the 4 J of 41 points of 10 g 1 m up become less by no more than what implicit
+    // No energy is supplied, and the 4 J of 41 points of 10 g, 1 m up, shrink by no more than what implicit
     // Euler takes from a rope of any stiffness.
     EXPECT_LT(most - start, 1e-6) << k;
     SceneRun soft(rope(1e7), 1.0 / 60);
@@ -192,8 +193,8 @@ TEST(DefaultMethod, StiffRopeHolds) {
     const double start = run.observed("energy.total");
     double most = start;
     for (int s = 0; s < 300; ++s) most = std::max(most, run.steps(1).observed("energy.total"));
-    // Nothing drives it: what falls may not gain. A quarter of a per cent of the 4 J that 41 points of 10 g
-    // have 1 m up.
+    // No energy is supplied: a falling rope may not gain any. A quarter of a per cent of the 4 J that 41
+    // points of 10 g have 1 m up.
     EXPECT_LT(most - start, 1e-2) << k;
   }
 }

@@ -1,4 +1,4 @@
-// Symplectic rows keep the energy error bounded for as long as anyone looks (Hairer, Lubich, Wanner 2006,
+// Symplectic rows keep the energy error bounded for as long as the run lasts (Hairer, Lubich, Wanner 2006,
 // theorem IX.8.1); the others drift, which is the control.
 #include <gtest/gtest.h>
 
@@ -41,7 +41,7 @@ TEST(Energy, SymplecticRowsStayBoundedOver100000Steps) {
       if (m.structure != Integrator::Structure::symplectic) continue;
       const Drift e = drift(*field, m, h, 100000);
       std::printf("%-18s energy error early %.2e late %.2e\n", std::string(m.name).c_str(), e.early, e.late);
-      // Bounded: the last tenth is no worse than the first, but for sampling and 1e5 roundings.
+      // Bounded: the last tenth is no worse than the first, except for sampling and 1e5 roundings.
       EXPECT_LT(e.late, 1.05 * e.early + 1e-10) << m.name;
     }
   }

@@ -1,5 +1,5 @@
-// Soft bodies dropped at random on each other and on obstacles, needles and edges among them: with a barrier
-// no edge of the surface ever goes through a triangle, and no energy comes from nowhere.
+// Soft bodies dropped at random on each other and on obstacles, including needles and edges: with a barrier
+// no edge of the surface ever passes through a triangle, and no energy is created.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,7 +24,7 @@ double between(Numbers& r, double low, double high) {
   return low + (high - low) * 0.5 * (1 + r());
 }
 
-// Bodies stand apart in a column, each turned and thrown at random; below them a floor and one obstacle.
+// Bodies start apart in a column, each rotated and thrown at random; below them are a floor and one obstacle.
 Drop random_drop(uint64_t seed) {
   Numbers r{88172645463325252ull ^ (seed * 0x9e3779b97f4a7c15ull)};
   for (int k = 0; k < 8; ++k) r();
@@ -90,7 +90,8 @@ TEST(FemBarrier, NothingEverGoesThroughAnything) {
   for (uint64_t seed = first; seed < first + count; ++seed) {
     const Drop drop = random_drop(seed);
     FemRun run(drop.def, drop.dt, drop.gravity);
-    // Contact potential is no part of the total, which friction, barriers and implicit Euler only take from.
+    // The contact potential is not part of the total, from which friction, barriers and implicit Euler can
+    // only take.
     const auto energy = [&] { return run.observe("energy.total") + run.observe("energy.contact"); };
     const double start = energy(), kinetic = run.observe("energy.kinetic");
     const int steps = static_cast<int>(std::min(60.0, 0.5 / drop.dt));
@@ -105,14 +106,14 @@ TEST(FemBarrier, NothingEverGoesThroughAnything) {
       ASSERT_FALSE(through.has_value()) << seed << " step " << k << ": " << *through;
     }
     met += run.observe("contact.pairs") > 0;
-    // What a minimum of the incremental potential has at most; a millionth is Newton's tolerance.
+    // The bound at a minimum of the incremental potential; a millionth is Newton's tolerance.
     EXPECT_LE(energy(), start + 1e-6 * (std::abs(start) + kinetic)) << seed;
   }
-  // Most of them are in contact when they are judged.
+  // Most of them are in contact when judged.
   EXPECT_GT(2 * met, count);
 }
 
-// The control: nodes that are kept out one by one let edges through.
+// The control: nodes that are kept out one by one let edges pass.
 TEST(FemBarrier, NodesAloneLetEdgesThrough) {
   size_t through = 0;
   for (uint64_t seed = 1; seed <= 10; ++seed) {
@@ -132,7 +133,7 @@ TEST(FemBarrier, NodesAloneLetEdgesThrough) {
   EXPECT_GE(through, 3u);
 }
 
-// A bar whose ends are brought together until it has folded on itself, and further.
+// A bar whose ends are pushed together until it has folded onto itself, and further.
 TEST(FemBarrier, WhatIsCrushedFoldsButDoesNotPassItself) {
   FemDef d;
   d.block = SoftBlockShape{{-0.5, -0.05, -0.1}, {1, 0.1, 0.2}, 20, 2, 2};
@@ -146,7 +147,7 @@ TEST(FemBarrier, WhatIsCrushedFoldsButDoesNotPassItself) {
     ASSERT_FALSE(through.has_value()) << k << ": " << *through;
   }
   EXPECT_GT(run.observe("contact.pairs"), 0);
-  // Ends that would have to be in one place are refused, in words.
+  // Ends that would have to be in the same place are refused with an explanation.
   d.holds = {{"x0", "0.6*t", "0", "0"}, {"x1", "-0.6*t", "0", "0"}};
   FemRun crushed(d, 1.0 / 50);
   EXPECT_THROW(crushed.step(60), Instability);

@@ -1,5 +1,5 @@
-// Elastic bodies at the limits: stiffness and steps over seven and two powers of ten, cells a thousand times
-// as long as thick, elements turned inside out or pressed flat.
+// Elastic bodies at the limits: stiffness over seven and steps over two powers of ten, cells a thousand times
+// longer than thick, elements turned inside out or pressed flat.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,8 +21,8 @@ FemDef block(const Vec3& size, Cell cell) {
   return d;
 }
 
-// Implicit Euler takes energy, never gives any: what is held on one side and let go, or falls onto the ground
-// behind a barrier, never has more than at the start.
+// Implicit Euler removes energy and never adds any: a body held on one side and released, or falling onto the
+// ground behind a barrier, never has more than at the start.
 void expect_no_gain(const FemDef& d, double dt, int steps) {
   FemRun run(d, dt, {0, -9.81, 0});
   const double start = run.observe("energy.total"),
@@ -63,7 +63,7 @@ TEST(FemLimits, FlatCellsFallBehindABarrierWithoutGainingEnergy) {
 }
 
 // One element turned inside out, one pressed to a plane, one to a point: each law that resists collapse
-// brings them back, and what does not still has finite energies.
+// brings them back, and the others still have finite energies.
 TEST(FemLimits, WhatIsTurnedInsideOutRecovers) {
   for (const Law law : {Law::corotated, Law::neo_hookean, Law::stable_neo_hookean, Law::mooney_rivlin}) {
     for (const Cell cell : {Cell::tet4, Cell::hex8, Cell::tet10}) {
@@ -91,8 +91,8 @@ TEST(FemLimits, WhatIsTurnedInsideOutRecovers) {
   }
 }
 
-// What falls on a plane from 1 m gives all of m g h to it at most, whatever the stiffness: nodes that a
-// collider put back after the step used to squeeze elements of 1e9 Pa until 9.8e3 J had become 4.7e7 J.
+// A body that falls on a plane from 1 m gives at most all of m g h to it, whatever its stiffness: nodes moved
+// back by a collider after the step used to squeeze elements of 1e9 Pa until 9.8e3 J had become 4.7e7 J.
 TEST(FemLimits, NodesThatMeetACollisionNeverGainEnergy) {
   const auto drop = [](FemDef d, double dt, const char* what) {
     d.block->origin.y = 1;
@@ -102,11 +102,11 @@ TEST(FemLimits, NodesThatMeetACollisionNeverGainEnergy) {
                  scale = 9810 * d.block->size.x * d.block->size.y * d.block->size.z;
     for (int k = 0; k < 40; ++k) {
       run.step(static_cast<uint64_t>(std::max(1.0, 0.025 / dt)));
-      // A step may rise by a hundredth of what moves in it (surface_contacts.h), once in a blow.
+      // A step may gain a hundredth of the energy of motion (surface_contacts.h), once per impact.
       ASSERT_LT(run.observe("energy.total"), start + 0.02 * scale)
           << what << ' ' << d.youngs_modulus << ' ' << k;
     }
-    // It lies on the plane.
+    // It rests on the plane.
     EXPECT_GT(run.observe("jacobian.min"), 0.5) << what;
     const auto x = run.state.f64(FemColumns::position);
     double lowest = 1e9;
@@ -121,19 +121,19 @@ TEST(FemLimits, NodesThatMeetACollisionNeverGainEnergy) {
     d.material = Law::corotated, d.element = Cell::hex8;
     drop(d, 1.0 / 30, "corotated");
   }
-  // Thinner than its way in a step.
+  // Thinner than its motion in a step.
   FemDef d = block({1, 0.02, 1}, Cell::tet4);
   d.youngs_modulus = 1e7;
   drop(d, 1.0 / 30, "slab");
-  // On a corner, which turns it.
+  // On a corner, so that it rotates.
   d = block({1, 1, 1}, Cell::tet4);
   d.youngs_modulus = 1e9, d.copies = {{.position = {0, 1, 0}, .axis = {1, 0, 0.3}, .angle = 0.6}};
   drop(d, 1.0 / 30, "turned");
 }
 
 // Solid cells 250 mm long and 1 mm or 0.1 mm thick in equilibrium: the softest motion is 1e13 and 1e16 times
-// as soft as the stiffest. The first is found, the second, which double precision cannot tell from rounding,
-// is refused: both used to end where they began, without a word.
+// softer than the stiffest. The first is found; the second, which double precision cannot tell from rounding,
+// is refused. Both used to end where they began, without a word.
 TEST(FemLimits, StripsOfSolidCellsBendUnderTheirWeightOrSayThatTheyCannot) {
   const auto strip = [](double thickness, double youngs, Cell cell) {
     FemDef d;
@@ -148,8 +148,8 @@ TEST(FemLimits, StripsOfSolidCellsBendUnderTheirWeightOrSayThatTheyCannot) {
   for (const double thickness : {1e-2, 1e-3}) {
     FemRun run(strip(thickness, 2e12, Cell::hex27), 1, {0, -9.81, 0});
     run.step();
-    // Four quadratic cells and loads on nodes leave 2 % (seen at both thicknesses, and the bound set after
-    // it); a solve that ends too early leaves a quarter and more.
+    // Four quadratic cells and nodal loads have an error of 2 % (seen at both thicknesses, and the bound was
+    // set after that); a solve that ends too early is off by a quarter and more.
     EXPECT_NEAR(run.observe("displacement.max"), beam(thickness, 2e12), 0.03 * beam(thickness, 2e12))
         << thickness;
   }

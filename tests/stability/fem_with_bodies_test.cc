@@ -1,4 +1,5 @@
-// A crate on a block of finite elements that says nothing of methods and substeps: what it gets holds.
+// A crate on a block of finite elements in a scene that names neither methods nor substeps: the defaults
+// hold.
 #include "engine/base/errors.h"
 #include "engine/integrators/table/integrators.h"
 #include "tests/support/coupled.h"
@@ -27,8 +28,8 @@ TEST(FemWithBodies, ABlockCarriesACrateAtDefaults) {
   EXPECT_GT(run.world->scene().substeps(), 1);
   constexpr int kSeconds = 20;
   constexpr double kWeight = 20 * 9.81;
-  // The crate's fall; what the block sinks under its own weight while it comes to rest is gravity's as well,
-  // and stays within the total.
+  // The crate's fall; the energy released while the block sags under its own weight is gravity's as well, and
+  // stays within the total.
   const double start = run.observe("energy.total"), drop = kWeight * 0.3;
   double highest = start;
   for (int k = 0; k < 60 * kSeconds; ++k) {
@@ -41,7 +42,7 @@ TEST(FemWithBodies, ABlockCarriesACrateAtDefaults) {
   EXPECT_NEAR(run.observe("touch.impulse.y"), kWeight * kSeconds, 0.03 * kWeight * kSeconds);
 }
 
-// The control: a method that solves for all nodes together is refused, with what to do.
+// The control: a method that solves for all nodes together is refused, with advice.
 TEST(FemWithBodies, NamedImplicitMethodsAreRefused) {
   try {
     SceneRun run(block_and_crate(R"(, "integrator": "implicit_euler")"));

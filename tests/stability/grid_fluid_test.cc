@@ -1,5 +1,5 @@
-// Flows on a grid where they are hard: steps a hundred times too long, swirls of any speed, layers that rest,
-// obstacles that fill the box or only touch it.
+// Difficult flows on a grid: steps a hundred times too long, swirls of any speed, layers at rest, obstacles
+// that fill the box or only touch it.
 #include <gtest/gtest.h>
 
 #include "engine/base/errors.h"
@@ -24,7 +24,7 @@ TEST(GridFluidStability, StepsAHundredTimesTooLongAreDivided) {
   for (const A advection : {A::central, A::semi_lagrangian, A::maccormack, A::bfecc}) {
     GridFlow run(cavity(advection), 3);
     run.steps(20);
-    // No more than the lid has: kinetic energy of at most 1/2 m^2/s^2 over the box.
+    // Bounded by the lid's speed: kinetic energy of at most 1/2 m^2/s^2 over the box.
     EXPECT_LT(run.observed("energy.kinetic"), 0.5);
     EXPECT_LT(run.observed("divergence.max"), 1e-10);
     const double substeps = advection == A::central ? 50 : 10;
@@ -55,8 +55,8 @@ TEST(GridFluidStability, LightAboveHeavyStaysAtRest) {
     d.scalar = ScalarDef{.initial = "y", .expansion = 1};
     GridFlow run(d, 0.02, 1, Vec3{0, -9.81, 0});
     run.steps(500);
-    EXPECT_LT(run.observed("speed.max"), 1e-10);  // rounding of 10 m/s^2 swings on, it does not grow
-    // Control: the other way round it falls.
+    EXPECT_LT(run.observed("speed.max"), 1e-10);  // rounding of 10 m/s^2 oscillates but does not grow
+    // Control: the other way up it falls.
     d.scalar->initial = "-y + 0.01*cos(pi*x)";
     GridFlow falling(d, 0.02, 1, Vec3{0, -9.81, 0});
     falling.steps(100);

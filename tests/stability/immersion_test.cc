@@ -1,4 +1,4 @@
-// Bodies of all weights in water: nothing blows up, and what floats comes to rest.
+// Bodies of all weights in water: nothing blows up, and floating bodies come to rest.
 #include <cmath>
 
 #include "engine/base/random.h"
@@ -9,7 +9,7 @@ namespace {
 
 using namespace testing_coupled;
 
-// A ball of a twentieth of the water's density has ten times its own mass in water to move: an exchange of
+// A ball of a twentieth of the water's density has to move ten times its own mass in water: an exchange of
 // forces from step to step would blow up.
 TEST(ImmersionStability, AVeryLightBallFloatsCalmly) {
   for (const char* solver : {"dfsph", "wcsph"}) {

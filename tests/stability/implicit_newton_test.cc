@@ -1,5 +1,5 @@
 // implicit_euler solves its equations on cloth that buckles and on ropes stiff enough for rounding to matter,
-// where Newton's method with full steps, the control, is lost.
+// where Newton's method with full steps, the control, fails.
 #include <Eigen/SparseCholesky>
 #include <cstdio>
 
@@ -16,7 +16,7 @@ using testing_rig::SpringRun;
 constexpr double kStep = 1.0 / 60;
 
 // A square of cloth that falls from nearly horizontal between two pins: every spring is compressed sooner or
-// later, and without bending stiffness to speak of nothing holds it straight then.
+// later, and with next to no bending stiffness nothing keeps it straight then.
 MassSpringDef buckling_cloth() {
   MassSpringDef d;
   d.cloth_grid = ClothGridShape{
@@ -41,8 +41,8 @@ const NewtonReport& report(SpringRun& run) {
   return run.workspace.object<NewtonReport>(kNewtonReport);
 }
 
-// One step of implicit Euler by Newton's method with full steps and the exact Jacobian: what the integrator
-// would be without its line search. Residual norms in `norms`; false when 50 iterations do not end it.
+// One step of implicit Euler by Newton's method with full steps and the exact Jacobian: the integrator
+// without its line search. Residual norms in `norms`; false if 50 iterations do not converge.
 bool plain_newton(SpringRun& run, double h, std::vector<double>& norms) {
   const ForceField& field = run.system->springs();
   Evaluation e{run.workspace, run.arena};
@@ -80,7 +80,7 @@ bool plain_newton(SpringRun& run, double h, std::vector<double>& norms) {
     v += ldlt.solve(r);
     x = x0 + h * v;
     if (it == 49) return false;
-    // Rounding ends it as well.
+    // Stops at rounding as well.
     if (norms.size() > 3 && norms.back() > 0.5 * norms[norms.size() - 2] &&
         norms.back() < 1e-9 * norms.front())
       break;
@@ -91,7 +91,7 @@ bool plain_newton(SpringRun& run, double h, std::vector<double>& norms) {
   return true;
 }
 
-// Implicit Euler takes energy at every step of a cloth without damping; rounding of energies of 10 J is
+// Implicit Euler removes energy in every step of a cloth without damping; rounding of energies of 10 J is
 // 1e-14.
 TEST(ImplicitNewton, BucklingClothHoldsAndItsEnergyNeverGrows) {
   SpringRun run(buckling_cloth());
@@ -122,7 +122,7 @@ TEST(ImplicitNewton, CompressedClothBurstsWithoutGainingEnergy) {
     EXPECT_LE(now, energy + 1e-9) << "step " << i;
     energy = now;
   }
-  // Control: full steps without a line search get lost.
+  // Control: full steps without a line search fail.
   SpringRun control(d);
   std::vector<double> norms;
   bool held = true;
@@ -142,7 +142,8 @@ TEST(ImplicitNewton, HangingClothInTheWindHolds) {
 }
 
 // The gallery's hanging cloth starts 15 % compressed, with damping along its springs and wind: in the first
-// step folds grow from nothing, and with them the directions that damping acts in. No end was found there.
+// step folds grow from nothing, and with them the directions in which the damping acts. No solution was found
+// there.
 MassSpringDef compressed_damped_cloth() {
   MassSpringDef d = buckling_cloth();
   d.cloth_grid = ClothGridShape{
@@ -159,12 +160,12 @@ TEST(ImplicitNewton, CompressedDampedClothInTheWindHolds) {
   const NewtonReport first = report(run);
   EXPECT_LE(first.iterations, 300);
   EXPECT_LE(first.last, std::max(first.target, first.floor));
-  // The control: the whole equations led nowhere, nor do full steps.
+  // The control: the full equations found no solution, nor do full steps.
   EXPECT_TRUE(first.held);
   SpringRun control(d);
   std::vector<double> norms;
   EXPECT_FALSE(plain_newton(control, kStep, norms));
-  // Once it is folded they are solved.
+  // Once the cloth is folded, they are solved.
   int held = 0;
   for (int i = 0; i < 10; ++i) {
     run.step(kStep);
@@ -173,13 +174,13 @@ TEST(ImplicitNewton, CompressedDampedClothInTheWindHolds) {
   }
   EXPECT_LE(held, 1);
   EXPECT_LT(run.observe("strain.max"), 0.3);
-  // All of them are observed, also after the state was put away and taken out again.
+  // All of them are counted, also after the state was saved and restored.
   EXPECT_EQ(run.observe("integrator.held_steps"), held + 1);
   run.state = State::deserialize(run.state.serialize());
   EXPECT_EQ(run.observe("integrator.held_steps"), held + 1);
 }
 
-// The count is there where it says something: with damping to hold, under the method that holds it.
+// The count exists where it is meaningful: with damping to hold back, under the method that does so.
 TEST(ImplicitNewton, HeldStepsAreObservedWhereThereIsDampingToHold) {
   const auto observed = [](MassSpringDef d, const char* method) {
     d.integrator = method;
@@ -195,7 +196,7 @@ TEST(ImplicitNewton, HeldStepsAreObservedWhereThereIsDampingToHold) {
   EXPECT_FALSE(observed(compressed_damped_cloth(), "linear_implicit_euler"));
 }
 
-// Without wind nothing gives it energy; of some 0.5 J rounding is 1e-14, the tolerance far less than 1e-9.
+// Without wind no energy is supplied; of some 0.5 J, rounding is 1e-14, and the tolerance far less than 1e-9.
 TEST(ImplicitNewton, CompressedDampedClothNeverGainsEnergy) {
   SpringRun run(compressed_damped_cloth());
   double energy = run.observe("energy.total");
@@ -223,16 +224,16 @@ TEST(ImplicitNewton, StiffRopeStopsAtTheRoundingOfItsForces) {
     energy = now;
     const NewtonReport& r = report(run);
     EXPECT_LE(r.residuals[r.iterations], std::max(r.target, r.floor)) << "step " << i;
-    // Control: without the floor the tolerance would have asked for more than there is.
+    // Control: without the floor the tolerance would demand more than is possible.
     out_of_reach += r.residuals[r.iterations] > r.target;
   }
   EXPECT_GT(out_of_reach, 0);
 }
 
-// Where the floor ends it, positions are exact to a few units of rounding: the same step shifted by a power
-// of two, which changes all roundings, differs by that much. 2 units in the residual, two runs, |x| <= 2.5 m,
-// and some tens of points over which an error adds up: 1e-14 m. Control: a millionth of the stiffness more is
-// seen by far.
+// Where the floor stops the iteration, positions are exact to a few units of rounding: the same step shifted
+// by a power of two, which changes all roundings, differs by that much. 2 units in the residual, two runs,
+// |x| <= 2.5 m, and some tens of points over which an error accumulates: 1e-14 m. Control: a stiffness larger
+// by a millionth is detected by far.
 TEST(ImplicitNewton, RoundingFloorCostsNoAccuracy) {
   const auto end = [](double shift, double stiffness) {
     MassSpringDef d = stiff_rope();
@@ -272,10 +273,10 @@ TEST(ImplicitNewton, AgreesWithPlainNewtonWhereThatConverges) {
   EXPECT_GT(control, 1e-6 * size);
 }
 
-// Near the solution an iteration squares the residual until rounding (8e-13 here) ends it: of three norms in
-// a row the exponent of the last is 2, less what the linear solves cost, which are no more accurate than the
-// gain of the iteration before. Damping and wind, whose asymmetric derivatives are not in the matrix, keep it
-// superlinear. Control: a sequence with a constant gain has the exponent 1.
+// Near the solution an iteration squares the residual, until rounding (8e-13 here): of three consecutive
+// norms the exponent of the last is 2, less the effect of the linear solves, which are no more accurate than
+// the gain of the previous iteration. Damping and wind, whose asymmetric derivatives are not in the matrix,
+// keep it superlinear. Control: a sequence with a constant gain has the exponent 1.
 double order(double e0, double e1, double e2) {
   return std::log(e2 / e1) / std::log(e1 / e0);
 }

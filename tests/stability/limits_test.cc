@@ -1,5 +1,5 @@
-// Reference case stab.limits: the roots of the stability polynomials, found again by bisection on the step of
-// a real field.
+// Reference case stab.limits: the roots of the stability polynomials, recovered by bisection on the step of a
+// real field.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -19,7 +19,7 @@ bool holds(const Integrator& m, double stiffness, double damping, double h) {
     return std::abs(run.v()) < 1e3;
   }
   const auto map = step_map(m, stiffness, damping, h);
-  // Pure damping leaves the place of rest free: an eigenvalue 1 that says nothing.
+  // Pure damping leaves the rest position free: a trivial eigenvalue 1.
   const double size = stiffness == 0 ? std::abs(map[3]) : std::abs(dominant_eigenvalue(map));
   return size <= 1 + 1e-11;
 }
@@ -43,7 +43,7 @@ TEST(StabilityLimits, BisectionFindsWhatEveryRowPromises) {
   for (const Integrator& m : integrators()) {
     if (std::isnan(m.imaginary_limit)) continue;  // iterates a step until it converges
     const double imaginary = largest_stable(m, 1, 0);
-    // Where velocity must not enter there is no damping either.
+    // A method that does not allow velocity-dependent forces has no damping limit.
     const double real = m.order_with_velocity == 0 ? m.real_limit : largest_stable(m, 0, 1);
     std::printf("%-22s imaginary %8.5f promised %8.5f   real %8.5f promised %8.5f\n",
                 std::string(m.name).c_str(), imaginary, m.imaginary_limit, real, m.real_limit);

@@ -22,7 +22,7 @@ MpmDef thrown(Law law, double speed, double e) {
   return d;
 }
 
-// Energy that nothing brought in: a tenth is what explicit steps at half their limit swing by.
+// Spurious energy: a tenth is the oscillation of explicit steps at half their limit.
 TEST(MpmStability, AnImpactAtFiftyMetresASecondAddsNoEnergy) {
   for (const Law law : {Law::fluid, Law::corotated, Law::neo_hookean, Law::snow, Law::sand, Law::foam}) {
     MpmRun run(thrown(law, 50, 1e5), 1.0 / 240);
@@ -46,7 +46,7 @@ TEST(MpmStability, AnyModulusHoldsWithTheSubstepsItAsksFor) {
   }
 }
 
-// The same by implicit steps, of solids whose waves would cross 500 cells in one: backward Euler loses
+// The same with implicit steps, for solids whose waves would cross 500 cells per step: backward Euler removes
 // energy.
 TEST(MpmStability, AStiffImpactByImplicitStepsAddsNoEnergy) {
   for (const Law law : {Law::corotated, Law::neo_hookean}) {
@@ -68,8 +68,8 @@ TEST(MpmStability, AStiffImpactByImplicitStepsAddsNoEnergy) {
   }
 }
 
-// Pressed to a tenth of its height, then let go: what is stored goes into motion, none is made. A fluid's
-// pressure there is a million times its modulus; it may ask for more substeps than are allowed.
+// Pressed to a tenth of its height and released: the stored energy becomes kinetic, and none is created. A
+// fluid's pressure there is a million times its modulus; it may need more substeps than are allowed.
 TEST(MpmStability, WhatIsPressedToATenthComesBackOrIsRefused) {
   for (const Law law : {Law::fluid, Law::corotated, Law::neo_hookean, Law::snow, Law::sand, Law::foam}) {
     MpmDef d = thrown(law, 0, 1e5);
@@ -94,8 +94,9 @@ TEST(MpmStability, WhatIsPressedToATenthComesBackOrIsRefused) {
   }
 }
 
-// A minute on the floor: it neither creeps nor warms up. Its own weight compresses jelly by half a per cent
-// of its height; sideways nothing pulls, so that only rounding of f32 places over 35,000 substeps is left.
+// A minute on the floor: it neither creeps nor heats up. Its own weight compresses jelly by half a per cent
+// of its height; there is no sideways force, so that only rounding of f32 positions over 35,000 substeps is
+// left.
 TEST(MpmStability, WhatLiesStillStaysForAMinute) {
   for (const Law law : {Law::corotated, Law::sand}) {
     MpmDef d = thrown(law, 0, 1e5);

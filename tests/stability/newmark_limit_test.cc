@@ -1,6 +1,7 @@
 // The largest stable step depends on Newmark's beta and gamma: without damping, for gamma >= 1/2,
 //   omega h <= 1 / sqrt(gamma/2 - beta)  where 2 beta < gamma, no limit elsewhere
-// (Hughes 1987, "The Finite Element Method", section 9.1). All who quote a limit have to quote that one.
+// (Hughes 1987, "The Finite Element Method", section 9.1). Every part of the product that states a limit must
+// state this one.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -75,7 +76,7 @@ TEST(NewmarkLimit, TheQuotedStepIsTheOneThatBisectionFinds) {
     EXPECT_NEAR(found, c.limit, 1e-5) << c.beta;
     ASSERT_TRUE(dt) << c.beta;
     EXPECT_NEAR(*dt * kOmega, found, 1e-4) << c.beta;
-    // Control: the limit without beta, which is central differences', is none of the others'.
+    // Control: the limit without beta, that of central differences, does not apply to the others.
     if (c.beta > 0) {
       EXPECT_GT(std::abs(found - 2), 0.1) << c.beta;
     }
@@ -105,10 +106,10 @@ TEST(NewmarkLimit, TheStudyComparesWithTheScenesOwnTheory) {
   const auto conditional = run(scene("newmark", settings(0, 0.5)));
   ASSERT_TRUE(std::holds_alternative<double>(conditional.table.rows[0][2]));
   EXPECT_NEAR(std::get<double>(conditional.table.rows[0][2]), 2 / kOmega, 1e-6);
-  // What bisection over runs finds lies within what 4,000 steps can tell.
+  // The limit found by bisection over runs is accurate to what 4,000 steps can resolve.
   EXPECT_NEAR(std::get<double>(conditional.table.rows[0][3]), 1, 0.02);
   EXPECT_NEAR(conditional.summary.at("suggested_dt").as_double(), 0.9 * 2 / kOmega, 1e-6);
-  // Control: with average acceleration there is nothing to promise.
+  // Control: for average acceleration there is no limit to report.
   const auto unlimited = run(scene("newmark", ""));
   EXPECT_FALSE(std::holds_alternative<double>(unlimited.table.rows[0][2]));
   EXPECT_TRUE(unlimited.summary.at("suggested_dt").is_null());

@@ -1,5 +1,5 @@
-// Small steps of the plane follow what they carry: towers that four of them let buckle, and what is heavy on
-// what is light.
+// The number of substeps in the plane adapts to the load: towers that buckle with four of them, and heavy
+// bodies on light ones.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,7 +26,7 @@ TEST(Rigid2dBurden, ATowerOfFiftyStandsForAMinute) {
     EXPECT_LT(std::abs(t.position(50).x), 1e-3) << precision;
     EXPECT_NEAR(t.position(50).y, 49.5, 1e-2) << precision;
   }
-  // The control: contacts of a frequency of their own get no stiffer by more small steps.
+  // The control: contacts of a fixed frequency do not get stiffer with more substeps.
   FlatTrial soft(tower(50, R"("contact_hertz": 50, )"));
   soft.steps(60 * 60);
   EXPECT_GT(std::abs(soft.position(50).x), 0.1);
@@ -48,13 +48,13 @@ TEST(Rigid2dBurden, WhatIsHeavyRestsOnWhatIsLight) {
     EXPECT_LT(t.observed("penetration.max"), 0.01) << precision;
     EXPECT_GT(t.position(3).y, 1.38) << precision << ": a hundredth of a box's width deep at most";
   }
-  // The control: six small steps, the most that one may become, are too few.
+  // The control: six substeps, the largest number that 1 may become, are too few.
   FlatTrial few(pressed(R"("substeps": 1, )"));
   few.steps(60);
   EXPECT_GT(few.observed("penetration.max"), 0.02);
 }
 
-// A drum on its axle is heavy, but nothing carries it: the boxes that it turns over need no more small steps.
+// A drum on its axle is heavy, but nothing carries it: the boxes that it turns over need no more substeps.
 TEST(Rigid2dBurden, ADrumOnItsAxleIsNoBurden) {
   const auto most_small_steps = [](const char* joints) {
     std::string scene = R"("sleeping": false, "bodies": [{"position": [0, 10, 0], "shapes": [
@@ -65,7 +65,7 @@ TEST(Rigid2dBurden, ADrumOnItsAxleIsNoBurden) {
                FlatTrial::number(8 + 0.5 * (i / 8)) +
                R"(, 0], "shapes": [{"type": "box", "half_extents": [0.2, 0.2, 0]}]})";
     }
-    // Beside it, for a drum that falls on them: a floor and two light boxes.
+    // Beside it, a floor and two light boxes for a drum that falls on them.
     scene +=
         R"(, {"motion": "fixed", "position": [0, 0, 0], "shapes": [{"type": "box", "half_extents": [20, 1, 0]}]},
       {"position": [-3, 1.2, 0], "shapes": [{"type": "box", "half_extents": [0.2, 0.2, 0]}]},

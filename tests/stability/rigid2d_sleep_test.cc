@@ -36,7 +36,7 @@ TEST(Rigid2dSleep, APendulumOfOneDegreeGoesOnSwinging) {
 }
 
 TEST(Rigid2dSleep, WhatDriftsWithoutGravityKeepsItsMomentum) {
-  // Two that touch as well: an island that nothing fixed bears.
+  // Two that touch as well: an island without static support.
   Trial t(R"("gravity": [0, 0, 0], "bodies": [
     {"position": [0, 0, 0], "velocity": [0.01, 0, 0], "shapes": [{"type": "box", "half_extents": [0.2, 0.2, 0]}]},
     {"position": [5, 0, 0], "velocity": [0.002, 0, 0], "shapes": [{"type": "box", "half_extents": [0.2, 0.2, 0]}]},

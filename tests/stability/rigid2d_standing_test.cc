@@ -1,5 +1,5 @@
-// What stands in the plane goes on standing: a pyramid neither plunges at the start nor trembles afterwards,
-// a heap falls asleep, and the slowest mode of a tall pile is damped (docs/standing.md).
+// What stands in the plane keeps standing: a pyramid neither sinks at the start nor trembles afterwards, a
+// heap falls asleep, and the slowest mode of a tall pile is damped (docs/standing.md).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -61,8 +61,8 @@ TEST(Rigid2dStanding, APyramidThatIsKickedComesToRest) {
   EXPECT_LT(kinetic_energy(t, 820), 1e-5);
 }
 
-/// A mode of which a sweep takes back the share eps, in small steps of h: depth S h, velocity u, warm-start
-/// impulse y, pad p; with pads that learn in every step of four small ones. How much it grows in a minute.
+/// Growth in a minute of a mode of which a sweep removes the fraction eps, in substeps of h: depth S h,
+/// velocity u, warm-start impulse y, offset p; with offsets that adapt in every step of four substeps.
 double growth(double eps, double hertz_share, double damping_ratio, double learnt, double h) {
   const auto soft = soft_constraint(hertz_share / h, damping_ratio, h);
   const double leak = soft.impulse_scale / soft.mass_scale, rate = soft.bias_rate * h;
@@ -92,7 +92,7 @@ TEST(Rigid2dStanding, TheSlowestModeOfAHundredRowsIsDamped) {
   for (const double crowd : {2.0, 4.0, 6.0}) {
     EXPECT_LT(growth(eps, 0.21 * std::sqrt(2 / crowd), 20, learnt, h), 0.5) << crowd;
   }
-  // Controls: pads that learn in a second, contacts stiffer than two sweeps are.
+  // Controls: offsets that adapt within a second, and contacts stiffer than two sweeps can handle.
   EXPECT_GT(growth(eps / 2, 0.2, 10, dt / (dt + 1), h), 2);
   EXPECT_GT(growth(eps, 0.25, 20, 0, h), 2);
   EXPECT_LT(growth(eps, 0.21, 20, 0, h), 0.5);

@@ -22,7 +22,7 @@ std::string stack(int boxes, const std::string& more) {
          more;
 }
 
-/// Largest sideways shift of a tower whose rows are half a spacing apart only when odd: spacing is 0 here.
+/// Largest sideways shift of a tower; odd rows may be offset by half a spacing, but the spacing is 0 here.
 double lean(Trial& t, int boxes) {
   double most = 0;
   for (int i = 1; i <= boxes; ++i) most = std::max(most, std::abs(t.position(static_cast<size_t>(i)).x));
@@ -46,7 +46,7 @@ TEST(Rigid2dStability, TenBoxesAtRestAreAsHighAsTheyAre) {
   // Box 10 stands on ten contacts; MuJoCo's sinks 6 mm in the same scene.
   EXPECT_NEAR(t.position(10).y, 9.5, 1e-4);
   EXPECT_LT(norm(t.velocity(10)), 1e-4);
-  // The control: what the springs of the contacts make of boxes that do not rest at the start.
+  // The control: the effect of the contact springs on boxes that do not start at rest.
   Trial falls(
       std::string(R"("bodies": [)") + kGround +
       R"(], "generators": [{"type": "wall", "nx": 1, "ny": 10, "origin": [0, 0.501, 0], "spacing": [0, 1.001, 0],
@@ -86,7 +86,7 @@ TEST(Rigid2dStability, NoShotPassesAThinWall) {
     for (int step = 0; step < 6; ++step) {
       t.steps(1);
       const double depth = dot(normal, t.position(1));
-      // What slides off over the wall's rim did not pass it.
+      // A shot that slides off over the wall's rim did not pass through it.
       passed |= depth > 0 && norm(t.position(1) - normal * depth) < 4.8;
     }
     through += passed;
@@ -129,7 +129,7 @@ TEST(Rigid2dStability, NothingCatchesOnFlatGroundMadeOfLinks) {
 }
 
 TEST(Rigid2dStability, WhatDoesNotTurnRestsOnTwoPoints) {
-  // Without a moment of inertia both points feel each other fully, and their matrix has no inverse.
+  // Without a moment of inertia both points are fully coupled, and their matrix has no inverse.
   Trial t(
       std::string(R"("sleeping": false, "bodies": [)") + kGround +
       R"(, {"position": [0, 0.25, 0], "fixed_rotation": true, "shapes": [{"type": "box", "half_extents": [0.25, 0.25, 0]}]},
@@ -137,7 +137,7 @@ TEST(Rigid2dStability, WhatDoesNotTurnRestsOnTwoPoints) {
   t.steps(200);
   for (const size_t i : {1, 2}) {
     EXPECT_NEAR(t.position(i).y, 0.25, 1e-4) << i;
-    // Half a percent of the points' coupling is left out, of g h = 0.16 m/s.
+    // Half a percent of the points' coupling is left out, relative to g h = 0.16 m/s.
     EXPECT_LT(std::abs(t.velocity(i).y), 1e-3) << i;
   }
 }

@@ -1,5 +1,5 @@
-// Balls touch on a patch: one that spins upright comes to rest, and what it lies in falls asleep. Without the
-// patch a heap of mixed shapes was kept awake for ever by one ball that spun at 0.45 rad/s.
+// Balls touch on a patch: one that spins upright comes to rest, and the heap in which it lies falls asleep.
+// Without the patch, a heap of mixed shapes was kept awake forever by one ball that spun at 0.45 rad/s.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -31,11 +31,11 @@ TEST(Rigid3dBallSpin, FadesByFrictionOnAPatchAndTheBallSleeps) {
   RigidRun run(ball_on_ground({}));
   const double rate = 15 * std::numbers::pi / 32 * kFriction * 9.81 * 0.01 / kRadius;
   run.seconds(1);
-  // Loads settle within some steps of a sixtieth.
+  // Loads settle within a few steps of a sixtieth.
   EXPECT_NEAR(run.w(1).y, kSpin - rate, 0.03 * rate);
   run.seconds(kSpin / rate - 1 + 1);
   EXPECT_EQ(run.observed("awake"), 0) << "a second after the spin has ended";
-  // The control: without a patch nothing turns it down.
+  // The control: without a patch nothing slows it down.
   RigidRun control(ball_on_ground(0.0));
   control.seconds(4);
   EXPECT_NEAR(control.w(1).y, kSpin, 1e-4);

@@ -1,5 +1,6 @@
-// Boxes that meet face to face without bouncing: their four points share the blow. One after the other, the
-// first would take it whole; the box leaves turning, sliding, and at 4 % of the speed that it came with.
+// Boxes that meet face to face without bouncing: their four points share the impulse. Solved one after the
+// other, the first point would take it whole; the box would leave rotating, sliding, and at 4 % of its
+// approach speed.
 #include <algorithm>
 #include <cmath>
 
@@ -22,8 +23,8 @@ std::string boxes(const std::string& precision, double speed, double mass, doubl
   return scene;
 }
 
-// Newton's law of impact with e = 0: both go on with the common speed, wherever in a step they meet. A
-// hundredth of the approach is what soft contacts leave.
+// Newton's law of impact with e = 0: both continue with the common velocity, wherever in a step they meet.
+// Soft contacts leave a hundredth of the approach speed.
 TEST(Rigid3dFlatBlow, FacesThatMeetDoNotPart) {
   for (const char* precision : {"f32", "f64"}) {
     for (const double speed : {1.0, 4.0, 11.0}) {
@@ -42,7 +43,7 @@ TEST(Rigid3dFlatBlow, FacesThatMeetDoNotPart) {
   }
 }
 
-// A box that falls flat on the ground stays over the place that it fell on.
+// A box that falls flat on the ground stays where it fell.
 TEST(Rigid3dFlatBlow, WhatFallsFlatStaysWhereItFell) {
   SceneRun run(R"({"time": {"dt": 0.016666666666666666}, "systems": [
       {"type": "rigid3d", "id": "a", "sleeping": false, "bodies": [

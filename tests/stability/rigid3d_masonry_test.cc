@@ -1,4 +1,4 @@
-// What stands by its shape alone: arches of dry stones, houses of cards.
+// Structures that stand by their shape alone: arches of dry stones, houses of cards.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,10 +19,10 @@ using testing::RigidRun;
 constexpr int kSubsteps = 20;
 constexpr double kStep = 1.0 / 240;
 
-/// Least thickness over radius of a half circle of masonry that stands (contact.arch, Milankovitch 1907).
+/// Least ratio of thickness to radius of a standing half circle of masonry (contact.arch, Milankovitch 1907).
 constexpr double kLeastThickness = 0.107478038107476;
 
-/// A half circle of stones, 1 m in radius, between two fixed springers. Friction holds whatever presses.
+/// A half circle of stones, 1 m in radius, between two fixed springers. Friction never slips under pressure.
 Rigid3dDef arch(double thickness, int stones) {
   Rigid3dDef d;
   d.friction = 1.5, d.sleeping = false, d.substeps = kSubsteps;
@@ -101,7 +101,7 @@ double house_falls(int storeys, double friction) {
 
 TEST(Rigid3dMasonry, AHouseOfCardsStands) {
   EXPECT_LT(std::abs(house_falls(4, 0.6)), 1e-4);
-  // The control: where the cards meet, the normal is one card's, and tan(20 degrees) = 0.36 holds it.
+  // The control: where the cards meet, the normal is that of one card, and tan(20 degrees) = 0.36 holds it.
   EXPECT_GT(house_falls(4, 0.3), 0.02);
 }
 

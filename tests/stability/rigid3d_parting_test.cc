@@ -1,5 +1,5 @@
-// Bodies that got into one another and part fast were put back at every step for ever, while gravity went on
-// to make them faster.
+// Bodies that overlapped and separate fast used to be put back in every step forever, while gravity kept
+// accelerating them.
 #include <gtest/gtest.h>
 
 #include "tests/support/rigid3d_run.h"
@@ -16,7 +16,7 @@ TEST(Rigid3dFastBodies, ThatAreInOneAnotherMayPart) {
   testing::RigidRun run(d, 1.0 / 60, 1, {});
   run.run(10);
   EXPECT_GT(run.x(1).x - run.x(0).x, 5);
-  // The control: a wall stops what comes from where the ball was going.
+  // The control: a wall in the ball's way stops it.
   BoxBodyDef wall = testing::box({0.005, 3, 3}, {3, 0, 0});
   wall.motion = BodyDef::Motion::fixed;
   d.bodies.push_back(wall);

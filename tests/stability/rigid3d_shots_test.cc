@@ -1,4 +1,4 @@
-// Fast bodies against thin walls and against each other: what is shot at 50 to 300 m/s passes nothing.
+// Fast bodies against thin walls and against each other: shots at 50 to 300 m/s pass through nothing.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -36,7 +36,7 @@ AnyBodyDef projectile(double choice) {
 
 struct Count {
   int through = 0;  ///< came out behind the wall
-  int jumps = 0;    ///< would never have touched it, seen once a step
+  int jumps = 0;    ///< would never have touched it if checked once a step
 };
 
 /// Shots of 1 to 5 m a step at a wall of 1 cm that leans by up to half a radian.
@@ -69,7 +69,7 @@ Count shoot(int shots) {
     for (int s = 0; s < 12; ++s) {
       run.run(1);
       const double depth = dot(normal, run.x(1));
-      // What slides off over the wall's rim did not pass it.
+      // A shot that slides off over the wall's rim did not pass through it.
       through |= depth > 0 && norm(run.x(1) - normal * depth) < 3.8;
     }
     count.through += through;
@@ -80,7 +80,7 @@ Count shoot(int shots) {
 TEST(Rigid3dStability, NoShotPassesAThinWall) {
   const Count count = shoot(8000);
   EXPECT_EQ(count.through, 0);
-  // The control: without a look between the steps most would be behind it.
+  // The control: without a check between the steps most would be behind the wall.
   EXPECT_GT(count.jumps, 4000);
 }
 
@@ -125,7 +125,7 @@ TEST(Rigid3dStability, NoShotPassesATriangleMesh) {
 }
 
 TEST(Rigid3dStability, NoShotPassesWhatMoves) {
-  // Shot and shield fly at each other; the shield turns.
+  // Shot and shield fly towards each other; the shield rotates.
   int through = 0;
   for (int k = 0; k < 1500; ++k) {
     const auto u = uniform4(17, 1, static_cast<uint64_t>(k)), v = uniform4(17, 2, static_cast<uint64_t>(k));

@@ -1,6 +1,6 @@
-// What spins on a face: the ground's friction brakes the spin, and as long as that lasts it hardly holds
-// anything aside. With the whole of it at a centre of pressure that is beside the axis by a hair, cylinders
-// at 45 to 100 rad/s went round in circles and away.
+// Bodies that spin on a face: the ground's friction brakes the spin and, as long as that lasts, gives hardly
+// any sideways resistance. With full friction at a centre of pressure slightly beside the axis, cylinders at
+// 45 to 100 rad/s went round in circles and away.
 #include <cmath>
 
 #include "tests/support/coupled.h"
@@ -32,11 +32,11 @@ TEST(Rigid3dSpinning, ACylinderStaysWhereItSpins) {
 }
 
 // A disc that slides at v while it spins at w, v << w R, is braked by mu N v / (w R) under even pressure
-// (Farkas, Bartels, Unger, Wolf 2003, Phys. Rev. Lett. 90, 248302), which is what contacts that spin take: v'
-// = -mu g v / (w R). (Four points on the rim alone would give half of that: across their way they rub by v /
-// (w R), along it not at all.) Spin is braked by the rim's points, w' = -2 mu g / R; even pressure takes two
-// thirds of that, with which 0.0001 m/s more would be left after a second. The first step braked as if
-// nothing span: 0.45 m/s was left.
+// (Farkas, Bartels, Unger, Wolf 2003, Phys. Rev. Lett. 90, 248302), the law of spinning contacts here: v' =
+// -mu g v / (w R). (Four points on the rim alone would give half of that: they rub by v / (w R) perpendicular
+// to their motion, and not at all along it.) The spin is braked by the points on the rim, w' = -2 mu g / R;
+// even pressure would give two thirds of that, and leave 0.0001 m/s more after a second. The first step used
+// to brake as if nothing spun: 0.45 m/s was left.
 TEST(Rigid3dSpinning, SlidesOn) {
   constexpr double kFriction = 0.2, kSpeed = 0.5, kRadius = 0.5, kSpin = 100;
   const auto disc = [](double spin) {
@@ -49,11 +49,11 @@ TEST(Rigid3dSpinning, SlidesOn) {
   for (const char* precision : {"f32", "f64"}) {
     SceneRun run(spinning(disc(kSpin), precision, kFriction));
     run.session.step(60);
-    // What the closed form leaves out is of the order of (v / (w R))^2 = 1e-4, and the pressure's centre,
-    // which friction at the ground moves by mu v / (w R) times the half height, 1e-3 of R. Of 0.02 m/s that
-    // it loses, a single step with all of the friction takes 0.03.
+    // The closed form neglects terms of the order of (v / (w R))^2 = 1e-4, and the shift of the centre of
+    // pressure by friction at the ground, mu v / (w R) times the half height, 1e-3 of R. Of the 0.02 m/s that
+    // it loses, a single step with full friction would take 0.03.
     EXPECT_NEAR(run.observe("top.velocity.x"), left, 2e-3 * kSpeed) << precision;
-    // The control: without spin all of the friction brakes it.
+    // The control: without spin, full friction brakes it.
     SceneRun still(spinning(disc(0), precision, kFriction));
     still.session.step(60);
     EXPECT_NEAR(still.observe("top.velocity.x"), 0, 1e-4) << precision;

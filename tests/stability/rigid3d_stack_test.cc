@@ -1,4 +1,4 @@
-// What is piled up in space stays where it is: towers, unequal loads, a pyramid.
+// Piles in space stay in place: towers, unequal loads, a pyramid.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ using testing::box;
 using testing::ground;
 using testing::RigidRun;
 
-/// Unit boxes of these masses (kg) on one another.
+/// Unit boxes of these masses (kg) stacked on one another.
 Rigid3dDef tower(const std::vector<double>& masses) {
   Rigid3dDef d;
   d.sleeping = false;
@@ -30,7 +30,7 @@ Rigid3dDef tower(size_t boxes) {
   return tower(std::vector<double>(boxes, 1000));
 }
 
-/// m that the top body is too low, and that it went aside.
+/// m by which the top body is too low, or has moved sideways.
 double sunk(const RigidRun& run) {
   const auto top = run.count() - 1;
   return static_cast<double>(top) - 0.5 - run.x(top).y;
@@ -48,12 +48,12 @@ double fastest(const RigidRun& run) {
 TEST(Rigid3dTower, TenBoxesAtRestAreAsHighAsTheyAre) {
   RigidRun run(tower(10));
   run.seconds(10);
-  // contact.stack: 1 mm over all and 0.1 mm/s; MuJoCo's defaults leave 6 mm.
+  // contact.stack: 1 mm in total and 0.1 mm/s; MuJoCo's defaults leave 6 mm.
   EXPECT_LT(std::abs(sunk(run)), 1e-3);
   EXPECT_LT(run.observed("penetration"), 1e-3);
   EXPECT_LT(fastest(run), 1e-4);
   EXPECT_LT(aside(run), 1e-4);
-  // The control: what springs of 60 Hz make of boxes that do not rest at the start, before their pads have
+  // The control: the effect of springs of 60 Hz on boxes that do not start at rest, before their offsets have
   // grown.
   Rigid3dDef falling = tower(10);
   for (size_t i = 1; i < falling.bodies.size(); ++i) {
@@ -65,14 +65,14 @@ TEST(Rigid3dTower, TenBoxesAtRestAreAsHighAsTheyAre) {
 }
 
 TEST(Rigid3dTower, HeavyBoxesOnLightOnesStand) {
-  // contact.stack after 5 s, with twenty substeps: MuJoCo's boxes are 49 to 60 mm in one another.
+  // contact.stack after 5 s, with twenty substeps: MuJoCo's boxes penetrate each other by 49 to 60 mm.
   for (const std::vector<double>& masses : {std::vector<double>{1, 1000}, {1, 10, 100, 1000}}) {
     Rigid3dDef d = tower(masses);
     d.substeps = 20;
     RigidRun run(d);
     run.seconds(5);
     EXPECT_LT(run.observed("penetration"), 1e-3);
-    // Pads that learn in two seconds still settle.
+    // Offsets that adapt within two seconds are still settling.
     EXPECT_LT(fastest(run), 1e-3);
     EXPECT_LT(aside(run), 1e-5);
     run.seconds(10);
@@ -88,7 +88,7 @@ TEST(Rigid3dTower, HeavyBoxesOnLightOnesStand) {
 TEST(Rigid3dTower, FiftyBoxesStandForAMinute) {
   Rigid3dDef d = tower(50);
   d.substeps = 20;
-  // A breath of air, so that it does not stand by symmetry alone.
+  // A tiny velocity, so that it does not stand by symmetry alone.
   std::get<BoxBodyDef>(d.bodies.back()).velocity = {1e-5, 0, 0};
   RigidRun run(d);
   run.seconds(60);
@@ -116,8 +116,8 @@ TEST(Rigid3dTower, APyramidIsStill) {
   EXPECT_LT(norm(run.x(run.count() - 1) - start), 4e-3);
   EXPECT_LT(run.observed("penetration"), 1e-3);
   EXPECT_LT(fastest(run), 0.01);
-  // The control: springs near half the substeps' rate shiver once they are shaken, here by courses that start
-  // a millimetre apart; ours come to rest.
+  // The control: springs near half the substeps' rate tremble once they are shaken, here by courses that
+  // start a millimetre apart; ours come to rest.
   std::get<BoxBodyDef>(d.bodies.back()).copies->spacing = {1.05, 1.001, 1.05};
   RigidRun shaken(d);
   shaken.seconds(3);

@@ -1,4 +1,4 @@
-// What stands in space stays where it is and comes to rest at the defaults; what only seems to rest does not
+// What stands in space stays in place and comes to rest with the defaults; what only seems to rest does not
 // fall asleep. The theory behind the numbers: docs/standing.md.
 #include <gtest/gtest.h>
 
@@ -37,7 +37,7 @@ Rigid3dDef tower(int boxes) {
   return d;
 }
 
-/// Flat blocks on one another on a slope of 30 degrees, gravity turned instead of the ground.
+/// Flat blocks stacked on a slope of 30 degrees, with gravity rotated instead of the ground.
 Rigid3dDef blocks_on_a_slope(int blocks, double friction) {
   Rigid3dDef d;
   d.sleeping = false, d.friction = friction;
@@ -66,7 +66,7 @@ TEST_P(Rigid3dStanding, AWallOfFortyCoursesIsStill) {
   RigidRun run = start(wall(40));
   const Vec3 top = run.x(run.count() - 1);
   run.seconds(5);
-  // 820 t: 0.16 J is 0.6 mm/s all over. Rapier's top is 43 mm aside and 113 mm lower by then.
+  // 820 t: 0.16 J is 0.6 mm/s everywhere. Rapier's top has moved 43 mm sideways and 113 mm down by then.
   EXPECT_LT(run.observed("energy.kinetic"), 0.16);
   EXPECT_LT(norm(run.x(run.count() - 1) - top), 1e-3);
 }
@@ -85,7 +85,7 @@ TEST_P(Rigid3dStanding, AWallThatIsPushedComesToRest) {
     return run.observed("energy.kinetic") / soon;
   };
   EXPECT_LT(sways({}), 0.1);
-  // The control: contacts of a fifth of the substeps' rate feed the sway.
+  // The control: contacts at a fifth of the substeps' rate amplify the sway.
   EXPECT_GT(sways(60), 1);
 }
 
@@ -101,12 +101,12 @@ TEST_P(Rigid3dStanding, ThreeBlocksOnASlopeRest) {
 
 TEST_P(Rigid3dStanding, ATowerOfFiftyStandsAtTheDefaults) {
   Rigid3dDef d = tower(50);
-  // A breath of air, so that it does not stand by symmetry alone.
+  // A tiny velocity, so that it does not stand by symmetry alone.
   std::get<BoxBodyDef>(d.bodies.back()).velocity = {1e-5, 0, 0};
   RigidRun run = start(d);
   run.seconds(20);
   const Vec3 top = run.x(50);
-  // Five substeps hold 16; a tower that falls is metres aside after 20 s.
+  // Five substeps hold 16 boxes; a falling tower is metres off after 20 s.
   EXPECT_LT(std::hypot(top.x, top.z), 0.01);
   EXPECT_LT(fastest(run), 0.01);
 }
@@ -118,7 +118,7 @@ TEST_P(Rigid3dStanding, TallTowersTakeMoreSubsteps) {
     return std::lround(run.h / run.state.f64(rigid3d::columns::substep)[0]);
   };
   EXPECT_GE(substeps(tower(50)), 10);
-  // The control: what five hold is left at five, and a wall that narrows is no tower.
+  // The control: what five substeps hold keeps five, and a wall that narrows is not a tower.
   EXPECT_EQ(substeps(tower(12)), 5);
   EXPECT_EQ(substeps(wall(20)), 5);
 }

@@ -1,5 +1,5 @@
-// Contacts whose points bear unlike loads: one pad for all of them would lift the points that bear less, at
-// the start by 1 um to 0.4 mm, which is energy that nobody gave.
+// Contacts whose points carry unequal loads: one offset for all of them would lift the points that carry
+// less, at the start by 1 um to 0.4 mm, which would be energy from nowhere.
 #include <algorithm>
 
 #include "tests/support/coupled.h"
@@ -9,7 +9,7 @@ namespace {
 
 using namespace testing_coupled;
 
-/// What a body lies on is a small light box, beside its middle; both on the ground.
+/// A body that rests on a small light box beside its middle, both on the ground.
 std::string leaning_on(const std::string& top, const std::string& precision) {
   return R"({"gravity": [0, -9.81, 0], "time": {"dt": 0.016666666666666666}, "systems": [
       {"type": "rigid3d", "id": "a", "precision": ")" +
@@ -25,7 +25,7 @@ constexpr const char* kBox =
 constexpr const char* kBall =
     R"({"type": "sphere", "radius": 0.3, "position": [0.01, 0.584, 0], "density": 800})";
 
-/// J, most above the start in 4 s.
+/// J, largest gain over the start in 4 s.
 double gain(Session& s) {
   const auto total = [&] { return s.observe().find("a.energy.total").value(); };
   const double start = total();
@@ -42,7 +42,7 @@ TEST(Rigid3dUnlikeLoads, LiftNothing) {
       EXPECT_LT(gain(run.session), 1e-5) << precision << ", " << top;
     }
   }
-  // The control: what a hand gives is seen.
+  // The control: energy given by a push is detected.
   SceneRun pushed(leaning_on(kBall, "f32"));
   Command c;
   c.kind = CommandKind::impulse, c.system = "a", c.index = 2, c.vector = {0, 10, 0};

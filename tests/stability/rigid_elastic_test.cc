@@ -1,4 +1,4 @@
-// Closed boxes in which nothing is lost: the energy of elastic bodies over 100,000 steps.
+// Closed boxes in which nothing dissipates: the energy of elastic bodies over 100,000 steps.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -42,7 +42,7 @@ struct Energies {
   double start = 0, most = 0, end = 0;
 };
 
-/// 27 bodies of 0.2 m fly about at up to 7 m/s and meet one another and the walls some ten times a second.
+/// 27 bodies of 0.2 m fly about at up to 7 m/s and hit one another and the walls some ten times a second.
 Energies run_room(const Trial& trial, uint64_t steps) {
   Rigid3dDef d;
   d.restitution = trial.restitution, d.friction = 0, d.restitution_speed = 0, d.sleeping = false;
@@ -95,14 +95,14 @@ TEST(RigidElastic, BoxesInAClosedBoxNeverGainEnergy) {
   const Energies e = run_room({.shapes = Shapes::mixed}, 100'000);
   EXPECT_LT(e.most, e.start * (1 + 1e-11));
   EXPECT_GT(e.end, 0.5 * e.start);
-  // The control: the same room does notice who keeps nine tenths of a speed.
+  // The control: the same room reveals a restitution of nine tenths.
   EXPECT_LT(run_room({.shapes = Shapes::mixed, .restitution = 0.9}, 5'000).end, 0.5 * e.start);
 }
 
 TEST(RigidElastic, UnderGravityNothingGrowsEither) {
   const Energies e = run_room({.shapes = Shapes::mixed, .gravity = {0, -9.81, 0}}, 100'000);
-  // Within a small step h the sum of kinetic and potential energy swings by g h v / 2 per kg: 3e-4 of v^2
-  // / 2.
+  // Within a substep h the sum of kinetic and potential energy oscillates by g h v / 2 per kg: 3e-4 of v^2 /
+  // 2.
   EXPECT_LT(e.most, e.start * (1 + 3e-4));
   EXPECT_LT(e.end, e.start);
   EXPECT_GT(e.end, 0.5 * e.start);

@@ -1,5 +1,5 @@
-// Heaps of mixed shapes sleep within ten seconds of rest: balls and capsules that roll on between others at
-// some mm/s kept three hundred bodies awake for 21 s, for 38 s, and for ever.
+// Heaps of mixed shapes sleep within ten seconds of rest: balls and capsules that kept rolling between others
+// at some mm/s used to keep three hundred bodies awake for 21 s, for 38 s, and forever.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -60,7 +60,7 @@ TEST(RigidHeapSleeps, WithinTenSecondsOfRest) {
   }
 }
 
-// The control: what rolls faster than sleep may take goes on rolling, for ever.
+// The control: a ball that rolls faster than the sleep threshold keeps rolling, forever.
 TEST(RigidHeapSleeps, ABallThatRollsGoesOn) {
   const auto rolls_on = [](double speed) {
     Rigid3dDef d;
@@ -72,7 +72,7 @@ TEST(RigidHeapSleeps, ABallThatRollsGoesOn) {
     run.seconds(5);
     return run.v(1).x > 0.5 * speed;
   };
-  // Its top goes twice as fast as its middle: 0.4 x 0.05 m/s is reached at 10 mm/s.
+  // Its top moves twice as fast as its centre: 0.4 x 0.05 m/s is reached at 10 mm/s.
   EXPECT_TRUE(rolls_on(0.012));
   EXPECT_FALSE(rolls_on(0.008));
 }

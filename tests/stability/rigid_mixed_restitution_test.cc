@@ -1,5 +1,5 @@
-// A ball that bounces fell on a block that does not: the floor's answer to the blow acted again as the
-// impulse that the next substep starts from, threw the block at the ball, and that bounced: 3 kJ became 65
+// A ball that bounces falls on a block that does not: the floor's response to the impact used to act again as
+// the warm-start impulse of the next substep and threw the block at the ball, which bounced: 3 kJ became 65
 // kJ.
 #include <gtest/gtest.h>
 
@@ -13,14 +13,14 @@ using testing::MixedScene;
 using testing::run_mixed;
 using testing::Space;
 
-/// Impacts take energy or leave it. What may come back is what the springs of contacts hold, which no
-/// observable counts: N^2 / 2 k, with up to 300 times as much mass on top as below some percent of m g times
-/// the height that all of it stands at.
+/// Impacts remove energy or conserve it. What may return is the energy stored in the springs of contacts,
+/// which no observable counts: N^2 / 2 k, with up to 300 times more mass on top than below some percent of m
+/// g times the height of the whole.
 constexpr double kSprings = 0.02;
-/// Of 24 bits in sums of some hundred: what is left where no load is heavy.
+/// For 24 bits in sums of some hundred terms: what is left where no load is heavy.
 constexpr double kRounding = 1e-5;
 
-/// `count` scenes of 4 s each; how many have ever more energy than at the start.
+/// Number of scenes, among `count` of 4 s each, that ever have more energy than at the start.
 int scenes_that_gain(MixedScene scene, uint64_t count) {
   int gain = 0;
   for (scene.seed = 0; scene.seed < count; ++scene.seed) {
@@ -66,7 +66,7 @@ TEST(RigidMixedRestitution, ABallThatBouncesFallsOnABlockThatDoesNot) {
     for (double radius = 0.1; radius < 0.42; radius += 0.02) {
       EXPECT_LE(run_mixed(ball_on_block(space, radius, 0.7), 4).most, kRounding) << radius;
     }
-    // The control: what starts 5 cm inside another is pushed out, which lifts it.
+    // The control: a body that starts 5 cm inside another is pushed out, which lifts it.
     EXPECT_GT(run_mixed(ball_on_block(space, 0.3, -0.05), 4).most, 100 * kRounding);
   }
 }

@@ -1,5 +1,5 @@
-// A hundred balls at one place flew apart at 90 m/s: each pair was pushed apart at push_out_speed, the pushes
-// of all pairs added up in every body, and what a sweep did not take back stayed as speed.
+// A hundred balls at one place used to fly apart at 90 m/s: each pair was pushed apart at push_out_speed, the
+// pushes of all pairs accumulated in every body, and what a sweep did not take back remained as velocity.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,10 +22,10 @@ struct Cluster {
 };
 
 struct Fastest {
-  double motion = 0, speed = 0;  ///< m/s: of a body in a step, and what its velocity says
+  double motion = 0, speed = 0;  ///< m/s: from a body's motion in a step, and from its velocity
 };
 
-/// A hundred bodies of half a metre with nothing else, for half a second.
+/// A hundred bodies of half a metre and nothing else, for half a second.
 Fastest part(const Cluster& c) {
   const bool flat = c.dimensions == 2, ball = std::string(c.shape) == "ball";
   std::string bodies;
@@ -69,17 +69,18 @@ TEST(RigidPartingSpeed, IsAtMostPushOutSpeedHoweverManyOverlap) {
     for (const char* precision : {"f32", "f64"}) {
       for (const char* shape : {"ball", "box"}) {
         for (const double spread : {0.0, 0.3}) {
-          // The slow pairs of a kind once is enough.
+          // For slow pairs, one combination of each kind is enough.
           if (std::string(shape) == "box" && std::string(precision) == "f64") continue;
           for (const auto masses : {Cluster::Masses::equal, Cluster::Masses::mixed}) {
             const Fastest most = part({dimensions, precision, shape, spread, masses});
-            // Between heavy ones, light ones are squeezed out sideways: faster than what squeezes them.
+            // Light bodies are squeezed out sideways between heavy ones, faster than those move.
             EXPECT_LE(most.motion, masses == Cluster::Masses::equal ? 3 : 1.25 * 3)
                 << dimensions << " " << precision << " " << shape << " " << spread;
-            // The last push may be as gentle as those that leave their speed to the relaxation.
+            // The last push may be one of those that are gentle enough to leave their velocity to the
+            // relaxation.
             EXPECT_LE(most.speed, 3.0 / 32)
                 << dimensions << " " << precision << " " << shape << " " << spread;
-            // The control: they do part.
+            // The control: they do separate.
             EXPECT_GT(most.motion, 0.3);
           }
         }
@@ -88,7 +89,7 @@ TEST(RigidPartingSpeed, IsAtMostPushOutSpeedHoweverManyOverlap) {
   }
 }
 
-// With an even number of substeps rounding grew to 600 m/s in 24 steps, in doubles in 48.
+// With an even number of substeps, rounding used to grow to 600 m/s in 24 steps, in doubles in 48.
 TEST(RigidPartingSpeed, IsAtMostPushOutSpeedForAnyNumberOfSubsteps) {
   for (const int dimensions : {2, 3}) {
     for (const int substeps : {1, 2, 4, 6, 8, 16}) {

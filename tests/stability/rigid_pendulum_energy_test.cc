@@ -1,5 +1,6 @@
-// A pendulum from 150 degrees keeps its energy. Velocities have to suit its joint where it is by the end of a
-// substep: by the directions of the start it would lose (h w)^2 of its energy in every one, 5 J of 9 in 30 s.
+// A pendulum released at 150 degrees conserves its energy. Velocities must satisfy its joint at its position
+// at the end of a substep: with the directions of the start it would lose (h w)^2 of its energy in every
+// substep, 5 J of 9 in 30 s.
 #include <gtest/gtest.h>
 
 #include "tests/support/rigid2d_run.h"
@@ -10,7 +11,7 @@ using namespace rigid3d;
 namespace {
 
 constexpr double kFrom = 150 * 3.14159265358979 / 180;
-/// J between where the rod of 1 kg and 1 m starts and where it would hang still.
+/// J between the initial position of the rod of 1 kg and 1 m and hanging at rest.
 constexpr double kSwing = 9.81 * 0.5 * 1.8660254;
 
 template <class J>
@@ -46,7 +47,7 @@ double lost_in_plane(const char* precision, const char* joint, double dt, double
 
 TEST(RigidPendulum, KeepsItsEnergyInSpaceAndInThePlane) {
   for (const double dt : {1.0 / 60, 1.0 / 240}) {
-    // What is left is the swing of symplectic Euler's energy, w h / 2 of it, not a loss.
+    // What remains is the oscillation of symplectic Euler's energy by the fraction w h / 2, not a loss.
     const double most = (dt > 0.01 ? 0.02 : 0.005) * kSwing;
     for (const auto precision : {Rigid3dDef::Precision::f32, Rigid3dDef::Precision::f64}) {
       EXPECT_NEAR(lost_in_space<HingeJointDef>(precision, dt, 30), 0, most) << dt;
@@ -54,7 +55,7 @@ TEST(RigidPendulum, KeepsItsEnergyInSpaceAndInThePlane) {
     }
     for (const char* precision : {"f32", "f64"}) {
       EXPECT_NEAR(lost_in_plane(precision, "", dt, 30), 0, most) << dt;
-      // A joint with a limit that it never reaches is solved by itself, not side by side with its like.
+      // A joint with a limit, even one never reached, is solved alone, not in lanes together with others.
       EXPECT_NEAR(lost_in_plane(precision, R"(, "lower": -100)", dt, 30), 0, most) << dt;
     }
   }

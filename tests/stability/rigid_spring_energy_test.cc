@@ -1,5 +1,5 @@
-// Springs of joints are part of the energy of rigid bodies: a pair that nothing else touches trades motion
-// for stretch and back, and energy.total stays.
+// Springs of joints are part of the energy of rigid bodies: an isolated pair exchanges kinetic energy for
+// spring energy and back, and energy.total is conserved.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ struct Swing {
   double first = 0, most_off = 0, kinetic_swing = 0;
 };
 
-/// The largest change of energy.total in 10 s, and how far energy.kinetic goes.
+/// The largest change of energy.total in 10 s, and the range of energy.kinetic.
 Swing swing(const std::string& system) {
   const auto arena = std::make_shared<const ThreadArena>(1);
   Session s(std::make_shared<const World>(parse_scene(
@@ -36,7 +36,7 @@ Swing swing(const std::string& system) {
   return out;
 }
 
-/// How the bodies start, as the joint lets them: anything else it stops in the first step.
+/// The initial motion of the bodies, as the joint allows: it stops any other in the first step.
 enum class Start { parting, twisting };
 
 std::string in_space(const std::string& joint, Start start, const std::string& precision) {
@@ -67,8 +67,8 @@ void keeps(const std::string& system, const std::string& what) {
   const Swing s = swing(system);
   EXPECT_GT(s.kinetic_swing, 0.02 * s.first)
       << what << ": control: without its springs the energy would swing";
-  // Springs between two points act at a step's ends, to second order; beside rows that hold they act as the
-  // solver's small steps do, to first.
+  // Springs between two points alone act at a step's ends, to second order; beside rigid rows they act in the
+  // solver's substeps, to first order.
   EXPECT_LT(s.most_off, 0.1 * s.kinetic_swing) << what << ", of " << s.first << " J";
 }
 
@@ -99,7 +99,7 @@ TEST(SpringsOfJointsCount, InThePlane) {
   }
 }
 
-// A spring that is stretched at the start brings all the energy that there is.
+// A spring that is stretched at the start supplies all the energy.
 TEST(SpringsOfJointsCount, WhatTheyHoldAtTheStart) {
   const std::string apart = R"({"type": "rigid3d", "id": "s", "bodies": [
       {"type": "sphere", "radius": 0.1, "mass": 1}, {"type": "sphere", "radius": 0.1, "mass": 1, "position": [1, 0, 0]}],

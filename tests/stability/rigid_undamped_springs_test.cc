@@ -1,5 +1,5 @@
-// Springs without damping keep their energy: what they take from the bodies they give back, in a pair that
-// swings (against its closed form, of second order in dt) and in a closed heap of them for a minute.
+// Undamped springs conserve their energy: what they take from the bodies they give back, in an oscillating
+// pair (against its closed form, second order in dt) and in a closed heap of springs for a minute.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,7 +24,8 @@ struct Pair {
   double amplitude() const { return std::hypot(stretched, parting / (kTurn * hertz)); }
 };
 
-/// Worst error of the length in ten periods, of the amplitude; in space, by hertz or N/m, and in the plane.
+/// Worst error of the length in ten periods, relative to the amplitude; in space, by hertz or N/m, and in the
+/// plane.
 double space_error(double dt, bool by_hertz, double dampen = 0) {
   const Pair p;
   Rigid3dDef d;
@@ -78,7 +79,7 @@ TEST(UndampedSprings, APairSwingsAsItShouldToSecondOrder) {
   check("space, hertz", [](double dt) { return space_error(dt, true); });
   check("space, N/m", [](double dt) { return space_error(dt, false); });
   check("plane, hertz", plane_error);
-  // The control: a spring that loses a hundredth of its swing in every turn.
+  // The control: a spring that loses a hundredth of its amplitude per period.
   EXPECT_GT(space_error(1.0 / 240, true, 0.0016), 5e-2);
 }
 
@@ -90,7 +91,7 @@ struct Spring {
   double length;
 };
 
-/// Bodies at random, every one tied to the next and to others off their centres.
+/// Random bodies, each one tied to the next and to others at points off their centres.
 struct Heap {
   std::mt19937 random{3};
   std::vector<Vec3> x, v, w;
@@ -175,7 +176,7 @@ TEST(UndampedSprings, AClosedHeapInSpaceKeepsItsEnergyForAMinute) {
       std::printf("%s %s: energy %.4f to %.4f of the first, kinetic %.3f of the first ten seconds'\n",
                   by == By::hertz ? "hertz" : "N/m", precision == Rigid3dDef::Precision::f32 ? "f32" : "f64",
                   e.least / e.first, e.most / e.first, e.kinetic_last / e.kinetic_first);
-      // Springs turn by (h w)^2 / 8 = 1e-4 in a substep, and bodies between them turn freely.
+      // Springs oscillate by (h w)^2 / 8 = 1e-4 in a substep, and bodies between them rotate freely.
       EXPECT_GT(e.least / e.first, 0.998);
       EXPECT_LT(e.most / e.first, 1.002);
     }

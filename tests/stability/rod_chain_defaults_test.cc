@@ -1,5 +1,5 @@
-// A chain of rods with nothing said about it keeps its energy for a minute, at any step that a user would
-// take and with its joints kept in any way; where a step is forced on it that it cannot bear, that is said.
+// A chain of rods at defaults conserves its energy for a minute, at any step that a user would choose and
+// with any treatment of its joints; a prescribed step that it cannot sustain is reported.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ struct ChainRun {
   double value(const char* name) const {
     return session.observe().find(std::string("chain.") + name).value();
   }
-  /// Largest rise and fall of the energy on the way, J.
+  /// Largest rise and fall of the energy along the run, J.
   void seconds(double s) {
     const auto n = static_cast<int>(std::lround(s / session.world().dt()));
     for (int k = 0; k < n && session.step(1) == 1; ++k) {
@@ -33,7 +33,8 @@ struct ChainRun {
   double start = 0, rise = 0, fall = 0, gap = 0;
 };
 
-// What the chain could turn into speed: ten rods of 0.981 N from the anchor's height down to 1 m below.
+// The energy that the chain can convert to motion: ten rods of 0.981 N from the anchor's height down to 1 m
+// below.
 constexpr double kAvailable = 9.81;
 
 TEST(RodChainDefaults, EnergyIsKeptForAMinuteAtAnyStep) {
@@ -68,7 +69,7 @@ TEST(RodChainDefaults, ProjectionGainsNothing) {
 }
 
 TEST(RodChainDefaults, StepsThatAreForcedOnItEndInAnEvent) {
-  // One step of RK4 in a sixtieth, and springs far beyond their limit.
+  // One step of RK4 in a sixtieth of a second, and springs far beyond their limit.
   for (const char* more : {R"(,"substeps":1)", R"(,"constraints":"penalty","substeps":1)"}) {
     ChainRun run(more, 1.0 / 60);
     run.seconds(10);
@@ -78,7 +79,7 @@ TEST(RodChainDefaults, StepsThatAreForcedOnItEndInAnEvent) {
     EXPECT_THAT(f.detail, testing::HasSubstr("held when tried for")) << f.detail;
     ASSERT_TRUE(f.suggested_dt) << f.detail;
     EXPECT_LT(*f.suggested_dt, 1.0 / 60);
-    // While its numbers still mean something.
+    // Reported while the numbers are still meaningful.
     EXPECT_TRUE(std::isfinite(run.value("energy.total"))) << f.detail;
   }
 }

@@ -1,5 +1,5 @@
-// Liquids of particles over long times and in the extreme: a pool that rests, sheets one particle thick,
-// steps far too long, random splashes. At defaults in all but what a test is about.
+// Liquids of particles over long times and at extremes: a pool at rest, sheets one particle thick, steps far
+// too long, random splashes. At defaults in everything but the property under test.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -29,7 +29,8 @@ TEST(SphStability, APoolRestsForAMinute) {
   constexpr double kDepth = 0.5;
   for (const Method solver : kEvery) {
     SphDef d;
-    // Twenty rows for the solve, whose pressures change from substep to substep; the others do with ten.
+    // Twenty rows for the solver whose pressures change from substep to substep; ten are enough for the
+    // others.
     d.dimension = 2, d.spacing = solver == Method::dfsph ? 0.025 : 0.05, d.solver = solver;
     d.bodies = {{.center = {0.5, kDepth / 2, 0}, .half_extents = {0.5, kDepth / 2, 1}}};
     SphRun run(d, 1.0 / 60, {0, -9.81, 0});
@@ -40,7 +41,7 @@ TEST(SphStability, APoolRestsForAMinute) {
       run.seconds(5);
       EXPECT_LT(rms_speed(run), bound) << static_cast<int>(solver) << " after " << 5 * (k + 2) << " s";
     }
-    // It has not sunk since: 1 % of its depth would be seen.
+    // It has not sunk since: 1 % of its depth would be detected.
     EXPECT_NEAR(run.observe("centre.y"), height, 0.01 * kDepth) << static_cast<int>(solver);
     EXPECT_NEAR(height, kDepth / 2, 0.03 * kDepth) << static_cast<int>(solver);
   }
@@ -82,7 +83,8 @@ TEST(SphStability, RandomSplashesStayFiniteAndLoseEnergy) {
     EXPECT_LE(run.observe("high.x"), 1) << k;
     EXPECT_GE(run.observe("low.y"), 0) << k;
     EXPECT_LT(run.observe("density.mean_error"), 0.03) << k;
-    // Its middle lies where that of the water would, spread evenly, where that is more than a layer or two.
+    // Its centre is where that of the water would be if evenly spread, provided that this is more than a
+    // layer or two.
     const double depth = run.observe("mass") / d.density;
     if (depth > 3 * d.spacing) {
       EXPECT_GT(run.observe("centre.y"), 0.8 * depth / 2) << k;

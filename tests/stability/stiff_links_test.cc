@@ -42,7 +42,7 @@ struct Links {
   uint64_t done = 0;
 };
 
-// Links of 0.1 m and 0.1 kg one behind the other, springs slack where they start, 1.2 rad from hanging.
+// Links of 0.1 m and 0.1 kg in a row, springs relaxed at the start, 1.2 rad from hanging.
 ArticulationDef chain(int links, double stiffness, JointType joint = JointType::revolute) {
   ArticulationDef d;
   for (int i = 0; i < links; ++i) {
@@ -62,8 +62,8 @@ ArticulationDef chain(int links, double stiffness, JointType joint = JointType::
   return d;
 }
 
-// Rounding of forces of 1e6 N m on inertias of 1e-3 kg m^2 exceeds what a residual may have left by far: what
-// counts is the motion that it stands for.
+// Rounding of torques of 1e6 N m on inertias of 1e-3 kg m^2 far exceeds what a residual may leave: what
+// counts is the motion that it corresponds to.
 TEST(StiffLinks, ImplicitMethodsSolveJointsOfAnyStiffness) {
   for (const char* method : {"implicit_euler", "trapezoid", "bdf2", "newmark"}) {
     for (const double k : {1e4, 1e6, 1e8, 1e10}) {
@@ -71,7 +71,7 @@ TEST(StiffLinks, ImplicitMethodsSolveJointsOfAnyStiffness) {
       const double start = run.energy();
       ASSERT_NO_THROW(run.steps(120)) << method << ' ' << k;
       EXPECT_LE(run.energy(), start + 1e-6) << method << ' ' << k;
-      // A cantilever of 1 m and 1 kg on such springs gives way by 1 N m / k, whatever has died down.
+      // A cantilever of 1 m and 1 kg on such springs gives way by 1 N m / k, whatever has been damped.
       EXPECT_GE(run.energy(), start - 50 / k) << method << ' ' << k;
     }
   }
@@ -79,7 +79,7 @@ TEST(StiffLinks, ImplicitMethodsSolveJointsOfAnyStiffness) {
 
 TEST(StiffLinks, BallsHoldAsHingesDo) {
   for (const double k : {1e4, 1e8}) {
-    // Free in the first joint it swings down as one: a rod of 1 m.
+    // Free at the first joint, it swings down as one: a rod of 1 m.
     Links run(chain(10, k, JointType::spherical), "trapezoid", 1.0 / 60);
     const double start = run.energy();
     ASSERT_NO_THROW(run.steps(300)) << k;
@@ -102,14 +102,14 @@ double seconds_of_step(const std::string& method, int links) {
 
 TEST(StiffLinks, AStepTakesTimeInProportionToTheLinks) {
   const double few = seconds_of_step("implicit_euler", 100), many = seconds_of_step("implicit_euler", 1000);
-  // Ten times as long; a dense matrix takes a hundred to a thousand times as long. Caches and other programs
-  // have their share.
+  // Ten times as long; with a dense matrix it would be a hundred to a thousand times. Caches and other
+  // programs need some margin.
   EXPECT_LT(many, 30 * few);
-  // 12 evaluations and more against some five and two factorisations.
+  // 12 evaluations and more against about five and two factorizations.
   EXPECT_LT(many, 3 * seconds_of_step("", 1000));
 }
 
-// Loops are not solved that way yet, and their dense matrices are: the control.
+// The control: loops are not solved in that way yet, but by dense matrices.
 TEST(StiffLinks, LoopsStillTakeADenseMatrix) {
   ArticulationDef d = chain(3, 0);
   d.links[2].id = "last";

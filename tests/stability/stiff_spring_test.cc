@@ -62,7 +62,8 @@ TEST(StiffSpring, AdaptiveMethodsDivideTheStep) {
     SteppedField run(*field, *find_integrator(name), kStep, {.tolerance = 1e-3, .relative_tolerance = 0});
     run.steps(60);
     EXPECT_LT(run.state.f64(run.state.at("integrator.internal_step"))[0], 2e-4) << name;
-    // The error is the mean square over place and speed: one of them alone may take sqrt 2 of the tolerance.
+    // The error is the root mean square over position and velocity: one of them alone may use sqrt 2 of the
+    // tolerance.
     EXPECT_NEAR(run.energy(), 0.5e8, 1e-3 * std::numbers::sqrt2 * 0.5e8) << name;
   }
 }

@@ -1,5 +1,5 @@
-// Ropes that are all but inextensible, with the method that they get by themselves: their steps are solved at
-// a cost that does not grow with the stiffness, and nothing gains energy.
+// Almost inextensible ropes with the method that they choose themselves: their steps are solved at a cost
+// that does not grow with the stiffness, and nothing gains energy.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -58,16 +58,16 @@ TEST(StiffestRope, SwingsWithoutGainAndAtACostThatStiffnessDoesNotRaise) {
         most = std::max(most, rope.observe("energy.total"));
         iterations += rope.report().iterations;
       }
-      // Not a hundred-thousandth of what 1 m of fall sets free.
+      // Less than a hundred-thousandth of what 1 m of fall releases.
       EXPECT_LT(most - start, 1e-5 * start) << links << ' ' << k;
       EXPECT_LT(iterations, 300 * 20) << links << ' ' << k;
-      // 1 kg at most hangs on it, and pulls with up to a hundred times its weight when it whips.
+      // At most 1 kg hangs on it, and pulls with up to a hundred times its weight when it whips.
       EXPECT_LT(rope.observe("strain.max"), 2000 / k) << links << ' ' << k;
     }
   }
 }
 
-// What 1e8 N/m and 1e13 N/m differ by is a strain of 1e-7 of a newton's pull: the motion is the same until
+// 1e8 N/m and 1e13 N/m differ by a strain of about 1e-7 per newton of pull: the motion is the same until
 // small differences have grown, by some hundred times in half a second.
 TEST(StiffestRope, MovesAsAnInextensibleOneDoes) {
   Rope soft(1e8, 20, {1, 1, 0}), stiff(1e13, 20, {1, 1, 0}), softest(1e3, 20, {1, 1, 0});
@@ -85,7 +85,7 @@ TEST(StiffestRope, HangsStill) {
   }
 }
 
-// A sheet that is all but flat hangs by two corners: its tensions grow until it sags.
+// An almost flat sheet hangs by two corners: its tensions grow until it sags.
 TEST(StiffestRope, ASheetWithRigidThreadsGainsNothing) {
   for (const double k : {1e9, 1e12}) {
     MassSpringDef d;
@@ -107,14 +107,13 @@ TEST(StiffestRope, ASheetWithRigidThreadsGainsNothing) {
     for (uint64_t n = 0; n < 30; ++n) {
       system->step(state,
                    {.t = double(n) / 60, .h = 1.0 / 60, .step = n, .workspace = workspace, .arena = arena});
-      // Control: solutions that are good to a share of what they began with have 1.6 of 6 J too much at 1e12
-      // N/m.
+      // Control: solves accurate to a fraction of their initial residual gain 1.6 of 6 J at 1e12 N/m.
       ASSERT_LT(energy() - start, 1e-6) << k << ' ' << n;
     }
   }
 }
 
-// Once the numbers that are made smaller for the way are back, none has lost a bit.
+// After the numbers scaled for the solve are restored, none has lost a bit.
 TEST(StiffestRope, StiffnessIsWhatItWasAfterAStep) {
   Rope rope(1.1e12, 20, {1, 1, 0});
   for (int i = 0; i < 5; ++i) rope.step();

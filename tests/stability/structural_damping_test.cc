@@ -1,5 +1,5 @@
-// generalized_alpha's spectral radius at infinity is the one that was asked for, Newmark's beta and gamma do
-// what is written about them.
+// generalized_alpha's spectral radius at infinity is the requested one, and Newmark's beta and gamma have
+// their published effects.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -51,8 +51,8 @@ double amplitude(const char* method, double omega, double h, uint64_t steps,
   return std::abs(y[0]);
 }
 
-// Where h omega is 1e6, all three eigenvalues are -r: |x_n| = (c0 + c1 n + c2 n^2) r^n, whose power of n is
-// taken out. What is left of c1 and c0 falls like 1/N.
+// Where h omega is 1e6, all three eigenvalues are -r: |x_n| = (c0 + c1 n + c2 n^2) r^n, of which the power of
+// n is divided out. What is left of c1 and c0 falls as 1/N.
 double radius_at_infinity(double asked) {
   const auto n = std::min<uint64_t>(1000, static_cast<uint64_t>(110 / -std::log(asked)));
   const StructuralDamping damping{.spectral_radius = asked};
@@ -66,7 +66,7 @@ TEST(GeneralizedAlpha, TheSpectralRadiusIsTheOneAskedFor) {
     const double found = radius_at_infinity(asked);
     std::printf("asked %.2f found %.4f\n", asked, found);
     EXPECT_NEAR(found, asked, 0.02 * asked);
-    // Control: a twentieth less or more would show.
+    // Control: a twentieth less or more would be detected.
     EXPECT_GT(std::abs(found - 0.95 * asked), 0.02 * asked);
   }
   // 0: gone after a few steps; 1: an oscillation at any step keeps its amplitude.
@@ -115,7 +115,7 @@ TEST(Newmark, GammaIsAskedForInAScene) {
 }
 
 TEST(InternalSteps, AreBoundedAndTheFaultSaysWhatHelps) {
-  // A million turns within one step.
+  // A million revolutions within one step.
   const std::string fast = R"s("states": {"x": 1, "v": 0}, "equations": {"x": "v", "v": "-4e13 * x"},
     "integrator": ")s";
   for (const char* method : {"tsit5", "dop853", "rkn86", "ias15", "radau5", "cvode_adams"}) {
@@ -129,7 +129,7 @@ TEST(InternalSteps, AreBoundedAndTheFaultSaysWhatHelps) {
       EXPECT_NE(what.find("raise max_internal_steps"), std::string::npos) << method;
     }
   }
-  // Control: the same turns in as many steps of the scene are no fault.
+  // Control: the same revolutions in as many steps of the scene are no error.
   OdeRun calm(fast + "tsit5\", \"max_internal_steps\": 500", 1e-6);
   calm.steps(10);
 }

@@ -1,5 +1,5 @@
-// Steps of points and bodies that are tied together are taken in parts where they would gain energy. Whether
-// a step is divided follows from the state at its start: a restored state goes on with the same bits.
+// Steps of points and bodies tied together are subdivided where they would gain energy. Whether a step is
+// subdivided follows from the state at its start: a restored state continues with the same bits.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 namespace truestep {
 namespace {
 
-/// Five kilograms on thirty grams of rope that hang down from the side, at 30 steps a second.
+/// Five kilograms on thirty grams of rope, released from the side, at 30 steps a second.
 Scene swinging(const char* method) {
   return parse_scene(
       std::string(R"({"gravity": [0, -9.81, 0], "time": {"dt": 0.03333333333333333}, "systems": [

@@ -1,5 +1,5 @@
-// Cloth that meets cloth: thrown on it at 20 m/s, folded on itself in a heap, and a rope on itself. No edge
-// may ever pierce a triangle, at whatever speed; sheets at rest on each other keep their thickness.
+// Cloth on cloth: thrown at 20 m/s, folded into a heap, and a rope on itself. No edge may ever pierce a
+// triangle, at any speed; sheets at rest on each other keep their thickness.
 #include <cmath>
 
 #include "tests/unit/xpbd_sheets.h"
@@ -14,7 +14,7 @@ using testing_rig::XpbdRun;
 
 constexpr int64_t kWide = 31, kSmall = 16;
 
-/// A sheet held at its rim, 4 mm thick, points 30 mm apart, and above it a smaller one, a little askew.
+/// A sheet held at its rim, 4 mm thick, points 30 mm apart, and above it a smaller one at a slight angle.
 XpbdDef thrown(Precision precision) {
   XpbdDef d;
   d.mesh.emplace();
@@ -55,13 +55,13 @@ TEST_P(XpbdSelfCollision, ClothThrownOnClothAtTwentyMetresASecondStaysOnIt) {
       ASSERT_TRUE(run.finite());
       ASSERT_EQ(piercings(run), 0u) << "step " << k;
     }
-    // The held sheet reaches half a metre at most, stretched as it is by the blow; what has come through
-    // falls from there.
+    // The held sheet reaches at most half a metre, including its stretch in the impact; whatever has come
+    // through falls from there.
     EXPECT_GT(lowest_of_small(run), -2.0) << speed;
   }
 }
 
-/// Edges of one sheet through triangles of the other, torn as they are.
+/// Number of edges of one sheet through triangles of the other, in their torn state.
 size_t through_each_other(const XpbdRun& run) {
   const auto corner = run.state.span<uint32_t>(run.state.at("corner"));
   std::vector<std::array<uint32_t, 3>> triangles;
@@ -73,9 +73,9 @@ size_t through_each_other(const XpbdRun& run) {
 }
 
 TEST(XpbdSelfCollisionTorn, SheetsThatTearAsTheyMeetDoNotPassEachOther) {
-  // Lips of a tear are let be beside it; the sheets themselves never pass each other. Steps are so short that
-  // a sheet that passes is seen on its way. Strain and speed were chosen so that it tears, and passes without
-  // self_collision.
+  // Self-collision is off beside the lips of a tear; the sheets themselves never pass each other. Steps are
+  // so short that a sheet passing through would be seen. Strain and speed are chosen so that the sheet tears,
+  // and passes without self_collision.
   XpbdDef d = thrown(Precision::f64);
   d.tear = TearDef{.strain = 0.02};
   XpbdRun run(d, 1.0 / 240);
@@ -124,9 +124,9 @@ TEST_P(XpbdSelfCollision, ClothDroppedOnASphereFoldsWithoutPiercing) {
     ASSERT_EQ(piercings(run), 0u) << "step " << k;
     without += piercings(open);
   }
-  // The control: the same cloth without it runs through itself as it folds.
+  // The control: without self-collision the same cloth passes through itself as it folds.
   EXPECT_GT(without, 100u);
-  // At rest, and as long as its links say.
+  // At rest, with its links at their lengths.
   EXPECT_LT(run.observe("strain.rms"), 0.02);
 }
 
@@ -143,13 +143,14 @@ TEST_P(XpbdSelfCollision, SheetsOnEachOtherKeepTheirThickness) {
   run.seconds(2);
   double mean[3] = {};
   for (size_t i = 0; i < 243; ++i) mean[i / 81] += run.position(i).y / 81;
-  // Half a thickness from the floor, then a whole one each; a weight of grams presses by h^2 g in a substep.
+  // The lowest sheet is half a thickness above the floor, each further one a whole thickness higher; a weight
+  // of grams compresses by h^2 g per substep.
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(mean[k], 0.004 + 0.008 * k, 1e-4) << k;
   EXPECT_LT(run.observe("energy.kinetic"), 1e-4);
   EXPECT_EQ(piercings(run), 0u);
 }
 
-/// Largest slip (m) in a second of the upper of two level sheets, the lower held, when gravity leans.
+/// Largest slip (m) in a second of the upper of two level sheets, the lower one held, under tilted gravity.
 double slip(double friction, double lean) {
   XpbdDef d;
   d.mesh.emplace();
@@ -164,10 +165,11 @@ double slip(double friction, double lean) {
 
 TEST(XpbdSelfCollisionFriction, HoldsBelowItsConeAndSlidesAboveIt) {
   const double lean = 0.3;  // tan = 0.309
-  // s = 1/2 g (sin - mu cos) t^2, whole steps of h late: 1 / 150 of it.
+  // s = 1/2 g (sin - mu cos) t^2, delayed by whole steps of h: 1 / 150 of it.
   const double free = 0.5 * 9.81 * std::sin(lean) * 0.0625,
                held = 0.5 * 9.81 * (std::sin(lean) - 0.15 * std::cos(lean)) * 0.0625;
-  // Held, it creeps by what its weight lets go where it is brought apart: a fiftieth of the free slide.
+  // Held by friction, it creeps by what separating the sheets gives way under its weight: a fiftieth of the
+  // free slide.
   EXPECT_LT(slip(0.4, lean), 0.02 * free);
   EXPECT_NEAR(slip(0, lean), free, 0.03 * free);
   EXPECT_NEAR(slip(0.15, lean), held, 0.05 * free);
@@ -184,11 +186,11 @@ TEST_P(XpbdSelfCollision, FreeSheetsKeepTheirMomentum) {
   for (size_t i = 121; i < 202; ++i) run.state.f64(XpbdColumns::velocity)[3 * i + 1] = -20;
   const double before = run.observe("momentum.y"), energy = run.observe("energy.kinetic");
   run.step(60);
-  // Rounding of some hundred substeps, of displacements in floats a millionth each.
+  // Rounding of some hundred substeps; displacements in floats, a millionth each.
   const double tolerance = GetParam() == Precision::f64 ? 1e-12 : 1e-4;
   EXPECT_NEAR(run.observe("momentum.y"), before, tolerance * std::abs(before));
   EXPECT_NEAR(run.observe("momentum.x"), 0, tolerance * std::abs(before));
-  // Nothing is gained: a blow without bounce.
+  // No energy is gained: an impact without bounce.
   EXPECT_LT(run.observe("energy.kinetic"), energy);
 }
 

@@ -1,6 +1,6 @@
-// Extremes of what is soft in the system xpbd: elastic and matched blocks from 1e2 to 1e9 Pa and 0.1 to 1000
-// Hz at steps of 1/30 to 1/1000 s, slabs of 1:1000, blocks crushed flat, cloth torn to single triangles
-// and rods of hard wire.
+// Extremes of soft bodies in the system xpbd: elastic and matched blocks from 1e2 to 1e9 Pa and 0.1 to 1000
+// Hz at steps of 1/30 to 1/1000 s, slabs of 1:1000, blocks crushed flat, cloth torn to single triangles and
+// rods of hard wire.
 #include "engine/base/errors.h"
 #include "tests/unit/xpbd_rig.h"
 
@@ -17,7 +17,7 @@ XpbdDef dropped(const Vec3& size) {
   d.colliders.push_back(PlaneColliderDef{});
   return d;
 }
-/// Largest kinetic energy over what all energy is at the start, the floor being at zero.
+/// Largest kinetic energy relative to the total at the start, the floor being at zero.
 double gain(const XpbdDef& d, double dt) {
   XpbdRun run(d, dt);
   const double start = run.observe("energy.total");
@@ -37,8 +37,8 @@ TEST(XpbdSoftStability, BlocksOfAnyStiffnessMoveNoFasterThanTheyFell) {
       for (const double modulus : {1e2, 1e5, 1e9}) {
         XpbdDef d = dropped(size);
         d.youngs_modulus = modulus, d.poisson_ratio = 0.45;
-        // What would need more than a thousand substeps is refused. In the first step it still falls: energy
-        // in motion grows by h g v at most, 7 %.
+        // A block that would need more than a thousand substeps is refused. In the first step it still falls:
+        // the kinetic energy grows by at most h g v, 7 %.
         try {
           EXPECT_LT(gain(d, dt), 1.1) << modulus << " " << dt << " " << size.y;
         } catch (const Error&) {
@@ -47,7 +47,7 @@ TEST(XpbdSoftStability, BlocksOfAnyStiffnessMoveNoFasterThanTheyFell) {
         }
       }
       for (const double frequency : {0.1, 5.0, 1000.0}) {
-        // Thin bodies tip over as a whole where they are stiff: they are drawn softly.
+        // Stiff thin bodies tip over as a whole: they are drawn soft.
         if (size.x != size.y && frequency > 5) continue;
         XpbdDef d = dropped(size);
         d.matching = MatchDef{.frequency = frequency, .linear = size.x == size.y ? 0.5 : 0};
@@ -56,7 +56,7 @@ TEST(XpbdSoftStability, BlocksOfAnyStiffnessMoveNoFasterThanTheyFell) {
     }
   }
   EXPECT_LE(refused, 11);
-  // Control: as few substeps as a soft block has are too few for a stiff one.
+  // Control: the few substeps of a soft block are too few for a stiff one.
   XpbdDef d = dropped({0.2, 0.2, 0.2});
   d.youngs_modulus = 1e9, d.poisson_ratio = 0.45, d.substeps = 10;
   EXPECT_GT(gain(d, 1.0 / 60), 100);
@@ -112,7 +112,7 @@ TEST(XpbdSoftStability, RodsFromThreadToSteelStayWithinTheirReach) {
       const double start = run.observe("energy.total");
       run.seconds(1);
       EXPECT_TRUE(run.finite());
-      // It falls by what it holds; nothing is gained, to a thousandth of what a metre's fall is worth.
+      // It falls with its stored energy; no energy is gained, to a thousandth of a metre's fall.
       EXPECT_LT(run.observe("energy.total") - start, 1e-3 * 0.1 * 9.81) << modulus << " " << dt;
     }
   }

@@ -26,8 +26,8 @@ TEST(XpbdStability, RopeCarriesAHundredThousandTimesItsLinks) {
     double low = 0;
     for (int k = 0; k < 120; ++k) {
       run.step();
-      // T / k = 9819 N / 1e9 N/m of a link of 1 cm is 0.0982 %, and a load that is let go swings to twice
-      // that. The reference asks for 1 %.
+      // T / k = 9819 N / 1e9 N/m for a link of 1 cm is 0.0982 %, and a load that is released oscillates to
+      // twice that. The reference demands 1 %.
       ASSERT_LT(run.observe("strain.max"), 2.01 * 0.000982) << k;
       low += run.position(100).y / 120;
     }
@@ -42,10 +42,10 @@ TEST(XpbdStability, RopeSwingsAHundredThousandTimesItsLinks) {
     for (int k = 0; k < 120; ++k) {
       run.step();
       ASSERT_TRUE(run.finite());
-      // Three times the weight in the lowest point, 0.3 %, and what the links swing about that.
+      // Three times the weight at the lowest point, 0.3 %, and the oscillation of the links about that.
       ASSERT_LT(run.observe("strain.max"), 0.006) << k;
-      // The fall brings 9810 J. Doubles lose some of that and never gain; rounding to floats shakes it by a
-      // percent.
+      // The fall releases 9810 J. Doubles lose some of that and never gain; rounding to floats perturbs it by
+      // a percent.
       ASSERT_LT(run.observe("energy.total"), precision == Precision::f64 ? 0.01 : 98.1) << k;
       lowest = std::min(lowest, run.position(100).y);
     }
@@ -54,7 +54,8 @@ TEST(XpbdStability, RopeSwingsAHundredThousandTimesItsLinks) {
 }
 
 TEST(XpbdStability, RopeOfFixedSubstepsSaysWhenTheyAreTooFew) {
-  // The control: without the division by tension the energy rises, and the system's own figures show it.
+  // The control: without the subdivision by tension the energy rises, and the system's own observables show
+  // it.
   XpbdDef d = loaded_rope({1, 0, 0});
   d.substeps = 10;
   XpbdRun run(d);
@@ -74,8 +75,7 @@ TEST(XpbdStability, ClothHoldsAtAnyStiffnessAndStep) {
         XpbdRun run(d, dt);
         run.seconds(1.5);
         ASSERT_TRUE(run.finite());
-        // Nothing but gravity brings energy, and 0.2 kg cannot fall further than its own length and the
-        // stretch.
+        // Only gravity supplies energy, and 0.2 kg cannot fall farther than its own length plus the stretch.
         EXPECT_LT(run.observe("energy.kinetic"), 0.2 * 9.81 * 1.5) << stiffness << " " << dt;
         EXPECT_LT(run.observe("strain.rms"), stiffness > 1e3 ? 0.005 : 0.1) << stiffness << " " << dt;
       }
@@ -94,10 +94,10 @@ TEST(XpbdStability, ClothHoldsWithCellsOfAnyShape) {
       for (int k = 0; k < 20; ++k) {
         run.seconds(0.05);
         ASSERT_TRUE(run.finite());
-        // Nothing but gravity brings energy, and no part falls further than the metre that the cloth is long.
+        // Only gravity supplies energy, and no part falls farther than the metre that the cloth is long.
         ASSERT_LT(run.observe("energy.kinetic"), 0.2 / aspect * 9.81) << aspect << " " << dt << " " << k;
       }
-      // Half of the links are a thousandth as long and shake by so much more: set after seeing 1.1 % at
+      // Half of the links are a thousandth as long and vibrate accordingly more: set after seeing 1.1 % at
       // 1:1000, 1/30 s.
       EXPECT_LT(run.observe("strain.rms"), aspect < 1000 ? 0.005 : 0.02) << aspect << " " << dt;
     }
@@ -110,7 +110,7 @@ TEST(XpbdStability, ClothDroppedOnANeedleHangsOnIt) {
     d.cloth_grid = ClothGridShape{.origin = {-0.5, 1.2, -0.5}, .nx = 41, .ny = 41};
     d.density = 0.25, d.stiffness = 3000, d.shear_stiffness = 300;
     d.friction = 1;
-    // Upright below the middle point, 2 mm thick.
+    // An upright needle below the middle point, 2 mm thick.
     d.colliders.push_back(CapsuleColliderDef{{}, {0, 0, 0}, {0, 1, 0}, 0.001, false});
     d.precision = precision;
     XpbdRun run(d);
@@ -145,7 +145,7 @@ TEST(XpbdStability, BlockPressedFlatComesBack) {
     for (size_t i = 0; i < x.size() / 3; ++i) x[3 * i + 1] *= 0.05;
     run.seconds(10);
     ASSERT_TRUE(run.finite());
-    // Without gravity the shape without strain is its own.
+    // Without gravity it returns to its shape without strain.
     EXPECT_LT(run.observe("strain.max"), 0.02);
   }
 }

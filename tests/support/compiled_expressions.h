@@ -1,4 +1,4 @@
-// A vector of texts compiled both ways, for one point and for many rows, over variables numbered by name.
+// A list of texts compiled both ways, for one point and for many rows, over named variables in a fixed order.
 #pragma once
 #include <cmath>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace truestep::test {
 
-/// Equal bits; any NaN equals any other, their payload means nothing.
+/// Equal bits; any NaN equals any other, since payloads are meaningless.
 inline bool same_bits(double a, double b) {
   return (std::isnan(a) && std::isnan(b)) || std::bit_cast<uint64_t>(a) == std::bit_cast<uint64_t>(b);
 }

@@ -1,4 +1,4 @@
-// A session of a scene with couplings, and the sums that couplings must keep.
+// A session of a scene with couplings, and the totals that couplings must conserve.
 #pragma once
 #include <gtest/gtest.h>
 

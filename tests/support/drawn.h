@@ -1,4 +1,4 @@
-// All that a system draws of a state.
+// Everything that a system draws of a state.
 #pragma once
 #include "engine/core/system.h"
 

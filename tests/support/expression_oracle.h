@@ -1,5 +1,5 @@
-// Evaluates the text of an expression for one set of values while it reads it: no graph, no folding, no
-// sharing. What compiled expressions are held against, to the bit. Exponents are numbers as written.
+// Evaluates the text of an expression for one set of values while parsing it: no graph, no folding, no
+// sharing. Compiled expressions are compared with it to the bit. Exponents must be number literals.
 #pragma once
 #include <cctype>
 #include <cmath>
@@ -22,7 +22,7 @@ class ExpressionOracle {
     return choice();
   }
 
-  /// a^b as documented: integers by squaring, half-integers with a square root, else pow.
+  /// a^b as documented: integers by repeated multiplication, half-integers with a square root, otherwise pow.
   static double power(double a, double b) {
     const double n = std::fabs(b);
     if (n > 64 || 2 * n != std::floor(2 * n)) return trig::pow(a, b);

@@ -33,7 +33,7 @@ std::vector<std::byte> bytes_of(const std::filesystem::path& file) {
   return bytes;
 }
 
-// A scene that is there to fail ends at its last good step, which belongs to what is compared.
+// A scene that is meant to fail ends at its last good step, which is part of the comparison.
 uint64_t run(truestep::Session& session, uint64_t steps) {
   try {
     session.step(steps);

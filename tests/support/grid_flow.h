@@ -32,8 +32,8 @@ class GridFlow {
     system->observe(state, t(), o);
     return o.find(name).value_or(NAN);
   }
-  /// Component c at a place (m) in the plane, by cubics through the four nearest values inside along each
-  /// axis, so that reading off adds nothing to an error of second order.
+  /// Component c at a point (m) in the plane, by cubics through the four nearest inner values along each
+  /// axis, so that sampling adds nothing to an error of second order.
   double velocity(size_t c, double x, double y) const {
     const mac::MacGrid& g = model().grid;
     const auto u = state.f64(static_cast<State::Column>(c));

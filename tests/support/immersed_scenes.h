@@ -15,11 +15,11 @@ inline std::string triple(const Vec3& v) {
   return "[" + number(v.x) + ", " + number(v.y) + ", " + number(v.z) + "]";
 }
 
-/// Water up to `depth` in a box of the size, with a body in it that leaves room for itself.
+/// Water up to `depth` in a box of the given size, with room cut out for a body in it.
 struct Bath {
   Vec3 size{0.6, 0.6, 0.6};
   double depth = 0.3, spacing = 0.025, dt = 1.0 / 60;
-  std::string body, hollow, water;  ///< members of a body, of a hollow, more of the water's
+  std::string body, hollow, water;  ///< members of the body, of the hollow, and further ones of the water
   Vec3 gravity{0, -9.81, 0};
 
   std::string scene() const {

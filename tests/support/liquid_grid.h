@@ -49,7 +49,7 @@ inline grid_fluid::LiquidBodyDef box_of_liquid(const Vec3& low, const Vec3& high
       .shape = grid_fluid::ObstacleDef::Shape::box, .center = 0.5 * (low + high), .half = 0.5 * (high - low)};
 }
 
-/// Water in a box that it slides along.
+/// Water in a box with slip walls.
 inline grid_fluid::GridFluidDef water(grid_fluid::GridFluidDef::Advection advection,
                                       std::vector<int64_t> cells, double spacing) {
   grid_fluid::GridFluidDef d;

@@ -1,5 +1,4 @@
-// Seeded scenes of bodies that each have a restitution of their own, and how much energy they get out of
-// nothing.
+// Seeded scenes of bodies with individual restitutions, and the energy that they gain from nothing.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -18,8 +17,8 @@ struct MixedScene {
   uint64_t seed = 0;
 };
 
-/// How the energy of a run compares with where it started: J above everything lying on the floor, and the
-/// largest gain as a share of that.
+/// The energy of a run compared with the start: J above the state of everything lying on the floor, and the
+/// largest gain as a fraction of that.
 struct MixedEnergy {
   double start = 0, most = 0;
 };
@@ -63,7 +62,7 @@ inline std::string mixed_scene(const MixedScene& m) {
                           triple(x, y, 0), "");
   };
   switch (m.seed % 4) {
-    case 0: {  // a ball falls on a block that lies
+    case 0: {  // a ball falls on a block at rest
       const double a = width(), b = width(), r = width();
       add_box(a, b, 0, b);
       add_ball(r, (u() - 0.5) * a, 2 * b + r + 0.7, 0);
@@ -95,7 +94,7 @@ inline std::string mixed_scene(const MixedScene& m) {
       }
       break;
     }
-    default: {  // a plank with things on it that is hit at one end
+    default: {  // a plank with bodies on it, hit at one end
       const double a = 0.3 + 0.5 * u(), b = 0.02 + 0.05 * u(), support = 0.05 + 0.1 * u();
       add_ball(support, 0, support, 0);
       add_box(a, b, 0, 2 * support + b);

@@ -1,5 +1,5 @@
-// Initial value problems with known ends, for validation and benchmarks: right-hand sides as users of the
-// library would write them, y = (x, v) where they are of second order. References: the IVP test set (Mazzia,
+// Initial value problems with known solutions, for validation and benchmarks: right-hand sides as users of
+// the library would write them, y = (x, v) for second-order ones. References: the IVP test set (Mazzia,
 // Magherini), DETEST (Enright, Pryce 1987), Hairer, Norsett, Wanner 1993 and 2006, and Taylor integration in
 // quadruple precision; digits beyond double are kept as published.
 #pragma once
@@ -53,11 +53,11 @@ struct KeplerForce {
 inline Motions<KeplerForce> kepler_orbit() {
   return {2, {}};
 }
-/// From the near point of an ellipse with semi-major axis 1.
+/// From the pericentre of an ellipse with semi-major axis 1.
 inline std::vector<double> kepler_start(double e) {
   return {1 - e, 0, 0, std::sqrt((1 + e) / (1 - e))};
 }
-/// Where that motion is at time t: Kepler's equation by Newton's method.
+/// The state at time t: Kepler's equation by Newton's method.
 inline std::vector<double> kepler_state(double e, double t) {
   double anomaly = t;
   for (int i = 0; i < 60; ++i) {
@@ -100,7 +100,7 @@ inline std::vector<double> pleiades_end() {
           0.3667922227200571,    -0.3474046353808490,   0.2344915448180937e1,  -0.1947020434263292e1};
 }
 
-/// The restricted three-body problem in a rotating frame; the start closes after kArenstorfPeriod.
+/// The restricted three-body problem in a rotating frame; the orbit closes after kArenstorfPeriod.
 struct ArenstorfRate {
   void operator()(double, const double* y, double* d) const {
     constexpr double m = 0.012277471, n = 1 - m;
@@ -140,7 +140,7 @@ struct GravityForce {
       }
     }
   }
-  /// Of y = (x, v), summed in extended precision so that the sum's own rounding does not show.
+  /// For y = (x, v), summed in extended precision so that the rounding of the sum is invisible.
   long double energy(const double* y) const {
     const size_t n = masses.size(), d = dimensions;
     long double e = 0;

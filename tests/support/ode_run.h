@@ -52,7 +52,7 @@ class OdeRun {
   Workspace workspace;
 };
 
-/// The faults of a system that is refused, read or built.
+/// The errors with which a system is refused, when parsed or built.
 inline std::vector<Issue> ode_faults(const std::string& system) {
   try {
     OdeRun run(system);

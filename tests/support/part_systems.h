@@ -1,5 +1,5 @@
-// Three systems that only tests know, one per kind of part: what streams, recordings, pictures, probes and
-// snapshots make of them they make of parts alone.
+// Three systems known only to tests, one per kind of part: streams, recordings, pictures, probes and
+// snapshots handle them through their parts alone.
 #pragma once
 #include <cmath>
 

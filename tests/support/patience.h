@@ -1,5 +1,5 @@
-// How long a test waits before it calls something hung: `seconds` of an idle machine, times what
-// TRUESTEP_SLOWDOWN says (tests/slowdown.py), at least four.
+// How long a test waits before it declares something hung: `seconds` on an idle machine, times
+// TRUESTEP_SLOWDOWN (tests/slowdown.py), but at least four times.
 #pragma once
 #include <chrono>
 #include <cstdlib>

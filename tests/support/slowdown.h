@@ -1,6 +1,6 @@
-// How much slower than optimised code a build may run: budgets of time in tests are given in optimised
-// seconds. 15 is generous: with 1 a study's budget ended before its reference was known, under clang's
-// address sanitizer at -O1.
+// How much slower than optimized code a build may run: time budgets in tests are given in optimized seconds.
+// 15 is generous: with 1, a study's budget ended before its reference was known, under clang's address
+// sanitizer at -O1.
 #pragma once
 
 namespace truestep {

@@ -1,5 +1,5 @@
-// Stiff problems with known ends, for tests and benchmarks: Van der Pol, ROBER, HIRES and BEAM of the IVP
-// test set (Mazzia, Magherini), a chain of masses, Curtiss-Hirschfelder and Prothero-Robinson.
+// Stiff problems with known solutions, for tests and benchmarks: Van der Pol, ROBER, HIRES and BEAM of the
+// IVP test set (Mazzia, Magherini), a chain of masses, Curtiss-Hirschfelder and Prothero-Robinson.
 #pragma once
 #include <array>
 #include <cmath>
@@ -10,11 +10,11 @@
 
 namespace truestep::test {
 
-/// Where a problem starts and what its solution is at the end.
+/// Initial values of a problem and its solution at the end.
 struct StiffCase {
   double t_end = 1;
   std::vector<double> y0, reference;
-  /// Absolute tolerance as a part of the relative one, below the smallest component.
+  /// Absolute tolerance as a fraction of the relative one, below the smallest component.
   double absolute_scale = 1;
   enum class Measure { norm, component } measure = Measure::norm;  ///< of the relative error
 

@@ -1,4 +1,4 @@
-// A stream's frames read back from their bytes, as a client does: the message by the generated parser, the
+// Decodes a stream's frames from their bytes, as a client does: the message by the generated parser, the
 // arrays by loops written from stream.proto alone, so that they share nothing with the encoder.
 #pragma once
 #include <algorithm>
@@ -14,8 +14,8 @@
 
 namespace truestep {
 
-/// One client's decoder: keeps what Q16_DELTA blocks refer to. Throws std::runtime_error for bytes that make
-/// no sense.
+/// One client's decoder: keeps the values that Q16_DELTA blocks refer to. Throws std::runtime_error for
+/// inconsistent bytes.
 class StreamDecoder {
  public:
   /// The values of every block in order.
@@ -28,7 +28,7 @@ class StreamDecoder {
     return out;
   }
 
-  /// Believes that the frame of this number came, for a control.
+  /// Pretends that the frame with this number arrived, for a control.
   void skip_to(uint64_t seq) { seq_ = seq; }
 
  private:

@@ -30,7 +30,7 @@ inline FramePtr stream_frame(const std::vector<WireField>& fields,
   return frame;
 }
 
-/// A client of a DeltaCoder: holds what it got last, like the server's account of it.
+/// A client of a DeltaCoder: keeps the last frame received, as in the server's record of it.
 struct DeltaClient {
   QuantisedFramePtr base;
   uint64_t seq = 0;

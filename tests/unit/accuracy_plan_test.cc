@@ -1,5 +1,5 @@
-// Choosing a method for an accuracy: it costs little, it works for every kind of system that takes a method,
-// and what it says when it cannot is true.
+// The choice of a method for a given accuracy: it is cheap, it works for every kind of system that takes a
+// method, and its reasons for a refusal are true.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -31,7 +31,7 @@ struct Plan : testing::Test {
     cpu = thread_cpu_seconds() - begin;
     return out;
   }
-  // CPU seconds of the scene as it was settled.
+  // CPU seconds of a run of the scene with the chosen method.
   double run_of(const json::value& scene) {
     json::value d = scene;
     d.as_object().erase("accuracy");
@@ -70,7 +70,7 @@ TEST_F(Plan, IsMadeForEveryKindOfSystemAndCostsLittle) {
       EXPECT_TRUE(out.report.contains("chosen")) << system << tolerance;
       EXPECT_NE(out.report.at("judged_by"), "order") << system << tolerance << "was not measured";
       EXPECT_LT(cpu, 1) << system << tolerance;
-      // What a session's creation costs anyway may be spent on top.
+      // The fixed cost of creating a session may be spent on top.
       EXPECT_LT(cpu, 12 * run_of(out.scene) + 0.06) << system << tolerance;
     }
   }
@@ -102,7 +102,8 @@ TEST_F(Plan, WhatCannotBeReachedIsRefusedWithWhatCan) {
   }
 }
 
-// Equations have no energy to be judged by where two accurate runs part: all methods were said to fail.
+// Equations have no energy to be judged by where two accurate runs diverge: all methods used to be reported
+// as failing.
 TEST_F(Plan, EquationsThatPartAreRefusedForTheRightReason) {
   constexpr const char* kFast = R"json({"type": "ode", "id": "s", "states": {"u": 1, "v": 0},
     "equations": {"u": "v", "v": "-1e6 * u"}})json";
@@ -115,11 +116,11 @@ TEST_F(Plan, EquationsThatPartAreRefusedForTheRightReason) {
     }
     return std::string();
   };
-  // 160 periods in doubles: rounding alone is some 1e-13 of a radian for each of a thousand.
+  // 160 periods in doubles: rounding alone is some 1e-13 of each of a thousand radians.
   const std::string fast = refusal(kFast, 1e-13, 1);
   EXPECT_NE(fast.find(" part by "), std::string::npos) << fast;
   EXPECT_NE(fast.find("allowed: at least "), std::string::npos) << fast;
-  // The control: where they part by less than is asked for, there is a method.
+  // The control: where the runs diverge by less than is asked for, there is a method.
   EXPECT_EQ(refusal(kFast, 1e-6, 1), "");
 }
 

@@ -1,6 +1,6 @@
-// What every method of the table's `advance` column keeps: its order on Kepler's orbit, the same end as its
-// step function on force fields, dense output of the promised order, events of a run that fails, and a run
-// that repeats itself from its carry alone.
+// Properties of every method in the table's `advance` column: its order on Kepler's orbit, the same end as
+// its step function on force fields, dense output of the promised order, events of a failing run, and a run
+// that can be repeated from its carry alone.
 #include "engine/integrators/advance.h"
 
 #include <gtest/gtest.h>
@@ -52,7 +52,7 @@ TEST(Advance, EveryRowHasItsOrder) {
   const auto end = kepler_state(0.2, 5);
   for (const Integrator& m : integrators()) {
     if (!explicit_row(m) || refusal(m, f)) continue;
-    // Halving around errors of 1e-6 to 1e-9, where the leading term rules and rounding does not.
+    // Halvings around errors of 1e-6 to 1e-9, where the leading term dominates and rounding does not.
     size_t n = 8;
     while (n < 100000 && error(equal_steps(m, f, kepler_start(0.2), 5, n), end) > (m.order < 3 ? 1e-4 : 1e-7))
       n *= 2;
@@ -62,7 +62,7 @@ TEST(Advance, EveryRowHasItsOrder) {
       EXPECT_LT(fine, 1e-11) << m.name;
       continue;
     }
-    // One halving without extrapolation: a quarter of an order below 5; dop853 still climbs to 8 here.
+    // One halving without extrapolation: a quarter of an order below 5; dop853 is still converging to 8 here.
     EXPECT_NEAR(std::log2(coarse / fine), m.order, m.order < 5 ? 0.25 : m.order < 8 ? 0.6 : 0.99) << m.name;
   }
 }
@@ -103,18 +103,18 @@ TEST(Advance, FixedStepsDivideTheRunAndWatchersSeeThem) {
       EXPECT_EQ(in.reached, 5.0);
       if (y != &watched) continue;
       EXPECT_EQ(counter.steps, 2000u) << m.name;
-      // The interpolant adds little to the method's own error, which is largest near the near point.
+      // The interpolant adds little to the method's own error, which is largest near the pericentre.
       EXPECT_LT(counter.middle_error, 3 * error(watched, kepler_state(0.2, 5)) + (m.order == 1 ? 5e-2 : 1e-6))
           << m.name;
     }
-    // Joined drifts round differently.
+    // Combined drifts round differently.
     EXPECT_LT(error(watched, alone), 1e-12) << m.name;
   }
 }
 
 TEST(Advance, DenseOutputHasItsOrder) {
-  // Largest error at nine places of one step from the near point, halved: local order, one above the
-  // promised.
+  // Largest error at nine points of one step from the pericentre, halved: the local order, one above the
+  // promised one.
   struct Places final : StepWatcher {
     double worst = 0;
     Verdict accepted(double t0, double& t1, double*, const Interpolant& between) override {
@@ -181,7 +181,7 @@ TEST(Advance, RunsInPiecesRepeatFromTheCarryAlone) {
   }
 }
 
-// y' = y up to t = 0.5, then no number in one component.
+// y' = y up to t = 0.5, then NaN in one component.
 class Broken final : public RightHandSide {
  public:
   explicit Broken(size_t n) : n_(n) {}

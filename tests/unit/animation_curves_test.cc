@@ -61,8 +61,8 @@ TEST(KeyCurve, MiddleErrorOnASineIsTheReferencesOne) {
 }
 
 TEST(KeyCurve, ReproducesPolynomials) {
-  // Times that are not even: quadratics by Catmull-Rom, cubics by Hermite with exact slopes, lines by all
-  // that are smooth. 1e-13: rounding of values of order 10.
+  // Uneven times: quadratics by Catmull-Rom, cubics by Hermite with exact slopes, lines by every smooth kind.
+  // 1e-13: rounding of values of order 10.
   const std::vector<double> t{-0.5, 0.1, 0.9, 1.0, 2.2};
   const auto values = [&](auto f) {
     std::vector<double> v;
@@ -80,7 +80,7 @@ TEST(KeyCurve, ReproducesPolynomials) {
     EXPECT_NEAR(at(q, x), square(x), 1e-13);
     EXPECT_NEAR(at(c, x), cubic(x), 1e-13);
     EXPECT_NEAR(rate(c, x), slope(x), 1e-12);
-    // A Bezier curve whose handles reach a third is Hermite's.
+    // A Bezier curve with handles of a third equals Hermite's.
     EXPECT_NEAR(at(b, x), cubic(x), 1e-12);
     EXPECT_NEAR(rate(b, x), slope(x), 1e-11);
     for (const Interpolation kind : kAll) {
@@ -88,7 +88,7 @@ TEST(KeyCurve, ReproducesPolynomials) {
       EXPECT_NEAR(at(curve(t, values(line), kind), x), line(x), 1e-13);
     }
   }
-  // The control: a quadratic is none of the natural spline's.
+  // The control: the natural spline does not reproduce a quadratic.
   EXPECT_GT(std::abs(at(curve(t, values(square), Interpolation::natural), -0.3) - square(-0.3)), 1e-3);
 }
 
@@ -197,7 +197,7 @@ TEST(Rotations, SlerpIsTheReferencesOne) {
     const double off = std::abs(2 * std::atan2(n.z, n.w) - s * 1.5707963267948966) * 57.29577951308232;
     if (off > worst) worst = off, where = s;
   }
-  // Samples 1e-5 apart: the largest is flat there, its place known to half a sample.
+  // Samples 1e-5 apart: at the maximum the curve is flat, and its position is known to half a sample.
   EXPECT_NEAR(worst, 0.918815084302071, 1e-8);
   EXPECT_NEAR(where, 0.217459193499, 1e-5);
 }
@@ -264,13 +264,13 @@ TEST(ArcLength, ACircleIsRunThroughEvenly) {
   keys.interpolation = Interpolation::natural;
   const KeyCurve c(keys);
   const ArcLength length(c);
-  // The spline is no circle: its ends are straight over one of 32 intervals.
+  // The spline is not a circle: its ends are straight over one of 32 intervals.
   EXPECT_NEAR(length.total(), 2 * 3.141592653589793, 3e-3);
   for (double s = 0; s <= 1; s += 0.05) {
     const double way = s * length.total();
     EXPECT_NEAR(length.length(c, length.time_at(c, way)), way, 1e-12);
   }
-  // A straight line at a speed that grows: s = t^2.
+  // A straight line with increasing speed: s = t^2.
   const std::vector<double> lt{0, 1}, lv{0, 0, 0, 1, 0, 0}, m0{0, 0, 0, 2, 0, 0};
   Keys line{.width = 3, .times = lt, .values = lv};
   line.slopes_in = m0, line.interpolation = Interpolation::hermite;

@@ -1,5 +1,5 @@
-// Inverse kinematics: every solver against closed forms and against each other; limits, priorities, poles,
-// orientations; what cannot be reached.
+// Inverse kinematics: every solver against closed forms and against the others; limits, priorities, poles,
+// orientations; unreachable targets.
 #include "tests/unit/animation_rig.h"
 
 namespace truestep::animation {
@@ -18,7 +18,7 @@ TEST(InverseKinematics, TwoLinksHaveTheReferencesAngles) {
   EXPECT_NEAR(a.first[1], 1.0572836959987619835, 1e-12);
   EXPECT_NEAR(a.second[1], -1.5395412382954014645, 1e-12);
   EXPECT_EQ(a.miss, 0);
-  // At reach both are one; beyond and within the hole it says how far it fails.
+  // At exact reach both solutions coincide; beyond it and within the hole, the miss is reported.
   const TwoLinkAngles straight = two_link_angles(1, 0.8, 1.8, 0);
   EXPECT_NEAR(straight.second[0] - straight.second[1], 0, 1e-7);
   EXPECT_NEAR(two_link_angles(1, 0.8, 3, 4).miss, 3.2, 1e-15);
@@ -60,7 +60,7 @@ TEST(InverseKinematics, APoleTurnsWhatEverySolverFinds) {
       chain.shake(engine, 0.5);
       IkGoal g = chain.goal({0.5, 0.7, -0.4});
       g.pole = pole;
-      // Turning about the line to the target leaves the end where it is.
+      // Rotating about the line to the target leaves the end in place.
       EXPECT_LT(chain.solve(g, {.method = method, .tolerance = 1e-6, .most = 500}).error, 1e-5);
       const Vec3 u = normalized(g.target), side = normalized(pole - u * dot(u, pole));
       Vec3 bend;
@@ -68,7 +68,7 @@ TEST(InverseKinematics, APoleTurnsWhatEverySolverFinds) {
         const Vec3 off = chain.work.poses[j].position, across = off - u * dot(u, off);
         if (norm2(across) > norm2(bend)) bend = across;
       }
-      // The joint furthest off the line lies on the pole's side: to the end's millionths.
+      // The joint farthest from the line is on the pole's side, to the millionths of the end.
       EXPECT_GT(dot(normalized(bend), side), 1 - 1e-6) << static_cast<int>(method);
     }
   }
@@ -80,7 +80,7 @@ TEST(InverseKinematics, AllSolversReachWhatCanBeReached) {
     for (const size_t n : {3, 10, 30}) {
       Chain chain(n, 1 / static_cast<double>(n));
       for (int k = 0; k < 10; ++k) {
-        // A place where another pose of the same chain has its end.
+        // A point reached by the end of another pose of the same chain.
         Chain other = chain;
         other.shake(engine, 1.5);
         const Vec3 target = other.place();
@@ -88,7 +88,7 @@ TEST(InverseKinematics, AllSolversReachWhatCanBeReached) {
         const IkResult r =
             chain.solve(chain.goal(target), {.method = method, .tolerance = 1e-4, .most = 5000});
         EXPECT_EQ(r.end, IkResult::End::reached) << static_cast<int>(method) << ' ' << n << ' ' << k;
-        // What it says is where the end is.
+        // The reported error is that of the end.
         EXPECT_NEAR(r.error, norm(chain.place() - target), 1e-12);
         for (size_t j = 1; j < n; ++j) {
           EXPECT_NEAR(norm(chain.work.poses[j].position - chain.work.poses[j - 1].position),
@@ -107,8 +107,8 @@ TEST(InverseKinematics, WhatIsTooFarIsPointedAt) {
     const IkResult r =
         chain.solve(chain.goal({1, 1, 1}), {.method = method, .tolerance = 1e-6, .most = 20000});
     EXPECT_NE(r.end, IkResult::End::reached);
-    // The nearest that an arm of 1 m comes. FABRIK knows it in closed form, damped steps stop at the last
-    // digits of E; the others creep there and end when an iteration gains too little.
+    // The nearest point that an arm of 1 m can reach. FABRIK has it in closed form, damped steps stop at the
+    // last digits of E; the others creep there and stop when an iteration gains too little.
     const bool creeps = method != IkMethod::damped_least_squares;
     const double tolerance = method == IkMethod::fabrik ? 1e-12 : creeps ? 5e-3 : 1e-4;
     EXPECT_NEAR(r.error, std::sqrt(3.0) - 1, tolerance) << static_cast<int>(method);
@@ -148,7 +148,7 @@ TEST(InverseKinematics, LimitsHold) {
           EXPECT_LE(std::abs(twist), 0.6 + 1e-9);
         }
       }
-      // There is a pose; local methods may miss it at a limit, FABRIK most often.
+      // A solution exists; local methods may miss it at a limit, FABRIK most often.
       EXPECT_GE(reached, method == IkMethod::fabrik ? 5 : 9)
           << static_cast<int>(method) << static_cast<int>(kind);
     }
@@ -170,7 +170,7 @@ TEST(InverseKinematics, AnOrientationIsReachedWithAPlace) {
 }
 
 TEST(InverseKinematics, PrioritiesGoFirst) {
-  // One place cannot be in two: the end of a chain and its middle want to be far apart.
+  // Contradictory goals: the end of a chain and its middle are wanted far apart.
   for (const IkMethod method : {IkMethod::gauss_newton, IkMethod::damped_least_squares}) {
     Chain chain(6, 0.2);
     IkGoal goals[2] = {chain.goal({0.6, 0.6, 0}), chain.goal({0, -0.7, 0})};
@@ -185,7 +185,7 @@ TEST(InverseKinematics, PrioritiesGoFirst) {
     solve_ik(chain.joints, {}, goals, options, motion, work);
     EXPECT_LT(error(0), 1e-3);
     EXPECT_GT(error(1), 0.1);
-    // The control: without priorities both give way.
+    // The control: without priorities both goals compromise.
     goals[1].priority = 0;
     motion.assign(6, {});
     solve_ik(chain.joints, {}, goals, options, motion, work);

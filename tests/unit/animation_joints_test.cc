@@ -17,7 +17,7 @@ TEST(JointTree, APlanarChainIsASumOfCosines) {
     angle += chain.motion[j].value;
     want += Vec3{0.7 * std::cos(angle), 0.7 * std::sin(angle), 0};
   }
-  // The bar for forward kinematics.
+  // The specified bound for forward kinematics.
   EXPECT_LT(norm(chain.place() - want), 1e-12);
   chain.motion[2].value += 1e-6;
   EXPECT_GT(norm(chain.place() - want), 1e-7);
@@ -32,7 +32,7 @@ TEST(JointTree, SlidesAndBallsInFramesOfTheirOwn) {
   motion[0].value = 0.5, motion[1].turn = turn_about({0, 1, 0}, 1.5707963267948966);
   std::vector<Pose> poses(3);
   forward_kinematics(joints, motion, {{0, 0, 1}, {}}, poses);
-  // Up by 0.5; then x of the ball's frame is the world's y, its turn about its y brings x to -z.
+  // Up by 0.5; then x of the ball's frame is the world's y, and its rotation about its own y takes x to -z.
   EXPECT_LT(norm(poses[2].position - Vec3{1, 0.5, -1}), 1e-14);
 }
 
@@ -93,7 +93,7 @@ TEST(JointTree, LimitsHoldSwingAndTwist) {
 }
 
 TEST(Skinning, TwistShrinksMeansOfMatricesAndNotDualQuaternions) {
-  // anim.blend: half way between bones that are twisted by an angle.
+  // anim.blend: halfway between bones that are twisted relative to each other.
   const double want[][2] = {
       {60, 0.866025403784439}, {90, 0.707106781186548}, {120, 0.5}, {150, 0.258819045102521}};
   for (const auto& [degrees, factor] : want) {

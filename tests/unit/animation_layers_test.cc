@@ -1,4 +1,4 @@
-// Recorded motions over each other: what a share of a layer makes of turns that are known.
+// Layered motions: the effect of a layer's weight on known rotations.
 #include <cmath>
 
 #include "tests/support/coupled.h"
@@ -6,14 +6,14 @@
 namespace truestep {
 namespace {
 
-/// One joint that turns about z from `from` to `to` (degrees) in a second.
+/// One joint that rotates about z from `from` to `to` (degrees) in a second.
 std::string file(double from, double to) {
   return R"({"bvh": ["HIERARCHY", "ROOT r", "{", "OFFSET 0 0 0", "CHANNELS 3 Zrotation Xrotation Yrotation", "JOINT a", "{",
      "OFFSET 0 0 0", "CHANNELS 3 Zrotation Xrotation Yrotation", "JOINT b", "{", "OFFSET 1 0 0", "CHANNELS 1 Zrotation",
      "End Site", "{", "OFFSET 1 0 0", "}", "}", "}", "}", "MOTION", "Frames: 2", "Frame Time: 1", "0 0 0 )" +
          std::to_string(from) + R"( 0 0 0", "0 0 0 )" + std::to_string(to) + R"( 0 0 0"]})";
 }
-/// Degrees of joint a at half a second: where its child, 1 m along x, is.
+/// Degrees of joint a at half a second, from the position of its child, 1 m along x.
 double angle(const std::string& layers) {
   testing_coupled::SceneRun run(R"({"time": {"dt": 0.1}, "systems": [{"type": "motion_capture", "id": "s",
      "controls": [{"name": "w", "value": "0.25"}], "motion": )" +

@@ -1,5 +1,5 @@
-// The systems of animation: what moves as it is told, with which velocities, what commands do, and what a
-// scene may not say.
+// The animation systems: prescribed motion, its velocities, the effects of commands, and what a scene must
+// not contain.
 #include <algorithm>
 
 #include "engine/base/errors.h"
@@ -16,7 +16,7 @@ using skeleton::Skeleton;
 using skeleton::SkeletonDef;
 using testing_rig::AnimationRun;
 
-/// Pointers of what a scene's text is refused for.
+/// Pointers of the errors in a scene's text.
 std::vector<std::string> faults(const std::string& system) {
   std::vector<std::string> out;
   try {
@@ -41,13 +41,13 @@ TEST(Keyframes, BodiesHaveTheVelocitiesOfTheirMotion) {
     return load3(static_cast<const double*>(run.system->field(run.state, 0, field, scratch).data), 0);
   };
   EXPECT_LT(norm(at(0) - Vec3{std::sin(0.5), 1, 0}), 1e-12);
-  // The mean over the step is the velocity at its middle to h^2.
+  // The mean velocity over the step is that at its middle, to h^2.
   EXPECT_LT(norm(at(1) - Vec3{std::cos(0.5 - h / 2), 2, 0}), 1e-6);
   EXPECT_LT(norm(at(3) - Vec3{0, 3, 0}), 1e-9);
   const Ports ports = run.system->ports();
   ASSERT_TRUE(ports.bodies.has_value());
   EXPECT_FALSE(ConstBodies(run.state, *ports.bodies).dynamic(0)) << "nothing moves it";
-  // At the start they are those of the first step already.
+  // At the start, the velocities are already those of the first step.
   EXPECT_LT(norm(load3(run.system->initial_state().f64(1).data(), 0) - Vec3{1, 2, 0}), 1e-6);
 }
 
@@ -236,7 +236,7 @@ TEST(SkeletonSystem, AFileGoesToAnotherSkeletonByNames) {
   world.system(0).step(s, {.t = 0, .h = 0.5, .step = 0, .workspace = workspace, .arena = arena});
   Observables seen;
   world.system(0).observe(s, 0.5, seen);
-  // Half way, an eighth of a turn, and the way twice as long as the skeleton is twice as large.
+  // Halfway: an eighth of a turn, and the path doubled because the skeleton is twice as large.
   EXPECT_NEAR(seen.find("joint.pelvis.x").value(), 1, 1e-12);
   EXPECT_NEAR(seen.find("joint.back.x").value(), 1 - std::sqrt(2.0), 1e-12);
   EXPECT_NEAR(seen.find("joint.back.y").value(), std::sqrt(2.0), 1e-12);

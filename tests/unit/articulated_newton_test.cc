@@ -1,5 +1,5 @@
-// The O(n) solver of Newton's linear systems of a tree against a dense solution with differences of the
-// equations' right-hand side: all joints, any z, forces that keep their direction, drives, limits.
+// The O(n) solver for Newton's linear systems of a tree against a dense solution from differences of the
+// right-hand side: all joints, any z, forces with a fixed direction, drives, limits.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -95,7 +95,7 @@ TEST(ArticulatedNewton, SolvesTreesOfAllJointsAsADenseMatrixDoes) {
       ASSERT_TRUE(factors.factor(linear, z));
       auto x = b;
       factors.solve(linear, x.data(), x.data() + nx);
-      // Differences are good to some 1e-9 where a quaternion of random length turns fast.
+      // Differences are accurate to some 1e-9 where a quaternion of random length rotates fast.
       EXPECT_LT(error(J, z, b, x), 1e-6) << k << ' ' << z;
       EXPECT_GT(error(J, 1.2 * z, b, x), 2e-5) << "control: another z";
     }
@@ -160,7 +160,7 @@ TEST(ArticulatedNewton, SolvesForAccelerationsWhereRatesArePlain) {
   EXPECT_LT((Eigen::Map<Eigen::VectorXd>(x.data(), m) - exact).norm(), 1e-7 * exact.norm());
 }
 
-// A ball with a spring, hinges beyond and within limits, a load that keeps its direction: by the field.
+// A ball with a spring, hinges beyond and within limits, a load with a fixed direction: through the field.
 TEST(ArticulatedNewton, DrivesAnswerWithTheirSlopes) {
   ArticulationDef d;
   LinkDef ball;

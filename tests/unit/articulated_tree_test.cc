@@ -1,4 +1,4 @@
-// Three algorithms that share little but the kinematics agree on random trees: articulated body (q''),
+// Three algorithms that share little besides the kinematics agree on random trees: articulated body (q''),
 // recursive Newton-Euler (tau) and composite rigid body (M).
 #include <gtest/gtest.h>
 
@@ -80,8 +80,8 @@ TEST(ArticulatedTree, TheMassMatrixGivesTheKineticEnergy) {
 }
 
 TEST(ArticulatedTree, APushWorksLikeTheJointForcesThatItGives) {
-  // Power of the push = power of tau for every velocity: by the principle of virtual work the push is the
-  // joint forces J^T f, whose accelerations it must give.
+  // Power of the push = power of tau for every velocity: by the principle of virtual work the push equals the
+  // joint forces J^T f, whose accelerations it must produce.
   for (uint64_t seed = 1; seed <= 20; ++seed) {
     Draw draw{seed};
     const Tree t = random_tree(draw, 8);

@@ -1,4 +1,5 @@
-// The viewer's files inside the executable: reachable by path, typed, tagged, and compressed where it pays.
+// The viewer's files inside the executable: reachable by path, with type and tag, and compressed where
+// worthwhile.
 #include "server/assets/assets.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +33,7 @@ TEST(Assets, EveryFileIsFoundTaggedAndTyped) {
     EXPECT_EQ(asset.etag.front(), '"');
     EXPECT_EQ(asset.etag.back(), '"');
     EXPECT_NE(asset.etag, asset.gzip_etag);
-    // Only a name that changes with the content may be kept for ever.
+    // Only a name that changes with the content may be cached forever.
     const bool hashed = asset.path.starts_with("/assets/");
     EXPECT_EQ(asset.cache_control.find("immutable") != std::string_view::npos, hashed);
   }
@@ -44,7 +45,7 @@ TEST(Assets, CompressedCopiesAreSmallerGzipStreams) {
     SCOPED_TRACE(std::string(asset.path));
     EXPECT_LT(asset.gzip.size(), asset.bytes.size());
     EXPECT_EQ(asset.gzip.substr(0, 3), "\x1f\x8b\x08");
-    // The last four bytes of a gzip stream are the length of what it holds (RFC 1952, 2.3.1).
+    // The last four bytes of a gzip stream are the length of its content (RFC 1952, 2.3.1).
     unsigned length = 0;
     for (int k = 3; k >= 0; --k)
       length = length << 8 | static_cast<unsigned char>(asset.gzip[asset.gzip.size() - 4 + k]);

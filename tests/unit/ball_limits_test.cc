@@ -1,5 +1,5 @@
-// Limits of a ball: their torque is the slope of their energy, angles are those of a skeleton's ball, and
-// dampers never pull.
+// Limits of a ball: their torque is the gradient of their energy, the angles are those of a skeleton's ball,
+// and dampers never pull.
 #include "engine/systems/articulation/ball_limits.h"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ TEST(BallLimits, TorqueIsTheSlopeOfTheEnergy) {
   for (int k = 0; k < 500; ++k) {
     const Vec3 axis = normalized(Vec3{u(engine), u(engine), u(engine)});
     const Quat q = free_rotation::turn(Vec3{u(engine), u(engine), u(engine)} * 1.4);
-    // Twice as long, and as the other of its pair: the same place.
+    // Scaled by two and with the opposite sign: the same orientation.
     const double numbers[] = {-2 * q.w, -2 * q.x, -2 * q.y, -2 * q.z};
     const BallLimit l = ball_limit(d, axis, numbers, {});
     EXPECT_NEAR(l.energy, energy(d, axis, q), 1e-12 * (1 + l.energy));

@@ -1,4 +1,4 @@
-// Potentials of contact: derivatives against differences, and how smoothly they begin and end.
+// Contact potentials: derivatives against differences, and smoothness at both ends of their range.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -23,7 +23,7 @@ TEST(Barrier, HasTheDerivativesThatItSays) {
     EXPECT_LT(at.first, 0);
     EXPECT_GT(at.second, 0);
   }
-  // Smooth where it ends, and nothing beyond; without bound where features meet.
+  // Smooth where it ends, zero beyond; unbounded where features meet.
   const Slope2 end = log_barrier(kReach * (1 - 1e-9), kReach);
   EXPECT_NEAR(end.value, 0, 1e-20);
   EXPECT_NEAR(end.second, 0, 1e-7);
@@ -36,7 +36,7 @@ TEST(Barrier, MollifierOfEdgesHasItsGradient) {
   int inside = 0;
   for (int n = 0; n < 50; ++n) {
     FeaturePoints x{r.vector(), r.vector(), r.vector(), r.vector()};
-    // Nearly parallel, so that it is at work.
+    // Nearly parallel, so that the mollifier is active.
     x[3] = x[2] + (x[1] - x[0]) + 0.05 * r.vector();
     const double bound = 0.02 * std::pow(norm2(x[1] - x[0]), 2);
     const Mollifier m = mollifier(x, bound);

@@ -36,7 +36,7 @@ TEST(Bearing, ForcesBalanceALoadBesideTheMiddle) {
 }
 
 TEST(Bearing, NoPointPulls) {
-  // Near a corner: the corner across from it has to let go.
+  // Near a corner: the opposite corner must be released.
   auto points = square();
   share_load(points, 1, 0.8, 0.7);
   expect_balance(points, 1, 0.8, 0.7);
@@ -53,7 +53,7 @@ TEST(Bearing, PointsInALineAndASinglePoint) {
 }
 
 TEST(Bearing, WhatTopplesHangsOnItsEdge) {
-  // The control: a load outside cannot be balanced, and nothing pulls all the same.
+  // The control: a load outside cannot be balanced, but still no point pulls.
   auto points = square();
   share_load(points, 1, 3, 0);
   double x = 0;

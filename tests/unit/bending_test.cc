@@ -1,5 +1,5 @@
-// The kernel of bending: forces are minus the gradient of the energy, slopes its second derivatives, a circle
-// has the energy of a bent rod, and what is taken for a positive matrix is one.
+// The bending kernel: forces are minus the gradient of the energy, slopes are its second derivatives, a
+// circle has the energy of a bent rod, and the matrix assumed to be positive is.
 #include "engine/kernels/bending.h"
 
 #include <gtest/gtest.h>
@@ -69,7 +69,7 @@ TEST(Bending, DefiniteSlopesAreDefiniteAndExactWhereStraight) {
   const auto m = whole(definite_hessian(bent, kB));
   EXPECT_LT((m - m.transpose()).norm(), 1e-14);
   EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(m).eigenvalues()[0], -1e-12);
-  // The control: the exact one is not.
+  // The control: the exact matrix is not.
   EXPECT_LT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(whole(hessian(bent, kB))).eigenvalues()[0], -1e-3);
   const Links straight = links({0, 0, 0}, {1, 0, 0}, {3, 0, 0});
   EXPECT_LT((whole(hessian(straight, kB)) - whole(definite_hessian(straight, kB))).norm(), 1e-14);

@@ -44,7 +44,7 @@ TEST(BlockSparse, MultipliesLikeEigen) {
     // At most some 60 products below 1/4 are added per row: 60 roundings of 1e-16.
     EXPECT_LT(worst, 1e-14) << "block size " << b;
     if (b > 1) {
-      // The same numbers read row by row instead of column by column must not pass.
+      // The same numbers read by rows instead of columns must not pass.
       BlockSparse transposed = s.matrix;
       for (BlockSparse::Slot k = 0; k < transposed.blocks(); ++k) {
         std::swap(transposed.block(k)[1], transposed.block(k)[size_t(b)]);

@@ -1,5 +1,5 @@
-// Points and bodies through their ports: what an impulse does, single precision, momentum, faces that nothing
-// passes, links, and which sides are refused.
+// Points and bodies through their ports: the effect of an impulse, single precision, momentum, faces that
+// nothing passes, links, and rejected sides.
 #include <cmath>
 
 #include "engine/base/random.h"
@@ -101,7 +101,7 @@ TEST(BodyPort, AnImpulseWakesASleepingBody) {
   ASSERT_EQ(state.span<uint32_t>(asleep)[0], 1u);
   const BodyPort port = *run.world->system(0).ports().bodies;
   Bodies bodies(state, port);
-  // A body that nothing moves takes no impulse, and wakes nobody.
+  // A static body takes no impulse and wakes nothing.
   bodies.push(1, {}, {1, 0, 0});
   EXPECT_EQ(state.span<uint32_t>(asleep)[0], 1u);
   bodies.push(0, {}, {1, 0, 0});
@@ -128,7 +128,7 @@ TEST(PointPort, SinglePrecisionColumnsAreReadAndWritten) {
   EXPECT_EQ(s.span<float>(0)[4], 7);
 }
 
-// Against the search of rigid bodies, which finds the same by another way.
+// Against the queries of rigid bodies, which compute the same in another way.
 TEST(PointDistance, IsThatOfTheCollisionQueries) {
   const std::vector<Vec3> corners{{-1, -1, -1}, {1, -1, -1}, {0, -1, 1}, {0, 1, 0}};
   const Solid solids[] = {sphere_solid(0.7),
@@ -208,7 +208,7 @@ TEST(BodyContact, NothingFastPassesAThinPlate) {
   }
 }
 
-// e = 1 on a free fall: each touch is answered at its own time.
+// e = 1 in free fall: each touch is answered at its own time.
 TEST(BodyContact, ElasticBouncesKeepTheHeight) {
   SceneRun run(R"({"time": {"dt": 0.004}, "systems": [
       {"type": "particles", "id": "ball", "radius": 0.1, "positions": [[0, 1.1, 0]]},
@@ -218,12 +218,13 @@ TEST(BodyContact, ElasticBouncesKeepTheHeight) {
   const double before = run.observe("ball.energy.total");
   for (int k = 0; k < 1000; ++k) {
     run.session.step(1);
-    // Four bounces; the moment of each is known from a straight way, a parabola leaves it by g h^2 / 8.
+    // Four bounces; each time of touch is found on a straight path, from which a parabola departs by g h^2 /
+    // 8.
     ASSERT_NEAR(run.observe("ball.energy.total"), before, 0.01 * before) << k;
   }
 }
 
-// A block on an incline, as a particle on a tilted box: it stays for mu > tan(angle) and slides for less.
+// A block on an incline, here a particle on a tilted box: it stays for mu > tan(angle) and slides for less.
 TEST(BodyContact, FrictionHoldsOnAnIncline) {
   for (const double mu : {0.4, 0.2}) {
     char scene[1024];

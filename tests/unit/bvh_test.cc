@@ -1,5 +1,4 @@
-// BVH files: every order of channels, what is wrong with a file and where, and what comes back from writing
-// one.
+// BVH files: every order of channels, errors with their place, and round trips through writing.
 #include "engine/geometry/read/bvh.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// Meshes of cloth that no cloth has: edges without length, triangles without area, edges of three triangles.
-// mass_spring took the first two and made points without mass of them.
+// Meshes that cannot be cloth: edges without length, triangles without area, edges of three triangles.
+// mass_spring used to accept the first two and turned them into points without mass.
 #include <gtest/gtest.h>
 
 #include "engine/systems/mass_spring/mass_spring.h"
@@ -23,7 +23,7 @@ Pointers of_constraints(const xpbd::XpbdDef& d) {
 }
 
 const MeshShape kSquare{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {0, 1, 2, 0, 2, 3}};
-/// Three leaves at the edge of vertices 0 and 1.
+/// Three triangles on the edge of vertices 0 and 1.
 const MeshShape kBook{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}}, {0, 1, 2, 1, 0, 3, 0, 1, 4}};
 
 TEST(ClothMeshFaults, FlatTrianglesAreNamed) {
@@ -51,7 +51,7 @@ TEST(ClothMeshFaults, WhatBendsAtAnEdgeOfThreeTrianglesIsNotKnown) {
   constraints.flexural_rigidity = 1e-3;
   EXPECT_EQ(of_springs(springs), Pointers{"/mesh/triangles/6"});
   EXPECT_EQ(of_constraints(constraints), Pointers{"/mesh/triangles/6"});
-  // Without bending it is cloth that is joined there: said in the plan.
+  // Without bending stiffness it is cloth joined along an edge, which the plan mentions.
   springs.bending_stiffness = 0;
   constraints.flexural_rigidity = 0;
   EXPECT_EQ(of_springs(springs), Pointers{});

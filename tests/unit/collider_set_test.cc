@@ -67,8 +67,9 @@ TEST(ColliderSet, BounceHeightsAreAGeometricSeries) {
   for (const auto method : {Flight::Method::exact, Flight::Method::symplectic_euler}) {
     const auto h = peaks(method, e, 6);
     ASSERT_EQ(h.size(), 6u);
-    // Exact parabolas leave rounding and the slop of 1e-9 m (1e-8 of the last height); symplectic Euler flies
-    // a parabola of its own from a start at rest, off by g h^2 / 8 = 2e-5 m of the first height.
+    // Exact parabolas leave rounding and the slop of 1e-9 m (1e-8 of the last height); symplectic Euler
+    // follows a slightly different parabola from a start at rest, off by g h^2 / 8 = 2e-5 m of the first
+    // height.
     const double tolerance = method == Flight::Method::exact ? 2e-8 : 1e-4;
     for (int n = 0; n < 6; ++n) {
       const double expected = std::pow(e, 2 * (n + 1));
@@ -219,7 +220,7 @@ TEST(ColliderSet, ContainersHoldEverything) {
 }
 
 TEST(ColliderSet, AMovingPaddleHitsLikeTheFormula) {
-  // A wall with speed u and restitution e sends a resting point off with (1 + e) u.
+  // A wall with speed u and restitution e gives a resting point the speed (1 + e) u.
   PlaneColliderDef d;
   d.normal = {1, 0, 0}, d.point = {-0.1, 0, 0}, d.restitution = 0.5, d.friction = 0;
   d.motion = MotionDef{{4, 0, 0}, {}, {}};
@@ -234,8 +235,8 @@ TEST(ColliderSet, AMovingPaddleHitsLikeTheFormula) {
 }
 
 TEST(ColliderSet, ASpinningDrumDragsAlong) {
-  // A point slides inside a drum of radius R turning at 2 rad/s, without gravity: the wall presses with v^2/R
-  // and rubs with mu v^2/R, so 1/v falls by mu t / R until v is the wall's speed.
+  // A point slides inside a drum of radius R that rotates at 2 rad/s, without gravity: the wall presses with
+  // v^2/R and rubs with mu v^2/R, so 1/v falls by mu t / R until v is the wall's speed.
   SphereColliderDef d;
   d.container = true, d.radius = 1, d.restitution = 0, d.friction = 0.8;
   d.motion = MotionDef{{}, {}, {0, 0, 2}};

@@ -57,7 +57,7 @@ TEST(BroadPhase, EveryPairOfEveryStepAndNoOther) {
   World w = random_world(300, 5);
   BroadPhase phase;
   for (uint64_t step = 0; step < 60; ++step) {
-    // Rest, creep, leap: nothing, few or all leave their grown boxes.
+    // Rest, creep, leap: none, few or all bodies leave their grown boxes.
     jitter(w, step, step % 3 == 0 ? 0.0 : step % 3 == 1 ? 0.05 : 3.0);
     if (step % 7 == 3)
       w.mobility[step] = w.mobility[step] == Mobility::fixed ? Mobility::moving : Mobility::fixed;
@@ -126,7 +126,7 @@ TEST(DynamicTree, FindsTheSameAsALoop) {
   }
 }
 
-// Sorted insertion is what makes a careless tree a list of depth n.
+// Sorted insertion turns a naive tree into a list of depth n.
 TEST(DynamicTree, StaysGoodForSortedInsertion) {
   DynamicTree sorted, built;
   for (uint32_t i = 0; i < 4096; ++i) {

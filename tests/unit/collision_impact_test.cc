@@ -13,7 +13,7 @@ struct Tally {
   int shots = 0, hits = 0, seen_at_end = 0;
 };
 
-/// Fires one shot and compares with `steps` looks along the way.
+/// Fires one shot and compares it with `steps` samples along the path.
 void shoot(const Solid& a, const Sweep& sa, const Solid& b, const Sweep& sb, int steps, Tally& tally,
            const std::string& what) {
   constexpr double kTouch = 1e-4;
@@ -37,14 +37,14 @@ void shoot(const Solid& a, const Sweep& sa, const Solid& b, const Sweep& sb, int
   EXPECT_LE(impact->t, first) << what << " late";
   EXPECT_NEAR(norm(impact->normal), 1, 1e-12);
   if (impact->t > 0) {
-    // It stops while there still is a gap, and a small one.
+    // It stops while there is still a gap, and a small one.
     EXPECT_GT(impact->gap, 0.49 * kTouch) << what;
     EXPECT_LE(impact->gap, kTouch) << what;
     EXPECT_FALSE(overlaps(impact->t)) << what;
   }
 }
 
-/// From a place on a sphere of radius 3 to near its other side.
+/// From a point on a sphere of radius 3 to near its other side.
 Sweep shot(uint64_t stream, uint64_t i, double length, double turn) {
   const Vec3 from = random_unit(stream, i) * 3.0, aim = random_unit(stream + 1, i) * 0.8;
   return {{from, random_quat(stream, i)}, normalized(aim - from) * length, random_unit(stream + 2, i) * turn};
@@ -60,7 +60,7 @@ TEST(TimeOfImpact, BallsAt300MetresASecondAndWallsOfACentimetre) {
     shoot(wall, w, ball, shot(10, i, 5, 0), i % 2 ? 100 : 800, tally, "ball " + std::to_string(i));
   }
   EXPECT_GT(tally.hits, 1500);
-  // Control: looking at the end only, as a solver without a sweep does, finds next to none of them.
+  // Control: checking the end only, as a solver without a sweep does, finds next to none of them.
   EXPECT_LT(tally.seen_at_end, tally.hits / 20);
 }
 

@@ -110,7 +110,7 @@ TEST(ConvexHull, SaysWhatIsWrong) {
   EXPECT_EQ(code({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}), "bad_hull");
   EXPECT_EQ(code({{1, 2, 3}, {1, 2, 3}, {1, 2, 3}, {1, 2, 3}}), "bad_hull");
   EXPECT_EQ(code({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, NAN}}), "bad_hull");
-  // Found by fuzzing: a sliver whose faces are one plane to the merging of faces; a thicker one is a hull.
+  // Found by fuzzing: a sliver whose faces merge into one plane; a thicker one is a hull.
   EXPECT_EQ(code({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 1e-11}}), "bad_hull");
   EXPECT_EQ(code({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.3, 0.3, 1e-6}}), "");
   EXPECT_THROW(box_solid({1, 0, 1}), Error);
@@ -173,7 +173,7 @@ TEST(MassProperties, RoundSolidsAgainstDiscs) {
     return e < 0 ? 0.16 : 0.16 - e * e;
   };
   expect_same(mass_properties(capsule_solid(0.4, 0.5), 3), by_discs(0.9, capsule, 3), 1e-7);
-  // Control: a capsule without the half balls' own lever arm (3 h r / 4) is told apart.
+  // Control: a capsule without the lever arm of the half balls (3 h r / 4) is detected.
   auto wrong = mass_properties(capsule_solid(0.4, 0.5), 3);
   wrong.inertia.xx -= 3 * (4.0 / 3) * 3.141592653589793 * 0.064 * 0.75 * 0.5 * 0.4;
   EXPECT_GT(std::fabs(wrong.inertia.xx - by_discs(0.9, capsule, 3).inertia.xx), 1e-3 * wrong.inertia.xx);

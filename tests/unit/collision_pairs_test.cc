@@ -34,13 +34,13 @@ Case make_case(int ka, int kb, uint64_t i, double size, double separation_share)
   return c;
 }
 
-/// What the narrow phase may be off by: faces are preferred to edges by a thousandth of the thinnest half
-/// extent; EPA and GJK end at 1e-7 of the size.
+/// Tolerance of the narrow phase: faces are preferred to edges by a thousandth of the thinnest half extent;
+/// EPA and GJK stop at 1e-7 of the size.
 double allowance(const Case& c) {
   return 1.001e-3 * std::min(inner_radius(c.a.solid), inner_radius(c.b.solid)) + 1e-7 * c.size;
 }
 
-/// `hidden`, in sizes: how much deeper a corner may be that is clipped away.
+/// `hidden`, in sizes: how much deeper a corner may be that was clipped away.
 void check(const Case& c, double margin, double hidden, const std::string& what) {
   Manifold m;
   const bool touching = collide(c.a.solid, c.a.at, c.b.solid, c.b.at, margin, m);
@@ -53,11 +53,11 @@ void check(const Case& c, double margin, double hidden, const std::string& what)
   ASSERT_GT(m.count, 0);
   EXPECT_NEAR(norm(m.normal), 1, 1e-12) << what;
   const double ours = -m.deepest();
-  // No direction parts them better than ours ...
+  // No direction separates them better than ours ...
   EXPECT_LE(truth, ours + tolerance) << what << " ours " << ours << " count " << m.count << " id " << std::hex
                                      << m.points[0].id;
-  // ... and ours parts them as well as it says (a point of a clipped face may be less deep than the corner
-  // that lies a hair outside it).
+  // ... and ours separates them as well as it claims (a point of a clipped face may be less deep than a
+  // corner slightly outside it).
   const auto along = static_cast<double>(separation_along(c.a, c.b, {m.normal.x, m.normal.y, m.normal.z}));
   EXPECT_NEAR(along, ours, 2 * tolerance + hidden * c.size * (m.count > 1))
       << what << " count " << m.count << " id " << std::hex << m.points[0].id;
@@ -65,7 +65,7 @@ void check(const Case& c, double margin, double hidden, const std::string& what)
     const ContactPoint& p = m.points[k];
     EXPECT_LE(p.separation, margin + 1e-12) << what;
     const Vec3 half = m.normal * (0.5 * p.separation);
-    // Flush corners count as on a face when 1e-4 of it outside.
+    // Flush corners count as on a face when up to 1e-4 of it outside.
     const double loose = 2e-4 * c.size + tolerance;
     EXPECT_LE(outside(c.a, p.position - half), loose)
         << what << " point " << k << " of " << m.count << std::hex << " id " << p.id;
@@ -101,7 +101,7 @@ TEST(CollisionPairs, ParallelEdgesAndCoincidentCentres) {
         const double step[] = {0, 1e-9, 0.1, 0.35};
         c.b.at.position +=
             Vec3{i % 3 == 0 ? 1.0 : 0, i % 3 == 1 ? 1.0 : 0, i % 3 == 2 ? -1.0 : 0} * step[i % 4];
-        // So deep that the deepest corner may not lie over the face any more.
+        // So deep that the deepest corner may no longer lie over the face.
         check(c, 0.05, 5e-3, name(a, b, i));
       }
     }
@@ -143,7 +143,7 @@ TEST(CollisionPairs, MovingBothChangesNothing) {
   }
 }
 
-// What warm starting lives on: a stack at rest, trembling, keeps its points' names.
+// Warm starting relies on this: a stack at rest that trembles keeps the ids of its points.
 TEST(CollisionPairs, IdsStayWhileFeaturesDo) {
   const Solid cube = box_solid({0.5, 0.5, 0.5}), slab = box_solid({3, 0.5, 3}),
               cylinder = cylinder_solid(0.5, 0.5);
@@ -169,7 +169,7 @@ TEST(CollisionPairs, IdsStayWhileFeaturesDo) {
   }
 }
 
-// The measure itself must be able to say no: a depth that is wrong by a hundredth fails the same comparison.
+// The measure itself must be able to fail: a depth that is wrong by a hundredth fails the same comparison.
 TEST(CollisionPairs, ControlAWrongDepthIsNoticed) {
   int touching = 0, noticed = 0;
   for (uint64_t i = 0; i < 50; ++i) {
@@ -185,7 +185,8 @@ TEST(CollisionPairs, ControlAWrongDepthIsNoticed) {
 }
 
 TEST(CollisionPairs, PolyhedraAtADistanceOfNothingTouch) {
-  // Found by fuzzing: separating axes gave a distance of a rounding, and points and distance gave no contact.
+  // Found by fuzzing: separating axes gave a distance of the order of rounding, but points and distance gave
+  // no contact.
   Manifold m;
   const std::vector<Vec3> stone{
       {-0.682267941, -0.817574861, -0.387616527}, {1.03973132, -0.260888389, -0.483851768},
@@ -218,11 +219,11 @@ TEST(CollisionPairs, WhatIsDeepInsideIsInContact) {
     return n;
   };
   EXPECT_EQ(lost(0.0), 0);
-  // The control: beside it, none is.
+  // The control: beside it, every contact is lost.
   EXPECT_EQ(lost(4.0), 500);
 }
 
-// Stones of an arch: a face that is cut by another must not name a cut like a corner, or one point's impulse
+// Stones of an arch: a cut of one face by another must not get the id of a corner, or one point's impulse
 // would go to another.
 TEST(CollisionPairs, PointsOfAManifoldHaveNamesOfTheirOwn) {
   const Vec3 corners[] = {{-0.1, -0.15, -0.2}, {-0.1, 0.15, -0.2}, {0.1, -0.15, -0.25}, {0.1, 0.15, -0.25},

@@ -20,7 +20,7 @@ TEST(Queries, RaysStopOnTheSurface) {
       const Vec3 aim = p.at.position + random_unit(62, i) * (0.6 * bounding_radius(p.solid));
       const Ray ray{from, (aim - from) * 0.7};
       const auto hit = ray_cast(p.solid, p.at, ray, 10);
-      // Against 3000 looks: the first inside lies just behind the hit.
+      // Against 3000 samples: the first one inside lies just behind the hit.
       double first = 100;
       for (int s = 0; s <= 3000 && first > 10; ++s) {
         const double t = 2.5 * s / 3000;

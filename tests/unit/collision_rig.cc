@@ -154,7 +154,7 @@ Real separation(const Placed& a, const Placed& b) {
         const VecL n = unit(at.n + u * (step * c[0]) + v * (step * c[1]));
         if (const Real s = separation_along(a, b, n); s > next.s) next = {s, n};
       }
-      // Steps that pay shrink slowly, others fast.
+      // Steps that improve shrink slowly, others fast.
       step *= next.s > at.s ? 0.9L : 0.4L;
       at = next;
     }

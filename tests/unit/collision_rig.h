@@ -1,8 +1,8 @@
-// What collision tests share: random solids and places, and an independent measure of how far apart two
-// convex solids are: the largest separation over directions n,
-//   s(n) = min_b n . x - max_a n . x     (a's and b's furthest points written down again, in long double),
-// found by sampling the sphere and climbing. What it returns is reached by some direction, so it never
-// exceeds the truth.
+// Common parts of collision tests: random solids and positions, and an independent measure of the separation
+// of two convex solids, the largest over directions n of
+//   s(n) = min_b n . x - max_a n . x     (the furthest points of a and b implemented again, in long double),
+// found by sampling the sphere and climbing. The result is attained by some direction, so it never exceeds
+// the true separation.
 #pragma once
 #include <vector>
 

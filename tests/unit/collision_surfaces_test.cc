@@ -20,7 +20,7 @@ struct Ground {
   std::vector<double> heights;
 };
 
-/// n x n heights 0.5 apart as a list of triangles, cut like a height field's cells.
+/// n x n heights 0.5 apart as a list of triangles, split like a height field's cells.
 template <class Height>
 Ground ground(size_t n, Height&& height) {
   Ground g;
@@ -89,7 +89,7 @@ TEST(CollisionSurfaces, BoxesAndCylindersStandOnFourPoints) {
   }
 }
 
-/// Bodies pressed a little into flat ground anywhere on a mesh.
+/// Bodies pressed slightly into flat ground anywhere on a mesh.
 template <class Check>
 void press_everywhere(const Solid& surface, Check&& check) {
   for (int k = 0; k < kSolids; ++k) {
@@ -99,7 +99,7 @@ void press_everywhere(const Solid& surface, Check&& check) {
       body.at.position = {3 * u[0] - 1.5, 0, 3 * u[1] - 1.5};
       if (i % 3 == 0) body.at.rotation = rotation(quarter_turns(i / 3));
       const auto low = static_cast<double>(-reach(body, {0, -1, 0}));
-      // Not so deep that its centre goes under: what is behind a surface is not pushed.
+      // Not so deep that its centre goes under: bodies behind a surface are not pushed.
       const double depth = std::min(0.01, 0.3 * inner_radius(body.solid));
       body.at.position.y += -low - depth;
       std::vector<Manifold> all;
@@ -128,7 +128,7 @@ TEST(CollisionSurfaces, FlatGroundIsOneContactHoweverFine) {
             {rotation(Quat{0.9, 0, 0.43588989435406735, 0}), {0.1, 0.499, 0.2}}, 0.01, all);
     ASSERT_EQ(all.size(), 1u);
     ASSERT_EQ(all[0].count, 4);
-    // The four points span the face: its area is 4 2.2 1.7, half of it at the very least.
+    // The four points span the face: its area is 4 2.2 1.7, of which they cover at least half.
     const Vec3 d = all[0].points[1].position - all[0].points[0].position;
     EXPECT_GT(norm(d), 3);
     for (int k = 0; k < 4; ++k) EXPECT_NEAR(all[0].points[k].separation, -0.001, 1e-12);
@@ -136,7 +136,7 @@ TEST(CollisionSurfaces, FlatGroundIsOneContactHoweverFine) {
   }
 }
 
-// The same triangles, each a mesh of its own, do not know what is flat.
+// The same triangles as separate meshes do not know that they are flat.
 TEST(CollisionSurfaces, ControlWithoutNeighboursEdgesAreFelt) {
   const Ground g = ground(11, [](double, double) { return 0.0; });
   std::vector<Vec3> vertices;
@@ -229,7 +229,7 @@ TEST(CollisionSurfaces, CompoundsAreTheirParts) {
 }
 
 TEST(CollisionSurfaces, MeshesMeetPlanesWithTheirOutermostVertices) {
-  // A block of 9 x 9 points on its lower side, of which the corners carry it.
+  // A block with 9 x 9 points on its lower side, of which the corners carry it.
   std::vector<Vec3> vertices;
   std::vector<uint32_t> triangles;
   for (int i = 0; i < 9; ++i) {
@@ -249,7 +249,7 @@ TEST(CollisionSurfaces, MeshesMeetPlanesWithTheirOutermostVertices) {
     EXPECT_NEAR(all[0].points[k].separation, -0.01, 1e-15);
     EXPECT_NEAR(std::fabs(all[0].points[k].position.x * all[0].points[k].position.z), 1, 1e-12);
   }
-  // From either side, in any place: the deepest vertex is among the points.
+  // From either side, at any position: the deepest vertex is among the points.
   for (uint64_t i = 0; i < 200; ++i) {
     const Transform at = random_transform(61, i, 1), ground_at = random_transform(62, i, 1);
     double lowest = 1e300;

@@ -1,4 +1,4 @@
-// Colours, islands and soft constraints: what solvers of rigid bodies share.
+// Colours, islands and soft constraints: the common parts of rigid body solvers.
 #include <gtest/gtest.h>
 
 #include <numbers>
@@ -89,7 +89,7 @@ TEST(SoftConstraint, IsImplicitEulerOfADampedSpring) {
   const auto s = soft_constraint(hertz, z, h);
   const double v1 = v - s.mass_scale * (v + s.bias_rate * x);
   EXPECT_NEAR(v1, (v - h * w * w * x) / (1 + 2 * z * h * w + h * h * w * w), 1e-14);
-  // A rigid constraint takes back its share whatever the load.
+  // A rigid constraint recovers its share whatever the load.
   const auto r = rigid_constraint(0.2, h);
   EXPECT_NEAR(v - (v + r.bias_rate * x), -0.2 * x / h, 1e-14);
 }

@@ -28,7 +28,7 @@ TEST(ContactResponse, ImpactNeverGainsEnergy) {
 }
 
 TEST(ContactResponse, SlidingStopsAfterTheClosedFormDistance) {
-  // v^2 / (2 mu g), for a step in which it stops and for many in which it does not.
+  // v^2 / (2 mu g), both for a step within which it stops and for many within which it does not.
   const double v = 3, mu = 0.4, g = 9.81;
   for (const double tau : {1.0, 0.01, 0.0003}) {
     Vec3 w{v, 0, 0};

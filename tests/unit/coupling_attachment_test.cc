@@ -7,7 +7,7 @@ namespace {
 
 using namespace testing_coupled;
 
-// A swinging cloth and a cloud of particles, joined at several points; nothing else acts.
+// A swinging cloth and a cloud of particles, joined at several points; no other forces.
 std::string joined(const std::string& attachment) {
   return R"({"gravity": [0, 0, 0], "time": {"dt": 0.002},
     "systems": [
@@ -36,7 +36,7 @@ TEST(Attachment, KeepsBothMomenta) {
     // A rigid link's correction comes after the systems' last kicks: second order, and small at this step.
     const bool rigid = std::string(link).find("rigid") != std::string::npos;
     EXPECT_LT(norm(after.angular - before.angular), (rigid ? 1e-5 : 1e-12) * before.scale) << link;
-    // The control: what one side alone has is not kept, by far.
+    // The control: the momentum of one side alone is far from conserved.
     EXPECT_GT(norm(run.observe3("j.impulse")), 1e-3 * before.scale) << link;
   }
 }
@@ -53,7 +53,7 @@ TEST(Attachment, RigidLinksKeepTheirLengths) {
   }
 }
 
-// Energy of undamped springs oscillates within a bound; that of damped ones is what the exchange says.
+// The energy of undamped springs oscillates within a bound; with damping it is what the exchange reports.
 TEST(Attachment, DampingTakesWhatTheExchangeReports) {
   SceneRun run(joined(kLinks[0]));
   const double before = run.observe("energy.total");
@@ -73,7 +73,8 @@ TEST(Attachment, LetsGoOfAParticleThatDies) {
                    "a_points": [1, 2], "b_points": [0, 1]}]})");
   EXPECT_EQ(run.observe("j.pairs"), 2);
   run.session.step(100);
-  // The free particle has fallen below the plane; the rows of the others moved, their links did not.
+  // The free particle has fallen below the plane; the rows of the others have moved, but their links are
+  // intact.
   EXPECT_EQ(run.observe("a.count"), 2);
   EXPECT_EQ(run.observe("j.pairs"), 2);
   EXPECT_LT(run.observe("j.length.error"), 1e-12);

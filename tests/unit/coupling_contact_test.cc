@@ -16,7 +16,7 @@ Vec3 random_vec(uint64_t stream, uint64_t i) {
   return {2 * u[0] - 1, 2 * u[1] - 1, 2 * u[2] - 1};
 }
 
-// The weights name the nearest place: no other place of a fine sampling is nearer.
+// The weights give the nearest point: no point of a fine sampling is nearer.
 TEST(PointHull, NearestPlaceIsTheNearest) {
   for (uint64_t i = 0; i < 200; ++i) {
     std::array<Vec3, 3> c{random_vec(1, i), random_vec(2, i), random_vec(3, i)};
@@ -38,7 +38,7 @@ TEST(PointHull, NearestPlaceIsTheNearest) {
   }
 }
 
-// The contact found is where a fine search along the paths first comes within reach.
+// The contact is where a fine search along the paths first comes within reach.
 TEST(PointHull, FirstContactIsTheFirst) {
   int hits = 0;
   for (uint64_t i = 0; i < 500; ++i) {
@@ -57,7 +57,7 @@ TEST(PointHull, FirstContactIsTheFirst) {
       return norm(p.at(s) - blend(at, nearest_on_hull(p.at(s), at, corners), corners));
     };
     const double until = hit ? hit->s : 1;
-    // Up to the contact the point is outside; the last hundredth of the way is rounding's.
+    // Until the contact the point is outside; the last hundredth of the path is left to rounding.
     for (int k = 0; k < 400; ++k) {
       const double s = until * k / 400 * 0.9999;
       ASSERT_GE(apart(s), reach * (1 - 1e-6)) << i << " at " << s;
@@ -73,7 +73,7 @@ TEST(PointHull, FirstContactIsTheFirst) {
   EXPECT_GT(hits, 50);
 }
 
-// A point at the target to the last bit, sliding along a face: a touch is within the step or nowhere.
+// A point at the target to the last bit, sliding along a face: a touch is within the step or does not exist.
 TEST(PointHull, TouchesOfWhatRestsAreWithinTheStep) {
   int hits = 0;
   for (uint64_t i = 0; i < 3000; ++i) {
@@ -96,7 +96,7 @@ TEST(PointHull, TouchesOfWhatRestsAreWithinTheStep) {
   EXPECT_GT(hits, 1000);
 }
 
-// Particles rain on a free cloth that tumbles; nothing else acts.
+// Particles rain on a free, tumbling cloth; no other forces.
 std::string rain(const char* law) {
   std::string positions, velocities;
   for (uint64_t i = 0; i < 200; ++i) {
@@ -130,10 +130,11 @@ TEST(Contact, KeepsMomentumWithBounceAndFriction) {
     const Sums after = sums(*run.world, run.session.state());
     EXPECT_GT(contacts, 100) << law;
     EXPECT_LT(norm(after.linear - before.linear), 1e-12 * before.scale) << law;
-    // The centre of mass goes on as if nothing had happened: places are corrected on both sides too.
+    // The centre of mass moves on unperturbed: positions are corrected on both sides, too.
     const Vec3 expected = before.center + before.linear * (200 * 0.004 / before.mass);
     EXPECT_LT(norm(after.center - expected), 1e-12) << law;
-    // What the dust gave is what the cloth got; the control: one side alone is off by just this much.
+    // What the particles gave is what the cloth received; the control: one side alone is off by exactly this
+    // much.
     const Vec3 given = run.observe3("c.impulse");
     Vec3 cloth = run.observe3("cloth.momentum") - Vec3{0.3, 0.4, 0.1} * (120 * 0.02);
     EXPECT_LT(norm(cloth + given), 1e-12 * before.scale) << law;
@@ -143,7 +144,7 @@ TEST(Contact, KeepsMomentumWithBounceAndFriction) {
 }
 
 // Free points, no friction: impulses act along the line between them, at the time of the touch, so that
-// angular momentum is kept to rounding as well. The control: with friction at a distance it is not.
+// angular momentum is conserved to rounding as well. The control: with friction at a distance it is not.
 TEST(Contact, KeepsAngularMomentumWithoutFriction) {
   const auto run_with = [](const char* law) {
     SceneRun run(std::string(R"({"gravity": [0, 0, 0], "time": {"dt": 0.01}, "systems": [
@@ -151,7 +152,7 @@ TEST(Contact, KeepsAngularMomentumWithoutFriction) {
          "speed_spread": 2}]}],
       "couplings": [{"type": "contact", "id": "c", "a": "a", "b": "a", "restitution": 0.8, )") +
                  law + "}]}");
-    // Balls that overlap at first are moved apart, which is no collision: let them.
+    // Balls that overlap at first are moved apart, which is not a collision: wait for that.
     run.session.step(4);
     const Sums before = sums(*run.world, run.session.state());
     const double impulse = run.observe("c.impulse.sum");

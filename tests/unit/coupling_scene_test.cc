@@ -53,7 +53,7 @@ TEST(CouplingScene, EveryFaultHasItsPointer) {
                 "bad_id", ""},
            Case{R"([{"type": "attachment", "a": "cloth", "b": "dust", "a_points": [0, 1]}])",
                 "/couplings/0/b_points", "inconsistent", ""},
-           // These only the built systems know.
+           // These errors are known only after the systems are built.
            Case{R"([{"type": "attachment", "a": "cloth", "b": "dust", "b_points": [1]}])",
                 "/couplings/0/b_points/0", "out_of_range", ""},
            Case{R"([{"type": "attachment", "a": "cloth", "b": "dust", "a_points": [-10]}])",

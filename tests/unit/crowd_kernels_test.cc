@@ -1,5 +1,5 @@
-// Velocities in half-planes beside an oracle that tries every corner, ORCA's planes beside their definition,
-// and social forces beside the paper's formula.
+// Velocities in half-planes against an oracle that tries every corner, ORCA's planes against their
+// definition, and social forces against the paper's formula.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -31,8 +31,8 @@ bool keeps(const std::vector<HalfPlane>& planes, double speed, const Vec3& v, do
   return norm(v) <= speed + slack;
 }
 
-/// Every place where an optimum can lie: the wish, its feet on lines and on the circle, corners of two lines,
-/// and of a line and the circle.
+/// Every point where an optimum can lie: the wish, its projections onto lines and the circle, intersections
+/// of two lines, and of a line and the circle.
 std::vector<Vec3> candidates(const std::vector<HalfPlane>& planes, double speed, const Vec3& wish) {
   std::vector<Vec3> out{wish};
   if (norm(wish) > 0) out.push_back(wish * (speed / norm(wish)));
@@ -60,7 +60,7 @@ TEST(CrowdHalfPlanes, TheChosenVelocityIsTheClosestOfAllThatAreKept) {
       if (keeps(planes, 1.5, v, 1e-9)) best = std::min(best, norm(v - wish));
     }
     const Chosen c = choose_velocity(planes, 0, 1.5, wish);
-    // Corners of lines that are nearly parallel carry their rounding a thousand times.
+    // Intersections of nearly parallel lines amplify rounding a thousandfold.
     if (c.fit == Fit::feasible) {
       ++feasible;
       EXPECT_TRUE(keeps(planes, 1.5, c.velocity, 1e-8)) << seed;
@@ -69,7 +69,7 @@ TEST(CrowdHalfPlanes, TheChosenVelocityIsTheClosestOfAllThatAreKept) {
       EXPECT_EQ(best, HUGE_VAL) << seed;
     }
   }
-  // Both cases come up, or this would be no test of either.
+  // Both cases must occur, or this would not test them.
   EXPECT_GT(feasible, 500);
   EXPECT_LT(feasible, 1900);
 }
@@ -91,7 +91,7 @@ TEST(CrowdHalfPlanes, WhereNoneIsFeasibleTheLargestLackIsLeast) {
     if (c.fit == Fit::feasible) continue;
     ++relaxed;
     for (size_t k = 0; k < hard; ++k) EXPECT_LE(planes[k].lack(c.velocity), 1e-8);
-    // A raster over the disc, 3 mm/s wide: nothing of it is better by more than its own width.
+    // A grid over the disc with a spacing of 3 mm/s: none of its points is better by more than the spacing.
     double best = HUGE_VAL;
     for (double x = -1.5; x <= 1.5; x += 0.003) {
       for (double y = -1.5; y <= 1.5; y += 0.003) {
@@ -108,8 +108,7 @@ TEST(CrowdHalfPlanes, WhereNoneIsFeasibleTheLargestLackIsLeast) {
   EXPECT_GT(relaxed, 50);
 }
 
-/// Whether discs whose centres are p apart collide within the horizon when they move at dv against each
-/// other.
+/// Whether discs a distance p apart collide within the horizon at the relative velocity dv.
 bool collide(const Vec3& p, const Vec3& dv, double reach, double horizon) {
   return norm(p - nearest_point({{}, dv * horizon}, p)) < reach;
 }
@@ -124,20 +123,20 @@ TEST(CrowdOrca, TwoWhoEachTakeHalfOfTheWayOutDoNotCollide) {
     if (norm(p) < reach) continue;
     const HalfPlane of_a = orca_plane(p, a, b, reach, horizon, 0.1, 0.5, {1, 0, 0}),
                     of_b = orca_plane(-p, b, a, reach, horizon, 0.1, 0.5, {-1, 0, 0});
-    // The two ways out are one, in two directions.
+    // The two ways out are opposite.
     EXPECT_LT(norm(of_a.normal + of_b.normal), 1e-12);
     const bool meet = collide(p, a - b, reach, horizon);
     met += meet;
-    // On its edge either plane moves the relative velocity by u to the edge of those that collide.
+    // On its boundary, either plane moves the relative velocity by u to the boundary of the colliding ones.
     const Vec3 va = a + of_a.normal * of_a.lack(a), vb = b + of_b.normal * of_b.lack(b);
     EXPECT_TRUE(!collide(p, va - vb, reach - 1e-9, horizon)) << k;
-    // And no further, but for those who meet head-on and are led aside.
+    // And no farther, except for agents that meet head-on and are led aside.
     const Vec3 from_cap = a - b - p / horizon;
     const bool head_on =
         std::abs(cross2(p, from_cap)) < kAside * norm(p) * norm(from_cap) && dot(p, from_cap) < 0;
     EXPECT_TRUE(head_on || collide(p, va - vb, reach + 1e-6, horizon)) << k;
     head_ons += head_on;
-    // Control: of two that collide, one alone does not do enough.
+    // Control: if two would collide, the evasion of one alone is not enough.
     EXPECT_EQ(collide(p, a - vb, reach - 1e-9, horizon), meet) << k;
     EXPECT_EQ(of_a.lack(a) > 0, meet) << k;
   }
@@ -162,12 +161,12 @@ TEST(CrowdSocialForce, IsThePapersFormula) {
   const SocialForce far = social_force(law, n, 0.8, 0.6, dv);
   EXPECT_NEAR(norm(far.social), 2000 * std::exp(-2.5), 1e-11);
   EXPECT_EQ(far.contact, Vec3{});
-  // Pressed by 0.05 m: k 0.05 along n and kappa 0.05 (dv . t) along t besides.
+  // Compressed by 0.05 m: in addition k 0.05 along n and kappa 0.05 (dv . t) along t.
   const SocialForce near = social_force(law, n, 0.55, 0.6, dv);
   const Vec3 expected = n * (2000 * std::exp(0.05 / 0.08) + 1.2e5 * 0.05) + t * (2.4e5 * 0.05 * dot(dv, t));
   EXPECT_LT(norm(near.social + near.contact - expected), 1e-9 * norm(expected));
   EXPECT_NEAR(near.radial, 2000 * std::exp(0.625) + 6000, 1e-8);
-  // Control: without friction the force is another by far more than the tolerance.
+  // Control: without friction the force differs by far more than the tolerance.
   SocialLaw smooth;
   smooth.friction = 0;
   EXPECT_GT(norm(social_force(smooth, n, 0.55, 0.6, dv).contact - near.contact), 1000);
@@ -185,7 +184,7 @@ TEST(CrowdSegment, CrossingsHaveASide) {
   EXPECT_EQ(crossing({{1, 1, 0}, {1, -1, 0}}, door), -1);
   EXPECT_EQ(crossing({{3, -1, 0}, {3, 1, 0}}, door), 0);
   EXPECT_EQ(crossing({{1, 1, 0}, {1, 2, 0}}, door), 0);
-  // Of a wall: nobody ends on it, and who starts on it may leave.
+  // For a wall: nobody ends on it, and whoever starts on it may leave.
   EXPECT_TRUE(runs_into({{1, -1, 0}, {1, 0, 0}}, door));
   EXPECT_TRUE(runs_into({{1, 1, 0}, {1, -1, 0}}, door));
   EXPECT_FALSE(runs_into({{1, 0, 0}, {1, 1, 0}}, door));

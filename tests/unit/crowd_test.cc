@@ -1,4 +1,4 @@
-// Walkers, walls, ways, doors and faults of the system "crowd".
+// Walkers, walls, paths, doors and errors of the system "crowd".
 #include <cmath>
 
 #include "engine/base/errors.h"
@@ -26,11 +26,11 @@ TEST(Crowd, ALoneWalkerComesToTheWantedSpeedExponentially) {
     CrowdRun run(d, h);
     for (int k = 1; k <= 8; ++k) {
       run.step();
-      // Rounding of a few operations per step: the drive is solved exactly whatever the step.
+      // Rounding of a few operations per step: the driving force is integrated exactly for any step.
       EXPECT_NEAR(run.velocity(0).x, 1.5 * (1 - std::exp(-k * h / 0.5)), 1e-14);
     }
   }
-  // Control: another relaxation time is seen at once.
+  // Control: another relaxation time is detected at once.
   d.relaxation_time = 0.51;
   CrowdRun other(d, 0.25);
   other.step();
@@ -61,7 +61,7 @@ TEST(Crowd, APressedWalkerIsHeldByTheBody) {
   run.step(1200);
   const double overlap = run.position(0).x - 1.7;
   EXPECT_GT(overlap, 0);
-  // m v0 / tau = 4800 N. The last motion has died out after 20 s.
+  // m v0 / tau = 4800 N. The last motion has decayed after 20 s.
   EXPECT_NEAR(2000 * std::exp(overlap / 0.08) + 1.2e5 * overlap, 4800, 1e-3);
   EXPECT_NEAR(run.observe("pressure.largest"), 4800 / (2 * 3.141592653589793 * 0.3), 1e-3);
 }
@@ -77,14 +77,14 @@ TEST(Crowd, TwoHeadOnPassSymmetrically) {
     const Vec3 a = run.position(0), b = run.position(1);
     smallest = std::min(smallest, norm(a - b) - 0.6);
     aside = std::max(aside, std::abs(a.y));
-    // Each does what the other does, turned by half a turn: to the bit.
+    // Each does the same as the other, rotated by half a turn: to the bit.
     ASSERT_EQ(a, -b);
   }
-  // Half-planes of the present velocities keep the next ones apart to rounding.
+  // Half-planes at the present velocities keep the next positions apart, to rounding.
   EXPECT_GT(smallest, -1e-9);
   EXPECT_GT(aside, 0.2);
   EXPECT_LT(norm(run.position(0) - Vec3{4, 0, 0}), 0.05);
-  // Control: two who think themselves thin come much nearer.
+  // Control: two who assume a smaller radius come much closer.
   for (GroupDef& g : d.groups) g.radius = 0.1;
   CrowdRun thin(d);
   smallest = HUGE_VAL;
@@ -127,8 +127,8 @@ TEST(Crowd, TheTimeOfAWayIsItsLength) {
   const WayGrid grid(d, walls);
   const Navigation way(goal_of(d.groups[0]), &grid, walls, 0);
   const double exact = 2 * std::sqrt(9.0 + 36.0);  // twice from (-3, -3) to the wall's end at (0, 3)
-  // Fast marching of first order: its fronts are late by some h log(distance / h) behind a corner, and the
-  // wall is thicker by half a spacing.
+  // First-order fast marching: its fronts lag by some h log(distance / h) behind a corner, and the wall is
+  // thicker by half a spacing.
   EXPECT_NEAR(way.time({-3, -3, 0}), exact, 0.3);
   EXPECT_GE(way.time({-3, -3, 0}), exact - 0.1);
   EXPECT_EQ(way.direction({3, 0, 0}), (Vec3{0, -1, 0}));  // in sight: straight
@@ -168,7 +168,7 @@ TEST(Crowd, WhoStartsOnAWallLeavesIt) {
   d.walls = {{{{0, -5, 0}, {0, 5, 0}}}};
   CrowdRun run(d);
   run.step(300);
-  // By its left side, seen along: the side is a matter of the wall alone.
+  // On its left side, seen along the wall: the side depends on the wall alone.
   EXPECT_LT(run.position(0).x, -1);
 }
 
@@ -199,7 +199,7 @@ TEST(Crowd, StepsOfASixtiethAndLongerHoldInAThrong) {
   for (const double h : {1.0 / 60, 0.1}) {
     CrowdRun run(d, h);
     run.step(static_cast<uint64_t>(10 / h));
-    // Everybody presses towards one point and comes to rest there: what explodes has no bound.
+    // Everybody presses towards one point and comes to rest there: an instability would have no bound.
     EXPECT_LT(run.observe("speed.mean"), 0.3) << h;
     EXPECT_GT(run.observe("separation.smallest"), -0.2) << h;
   }

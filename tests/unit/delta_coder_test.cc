@@ -1,4 +1,5 @@
-// Q16_DELTA streams: every client decodes every frame that it got within half a quantum, whatever it missed.
+// Q16_DELTA streams: every client decodes every frame that it received within half a quantum, whatever it
+// missed.
 #include "engine/sinks/stream/delta_coder.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +15,7 @@ namespace {
 const std::vector<WireField> kFields = {stream_field(0, 3, WireEncoding::q16_delta),
                                         stream_field(1, 1, WireEncoding::q16_delta)};
 
-// Points that drift and swing; `spread` multiplies their way per frame.
+// Points that drift and oscillate; `spread` multiplies their motion per frame.
 struct Walk {
   std::mt19937 random{5};
   std::vector<float> x, s;
@@ -67,7 +68,7 @@ TEST(DeltaCoder, ErrorsDoNotAddUpForAnyClient) {
     if (walk.random() % 20 == 0) {
       EXPECT_LE(worst_error(*frame, seldom, seldom.receive(coder, frame)), kBound);
     }
-    // The control: a client whose account says that it got a frame which it never decoded.
+    // The control: a client recorded as having a frame that it never decoded.
     DeltaClient truth = forgetful;
     const auto wrong = forgetful.receive(coder, frame);
     if (n % 7 == 3) forgetful.decoder = truth.decoder, forgetful.decoder.skip_to(forgetful.seq);
@@ -92,7 +93,7 @@ TEST(DeltaCoder, LeavingTheBoxIsAKeyFrameWithARoomierBox) {
   EXPECT_LE(worst_error(*far, client, client.receive(coder, far)), kBound);
   EXPECT_TRUE(client.message.keyframe());
   EXPECT_GT(client.message.blocks(0).scale(0), 10 * before);
-  // Back again: the box still holds both places.
+  // Back again: the box still contains both positions.
   walk.x[9] -= 100;
   client.receive(coder, walk.next(0));
   EXPECT_FALSE(client.message.keyframe());

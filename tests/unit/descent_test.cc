@@ -1,5 +1,6 @@
-// What mass_spring tells descents on its potential (core/stiffness_bound.h, core/point_forces.h), and that
-// projective dynamics and vertex block descent come to the step of implicit Euler.
+// The interfaces through which mass_spring serves descent methods (core/stiffness_bound.h,
+// core/point_forces.h), and that projective dynamics and vertex block descent converge to the step of
+// implicit Euler.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -25,7 +26,7 @@ MassSpringDef cloth() {
   return d;
 }
 
-/// Numbers that look like chance, within [-1, 1].
+/// Pseudo-random numbers within [-1, 1].
 struct Scatter {
   uint32_t state = 1;
   double operator()() {
@@ -98,7 +99,7 @@ TEST(Descent, TheBoundIsAboveTheStiffnessOfStretchedAndPressedSprings) {
     EXPECT_LT(stiff, most * (1 + 1e-12));
     nearest = std::max(nearest, stiff / most);
   }
-  // The control: half of the bound would not do.
+  // The control: half of the bound would not be enough.
   EXPECT_GT(nearest, 0.3);
 }
 
@@ -163,15 +164,16 @@ TEST(Descent, ThreeRightHandSidesAreThreeSolutions) {
 }
 
 TEST(Descent, BothComeToTheStepOfImplicitEuler) {
-  // Internal damping is along springs at a step's start here and at its end there.
+  // Internal damping acts along the springs' directions at the start of the step in one, at the end in the
+  // other.
   MassSpringDef d = cloth();
   d.internal_damping = 0;
   const MassSpringField field(d, {.id = "c", .gravity = {0, -9.81, 0}});
   const State exact = after(field, "implicit_euler", 1, 12);
-  // Both stop at a residual of 1e-12 of a step's first, or at rounding: forces of 1e-2 N over 200 N/m.
+  // Both stop at a residual of 1e-12 of the step's first one, or at rounding: forces of 1e-2 N over 200 N/m.
   EXPECT_LT(apart(after(field, "projective_dynamics", 2000, 12), exact), 1e-7);
   EXPECT_LT(apart(after(field, "vertex_block_descent", 3000, 12), exact), 1e-7);
-  // The controls: few iterations leave more, and more leave less.
+  // The controls: few iterations leave a larger difference, more a smaller one.
   const double few = apart(after(field, "projective_dynamics", 2, 12), exact);
   EXPECT_GT(few, 1e-4);
   EXPECT_LT(apart(after(field, "projective_dynamics", 20, 12), exact), 0.2 * few);

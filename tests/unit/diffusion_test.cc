@@ -1,5 +1,5 @@
-// Stencils and the operator div(c grad) on lattices: exact on polynomials, self-adjoint, the same as its own
-// matrix, inside its own bounds.
+// Stencils and the operator div(c grad) on lattices: exact for polynomials, self-adjoint, equal to its own
+// matrix, within its own bounds.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -23,7 +23,7 @@ std::vector<double> noise(size_t n, unsigned seed) {
 }
 
 TEST(Stencil, SecondDerivativesAreExactOnPolynomials) {
-  // Order 2 on cubics, order 4 on quintics; one degree more is missed by 2 h^2 and 8 h^4 of x^4 and x^6.
+  // Order 2 for cubics, order 4 for quintics; one degree more has the error 2 h^2 and 8 h^4 for x^4 and x^6.
   const double h = 0.25;
   std::vector<double> u(9), out(9);
   for (const int degree : {3, 4, 5, 6}) {
@@ -82,7 +82,7 @@ Diffusion make(const Case& c) {
   return Diffusion(l, c.order, k);
 }
 
-/// u L v in the nodes' volumes, u and v 0 where values are given.
+/// u L v weighted by the nodes' volumes, u and v 0 where values are given.
 double form(const Diffusion& d, const std::vector<double>& u, const std::vector<double>& v) {
   std::vector<double> lv(v.size());
   d.apply(v.data(), lv.data(), 0, 1, kSerial);
@@ -137,7 +137,7 @@ TEST(Diffusion, IsItsOwnMatrixInPlaceAndBounded) {
     drift();
     EXPECT_EQ(x, one) << c.cells[0];
     EXPECT_EQ(v, rate) << c.cells[0];
-    // Power iteration comes from below, and close where the coefficient is constant.
+    // Power iteration converges from below, and closely where the coefficient is constant.
     double largest = 0;
     for (int k = 0; k < 400; ++k) {
       d.apply(u.data(), product.data(), 0, 1, kSerial);

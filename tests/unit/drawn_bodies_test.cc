@@ -1,4 +1,4 @@
-// Bodies as they are drawn: one visual per shape and part, groups, versions, contacts that carry the weight.
+// Drawn bodies: one visual per shape and part, groups, versions, and contacts that carry the weight.
 #include <gtest/gtest.h>
 
 #include "engine/session/session.h"

@@ -1,5 +1,4 @@
-// Meshes that are drawn: volume and area of the solid they stand for, normals that look outwards, flat faces
-// flat.
+// Drawn meshes: volume and area of their solid, outward normals, flat faces that stay flat.
 #include "engine/collision/drawn_mesh.h"
 
 #include <gtest/gtest.h>
@@ -92,7 +91,7 @@ TEST(DrawnMesh, AHeightFieldCoversItsGridWithoutItsHoles) {
   EXPECT_NEAR(shadow(*drawn_mesh(height_field_solid(5, 4, 0.5, h)), {0, 1, 0}), 4 * 3 * 0.25, 1e-6);
   h[0] = std::nan("");  // the corner takes one triangle with it
   EXPECT_NEAR(shadow(*drawn_mesh(height_field_solid(5, 4, 0.5, h)), {0, 1, 0}), 4 * 3 * 0.25 - 0.125, 1e-6);
-  // A wide one is thinned, not cut.
+  // A wide one is thinned, not cropped.
   EXPECT_NEAR(shadow(*drawn_mesh(height_field_solid(1500, 2, 1, std::vector<double>(3000, 0))), {0, 1, 0}),
               1499, 1e-2);
 }
@@ -117,7 +116,7 @@ TEST(DrawnMesh, OutlinesArePrismsOfTheirArea) {
 }
 
 TEST(DrawnMesh, RoundOutlinesAreChordsOfTheirArea) {
-  // A chord of 0.3 rad takes 0.3^2 / 6 = 1.5 % of a disk's sector.
+  // A chord of 0.3 rad cuts 0.3^2 / 6 = 1.5 % off a disk's sector.
   for (const flat::Outline& s : {flat::capsule({-1, 0}, {1, 0.2}, 0.5), flat::box(0.5, 0.3, {}, {}, 0.2)}) {
     const double area = flat::area_of(s).area, drawn = shadow(*flat::outline_mesh(s, 0.4), {0, 0, 1});
     EXPECT_LT(drawn, area);

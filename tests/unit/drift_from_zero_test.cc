@@ -1,5 +1,5 @@
-// A drift is relative to the largest start among the quantities of its group and unit, and absolute where all
-// of them start at 0: never the quotient by next to nothing.
+// A drift is relative to the largest initial value among the quantities of its group and unit, and absolute
+// where all of them start at 0: never a quotient by almost zero.
 #include <gtest/gtest.h>
 
 #include "engine/scene/json.h"
@@ -33,7 +33,7 @@ TEST(Drift, IsRelativeToItsGroupAndUnit) {
   const Verdict v = drift("energy.total", {energies(4, 0), energies(4, 2e-5)});
   EXPECT_DOUBLE_EQ(*v.measured, 5e-6);
   EXPECT_EQ(v.drift_scale, 4.0);
-  // The control: what drifts more misses its bound.
+  // The control: a larger drift violates its bound.
   EXPECT_FALSE(drift("energy.total", {energies(4, 0), energies(4, 0.02)}).met);
 }
 

@@ -1,5 +1,5 @@
 // Edges of bodies against lines between points: the common perpendicular, the side that is kept, and ribbons
-// and ropes whose points never meet what they hang over.
+// and ropes whose points never touch what they hang over.
 #include "engine/couplings/contact/edge_touch.h"
 
 #include <cmath>
@@ -55,10 +55,10 @@ TEST(EdgeTouch, KeepsTheSideOfTheStart) {
   const auto passes = edges_meet(line(0.1, -0.05), ridge, up, 0.02, 0.04);
   ASSERT_TRUE(passes.has_value());
   EXPECT_EQ(passes->n, up);
-  // Far, and from behind: nothing.
+  // Far away, or from behind: no meeting.
   EXPECT_FALSE(edges_meet(line(0.1, 0.05), ridge, up, 0.02, 0.04).has_value());
   EXPECT_FALSE(edges_meet(line(-0.01, 0.01), ridge, up, 0.02, 0.04).has_value());
-  // An axis has no behind.
+  // An axis has no back side.
   EXPECT_TRUE(edges_meet(line(-0.1, -0.01), ridge, {}, 0.02, 0.04).has_value());
 }
 
@@ -92,8 +92,9 @@ double height_over_ridge(const SceneRun& run) {
   return least;
 }
 
-// The ridge meets no point and no corner of the body lies under the ribbon: only lines and the edge do. A
-// search without edges lets the ridge through, down to where the points lie on the sides, 0.2 m lower.
+// The ridge touches no point, and no corner of the body lies under the ribbon: only lines and the edge meet.
+// A search without edges would let the ridge through, down to where the points rest on the sides, 0.2 m
+// lower.
 TEST(EdgeTouch, NothingHangsThroughARidge) {
   for (const std::string& points : {kRibbon, kRope}) {
     for (const std::string& body : {kBox, kCapsule}) {

@@ -1,4 +1,5 @@
-// What a mesh without a border encloses is inside of it: distances from it are those from the solid it is of.
+// A mesh without a border has the enclosed volume as its inside: distances from it equal those from the
+// corresponding solid.
 #include <gtest/gtest.h>
 
 #include <random>

@@ -1,4 +1,4 @@
-// Events are found where they happen, to rounding, in order, with direction, and stop a run at their own
+// Events are found at their exact times, to rounding, in order, with direction, and stop a run at their own
 // time.
 #include "engine/integrators/control/events.h"
 
@@ -40,7 +40,7 @@ struct Watched {
         watcher(guards, directions, y.size()) {
     watcher.attach(sides);
   }
-  // One run, which the first event stops.
+  // One run, stopped by the first event.
   double go(const RightHandSide& f, const char* method, double t, double t_end, double tolerance) {
     Advance in{.f = f,
                .t = t,
@@ -100,8 +100,8 @@ TEST(Events, CosineVanishesAtHalfIntegersOfPi) {
 }
 
 TEST(Events, ABallBouncesAtItsTimes) {
-  // Height 1 under g = 2: the floor at t = 1, then every 1 s with half the speed's sign turned and e = 1/2:
-  // impacts at 1, 1 + 1, 2 + 1/2, 2.5 + 1/4 ...
+  // Height 1 under g = 2: the floor at t = 1; bounces reverse the speed and halve it (e = 1/2): impacts at 1,
+  // 1 + 1, 2 + 1/2, 2.5 + 1/4 ...
   struct Fall {
     void operator()(const double*, double* a) const { a[0] = -2; }
   };
@@ -141,7 +141,7 @@ TEST(Events, CrossingsOfOneStepHappenInTheirOrder) {
 }
 
 TEST(Events, RootsAreExactAndBracketed) {
-  // Functions that spoil secants: a flat one, a steep one, one with a pole's shape.
+  // Functions that are hard for secants: a flat one, a steep one, one shaped like a pole.
   const std::function<double(double)> functions[] = {
       [](double x) { return x * x * x * x * x - 1e-10; }, [](double x) { return std::tanh(1e4 * (x - 0.3)); },
       [](double x) { return 1 / (1.0001 - x) - 2; }, [](double x) { return x < 0.7 ? -1e-3 : 1.0; }};

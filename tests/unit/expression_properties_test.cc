@@ -1,5 +1,5 @@
-// Random texts: one point, many rows and the oracle agree to the bit; the derivative is the finite
-// difference's limit; random bytes are refused and never crash.
+// Random texts: one point, many rows and the oracle agree to the bit; the derivative is the limit of finite
+// differences; random bytes are refused and never crash.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -102,7 +102,7 @@ TEST(ExpressionProperties, PointRowsAndOracleAgreeToTheBit) {
 }
 
 TEST(ExpressionProperties, AlikeComponentsInLanesHaveTheBitsOfEachAlone) {
-  // Sizes around the width of a lane, operands neighbouring, scattered and common.
+  // Sizes around the width of a lane, with adjacent, scattered and shared operands.
   for (const size_t n : {1, 2, 3, 4, 5, 7, 8, 9, 31}) {
     CompiledExpressions e({"k"});
     e.array("x", n);

@@ -1,4 +1,4 @@
-// Dense, band and small factorisations against Eigen's, real and complex, with and without exchanges;
+// Dense, band and small factorizations against Eigen's, real and complex, with and without row exchanges;
 // reordering and grouping of sparse patterns.
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
-// Who waits for a session's lock gets it after the step in progress, however soon the next one follows.
+// A thread waiting for a session's lock gets it after the step in progress, however soon the next one
+// follows.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,8 +15,8 @@ namespace {
 
 constexpr int kEnough = 100;
 
-// How often a thread that takes the mutex again at once had it between another's wish for it and its turn, in
-// 21 trials, ascending: either thread may lose its processor at any moment. After a hundred it lets go.
+// How often a thread that relocks the mutex at once got it between another thread's request and its turn, in
+// 21 trials, ascending: either thread may be descheduled at any moment. After a hundred times it gives up.
 template <class Mutex>
 std::array<int, 21> turns_waited() {
   Mutex mutex;
@@ -44,7 +45,7 @@ std::array<int, 21> turns_waited() {
   return waited;
 }
 
-/// Goes to who is awake, as a std::mutex may: the control.
+/// The control: a mutex that goes to whichever thread is awake, as a std::mutex may.
 class BargingMutex {
  public:
   void lock() {

@@ -1,5 +1,6 @@
-// Bending of sheets: curvatures of quadratic surfaces exactly, energies that do not see rigid motions, first
-// and second derivatives against finite differences, stiffness that is never negative; membranes likewise.
+// Bending of sheets: exact curvatures of quadratic surfaces, energies invariant under rigid motions, first
+// and second derivatives against finite differences, stiffness that is never negative; likewise for
+// membranes.
 #include "engine/kernels/fem/bending.h"
 
 #include <gtest/gtest.h>
@@ -156,7 +157,7 @@ TEST_P(FemSheet, TheDefiniteStiffnessIs) {
     const Eigen::MatrixXd k = -p.slope(p.moved(by), Definite::yes);
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(0.5 * (k + k.transpose()));
     const auto all = solver.eigenvalues();
-    // Of a bent edge what is left out of its second derivative has either sign where it is far from rest.
+    // The term left out of the second derivative of a bent edge has either sign far from rest.
     const bool bent = std::get<1>(GetParam()) && std::get<0>(GetParam()) == Plane::shell && by > 0;
     EXPECT_GT(all.minCoeff(), (bent ? -1e-2 : -1e-11) * all.maxCoeff()) << by;
   }

@@ -14,7 +14,7 @@
 namespace truestep::fem {
 namespace {
 
-// An element with bent sides, and where its nodes have gone.
+// An element with curved sides, and the displaced positions of its nodes.
 struct One {
   std::vector<Vec3> gradients, rest, x;
   std::vector<double> weights;
@@ -113,7 +113,7 @@ TEST(FemCell, AFreeElementFeelsNoForceAsAWholeAndNoTorque) {
     }
     EXPECT_LT(norm(sum), 1e-14 * size);
     EXPECT_LT(norm(torque), 1e-13 * size);
-    // The control: a linear material takes a turned force for one along the old axes.
+    // The control: a linear material mistakes a rotated state for strain.
     std::fill(f.begin(), f.end(), Vec3{});
     cell_forces(material_of(Law::linear, 1, 0.3), one.rule, one.x.data(), f.data());
     torque = {};
@@ -122,8 +122,8 @@ TEST(FemCell, AFreeElementFeelsNoForceAsAWholeAndNoTorque) {
   }
 }
 
-// Under tension every slope is definite: the stiffness from principal axes is that from dP/dF. A bound of
-// rounding, of numbers of order 10. The control is compressed, where negative eigenvalues go.
+// Under tension every stiffness is definite: the one from principal axes equals that from dP/dF. The bound is
+// rounding, of numbers of order 10. The control is compressed, where negative eigenvalues are removed.
 TEST(FemCell, DefiniteStiffnessIsTheStiffnessWhereThatIsDefinite) {
   for (const auto& [kind, across] : all_kinds()) {
     for (const Law law : {Law::corotated, Law::st_venant_kirchhoff, Law::neo_hookean, Law::stable_neo_hookean,

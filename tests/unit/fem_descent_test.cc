@@ -1,5 +1,5 @@
-// Vertex block descent of elastic bodies (fem_descent.cc): what a node feels is what the whole element says
-// of it, and the steps come to those of implicit Euler. Costs 1 s.
+// Vertex block descent of elastic bodies (fem_descent.cc): a node's force and stiffness are those of the
+// whole element, and the steps converge to those of implicit Euler. Costs 1 s.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -69,7 +69,8 @@ TEST(FemDescent, ComesToTheStepsOfImplicitEuler) {
     FemRun few(beam(law, "vertex_block_descent", 5), 1.0 / 60, {0, -9.81, 0});
     for (FemRun* run : {&newton, &many, &few}) run->step(10);
     EXPECT_GT(newton.observe("displacement.max"), 0.03);
-    // Both end where forces are balanced to rounding times the condition, some 1e4; few iterations do not.
+    // Both stop where forces are balanced to rounding times the condition number, some 1e4; few iterations do
+    // not.
     EXPECT_LT(apart(newton, many), 1e-7) << static_cast<int>(law);
     EXPECT_GT(apart(newton, few), 1e-4) << static_cast<int>(law);
   }

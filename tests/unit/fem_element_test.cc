@@ -50,8 +50,8 @@ TEST(FemElement, GradientsAreDifferences) {
   }
 }
 
-// The stiffness of a straight-sided element of second order is a polynomial of degree 2 (simplices), 4 in a
-// direction (products): its rule must integrate that.
+// The stiffness of a straight-sided second-order element is a polynomial of degree 2 (simplices), or 4 in
+// each direction (products), which its rule must integrate.
 TEST(FemElement, RulesIntegrateWhatStiffnessNeeds) {
   for (const ElementKind kind : kKinds) {
     const Element& e = element_of(kind);

@@ -1,4 +1,4 @@
-// What a scene may not say about bodies of finite elements, and where it is told so.
+// What a scene must not contain about finite element bodies, and where the error is reported.
 #include <algorithm>
 
 #include "engine/base/errors.h"
@@ -9,7 +9,7 @@ namespace {
 
 using Faults = std::vector<std::string>;
 
-/// Pointers of what the table finds; a fault that shows only in building is the last one.
+/// Pointers of the errors that the table finds; an error that shows only on building comes last.
 Faults faults(const FemDef& d) {
   Faults out;
   fem_table().check(&d, [&](const std::string& pointer, const std::string&) { out.push_back(pointer); });
@@ -160,7 +160,7 @@ TEST(FemScene, SaysWhatASheetCannotBe) {
   EXPECT_EQ(faults(d), Faults{"/mesh/cells/3"});
   d.mesh = CellsShape{{{0, 0, 0}, {1, 0, 1}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}}, {0, 1, 2, 1, 0, 3, 0, 1, 4}};
   EXPECT_EQ(faults(d), Faults{"/mesh/cells/6"});
-  // Both triangles on the same side of their edge: a shell has no normal there, and used to stand still.
+  // Both triangles on the same side of their edge: a shell has no normal there, and used to stay motionless.
   d.mesh = CellsShape{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.5, 0.7, 0}}, {0, 1, 2, 1, 0, 3}};
   EXPECT_EQ(faults(d), Faults{"/mesh/cells/3"});
   d.mesh->vertices[3].z = 0.5;

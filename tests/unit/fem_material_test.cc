@@ -1,5 +1,5 @@
-// Laws of elastic materials: stress against differences of the energy, slopes against differences of the
-// stress, objectivity, Lame's moduli at rest, and what is made of slopes that are not definite.
+// Elastic material laws: stress against differences of the energy, slopes against differences of the stress,
+// objectivity, Lame's moduli at rest, and the treatment of slopes that are not definite.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -120,10 +120,10 @@ TEST(FemMaterial, EnergyDoesNotKnowRotations) {
     for (int k = 0; k < 50; ++k) {
       const Mat3 f = number.near_identity(0.4), r = number.rotation();
       worst = std::max(worst, std::abs(stress(some(law), r * f).energy - stress(some(law), f).energy));
-      // Isotropic: nor does it know directions of the material.
+      // Isotropic: nor does it depend on directions of the material.
       worst = std::max(worst, std::abs(stress(some(law), f * r).energy - stress(some(law), f).energy));
     }
-    // The linear law is the control: it takes rotations for strains.
+    // The linear law is the control: it mistakes rotations for strains.
     if (law == Law::linear) {
       EXPECT_GT(worst, 0.1);
     } else {

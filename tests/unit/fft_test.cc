@@ -1,5 +1,5 @@
-// Fourier and trigonometric transforms against their sums, and against the second differences that they make
-// diagonal.
+// Fourier and trigonometric transforms against their defining sums, and against the second differences that
+// they diagonalize.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
-// Files in the places where scenes refer to them: what each becomes, what is said of one that is not to be
-// had, and that no path leads out of the scene file's folder.
+// Files referred to by scenes: what each becomes, the error for one that is not available, and that no path
+// leaves the scene file's folder.
 #include "engine/scene/file_value.h"
 
 #include <gtest/gtest.h>

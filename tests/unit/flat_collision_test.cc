@@ -1,5 +1,5 @@
 // Collision in the plane against brute force: distances over all pairs of edges, areas over a grid, impacts
-// and rays in small steps, contacts by moving the bodies apart by what they claim to overlap.
+// and rays in small steps, contacts by moving the bodies apart by their claimed overlap.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -91,8 +91,7 @@ TEST(FlatDistance, IsThatOfAllPairsOfEdges) {
 }
 
 TEST(FlatContact, EdgesBentByLessThanAContactNotices) {
-  // The end of a sloping capsule lies over one of two edges that are bent by 2e-5 rad; over the other it is
-  // far.
+  // The end of a sloping capsule lies over one of two edges that meet at 2e-5 rad; over the other it is far.
   const Vec2 corner[] = {{0, -1}, {1, -0.1}, {1 + 5e-6, 0.4}, {1, 0.9}, {0, 1}};
   const Outline a = polygon(corner, 0.2);
   for (const double y : {-0.05, 0.3, 0.5, 0.8}) {
@@ -102,7 +101,7 @@ TEST(FlatContact, EdgesBentByLessThanAContactNotices) {
     double deepest = HUGE_VAL;
     for (uint32_t i = 0; i < c.points; ++i) deepest = std::min(deepest, c.point[i].separation);
     EXPECT_NEAR(deepest, -0.1, 1e-4) << y;  // as if the edges were one; their corner stands out by 5e-6 m
-    // The control: further away there is nothing.
+    // The control: farther away there is none.
     EXPECT_FALSE(touch(a, b, Pose{{0.2, 0}, {}}, 0.02, c)) << y;
   }
 }
@@ -126,7 +125,7 @@ TEST(FlatContact, MovingByTheOverlapParts) {
     double deepest = HUGE_VAL;
     for (uint32_t i = 0; i < c.points; ++i) deepest = std::min(deepest, c.point[i].separation);
     EXPECT_NEAR(norm(c.normal), 1, 1e-12);
-    // A hair further than the deepest point and they no longer overlap.
+    // Slightly farther than the deepest point and they no longer overlap.
     Pose away = at;
     away.p = at.p + (std::max(0.0, -deepest) + 1e-6) * c.normal;
     // Where they overlap by more than a corner's size, the deepest corner may lie beside the reference edge.

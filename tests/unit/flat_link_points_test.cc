@@ -1,6 +1,6 @@
-// A box that lies on a link of a chain touches it in two points. A link's face is on the left of its
-// direction where a polygon's is on the right, so that the two facing edges run the same way: taken for edges
-// seen end on they touched in one point, and boxes trembled and sank in by centimetres.
+// A box that lies on a link of a chain touches it at two points. A link's face is on the left of its
+// direction, where a polygon's is on the right, so that the two facing edges run the same way: mistaken for
+// edges seen end-on, they used to touch at one point, and boxes trembled and sank in by centimetres.
 #include <gtest/gtest.h>
 
 #include <cmath>

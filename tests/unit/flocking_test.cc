@@ -19,7 +19,7 @@ TEST(FlockingSteering, ATurnEndsAtItsLimitOrAtTheTarget) {
   EXPECT_NEAR(half_way.y, std::sin(0.2), 1e-15);
   const Vec3 near{std::cos(0.1), std::sin(0.1), 0};
   EXPECT_EQ(turn_towards({1, 0, 0}, near, limit), near);
-  // Straight back there is no side to turn to: any one, by the limit, within the plane.
+  // Straight back, there is no side to turn to: any direction within the plane, by the limit.
   const Vec3 back = turn_towards({1, 0, 0}, {-1, 0, 0}, limit);
   EXPECT_NEAR(back.x, std::cos(0.2), 1e-15);
   EXPECT_EQ(back.z, 0);
@@ -123,7 +123,7 @@ TEST(Flocking, NobodyFliesThroughAColliderNorStartsInOne) {
       d.colliders = {ball};
       // Long steps, so that many fly further than the ball is thick.
       EXPECT_GE(nearest_to_ball(d, ball.center, 0.5), 0) << static_cast<int>(rule);
-      // Control: where there is no ball they fly through its place.
+      // Control: without the ball they fly through its position.
       d.colliders.clear();
       EXPECT_LT(nearest_to_ball(d, ball.center, 0.5), -0.5);
     }
@@ -136,7 +136,7 @@ TEST(Flocking, ACloseColliderIsSteeredClearOf) {
   SphereColliderDef ball;
   ball.radius = 1;
   d.colliders = {ball};
-  // Turned aside before it would touch, where bouncing off alone touches.
+  // Turned aside before it would touch, whereas bouncing alone touches.
   EXPECT_GT(nearest_to_ball(d, {}, 0.02), 0.05);
   d.wall_strength = 0;
   EXPECT_LT(nearest_to_ball(d, {}, 0.02), 0.01);

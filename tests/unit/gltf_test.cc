@@ -1,5 +1,5 @@
-// glTF out and in again: what a skeleton and a blended surface do is written, read back and compared; and
-// what is wrong with a file is said where it is.
+// glTF export and import: the motion of a skeleton and a blended surface is written, read back and compared;
+// and errors in a file are reported with their place.
 #include "engine/geometry/read/gltf.h"
 
 #include <cmath>
@@ -47,7 +47,7 @@ std::string in_scene(const std::string& member, const std::string& text, const s
   boost::json::array lines;
   size_t at = 0;
   while (at < text.size()) {
-    // What has no lines of its own is broken anywhere.
+    // A member that is not split into lines may be broken anywhere.
     const bool whole = member == "gltf";
     const size_t end = whole ? std::min(at + 3000, text.size()) : std::min(text.find('\n', at), text.size());
     lines.push_back(boost::json::string(text.substr(at, end - at)));
@@ -202,7 +202,7 @@ TEST(Gltf, AFaultInASceneHasItsPointer) {
 }
 
 TEST(Gltf, KeysAreReadAsTheFileSays) {
-  // Two seconds, two keys: x from 1 to 3 by step, straight and by a cubic with slopes 0.
+  // Two seconds, two keys: x from 1 to 3 by step, linearly and by a cubic with slopes 0.
   const auto at = [](const std::string& between, double t) {
     GltfModel m;
     GltfNode node;

@@ -1,4 +1,4 @@
-// Sums over all pairs beside the plain double loop, and the softened laws beside their own potentials.
+// Sums over all pairs against the plain double loop, and the softened laws against their own potentials.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -51,7 +51,7 @@ TEST(GravitySums, EveryProcessorsLoopsGiveTheSameBits) {
       return a;
     };
     EXPECT_EQ(sums(plain.*law), sums(own.*law));
-    // Control: they are sums of what was given.
+    // Control: the sums depend on the data.
     EXPECT_NE(sums(plain.newton), sums(plain.plummer));
 
     const auto floats = [&](const LawLoops& l) {
@@ -89,7 +89,7 @@ TEST(GravitySums, ForceIsTheSlopeOfThePotential) {
       EXPECT_NEAR(law(kind, 0.1, r).first * r, slope, 2e-5) << r;
     }
   }
-  // As deep in the middle as each other, and Newton's law outside of the spline's support but not of
+  // Both are equally deep in the centre, and Newton's law holds outside the spline's support but not for
   // Plummer's.
   EXPECT_NEAR(law(SofteningKind::spline, 0.1, 0).second, 10, 1e-12);
   EXPECT_NEAR(law(SofteningKind::plummer, 0.1, 0).second, 10, 1e-12);

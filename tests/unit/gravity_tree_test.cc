@@ -1,4 +1,4 @@
-// The tree of bodies: what it holds, and its sums beside all pairs.
+// The tree of bodies: its contents, and its sums against all pairs.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -82,10 +82,10 @@ TEST(MixedSums, AllPairsToTheRoundingOfFloats) {
         const double e = norm(load3(a.data(), i) - load3(exact.data(), i)) / norm(load3(exact.data(), i));
         square += e * e / static_cast<double>(n), worst = std::max(worst, e);
       }
-      // A pair is good to some 1e-7; in the middle ten times as much cancels.
+      // A pair is accurate to some 1e-7; in the middle ten times as much cancels.
       EXPECT_LT(std::sqrt(square), 3e-7) << n;
       EXPECT_LT(worst, 1e-5) << n;
-      // Control: floats they are.
+      // Control: floats are in use.
       if (n == 4096) {
         EXPECT_GT(std::sqrt(square), 1e-9);
       }
@@ -95,7 +95,7 @@ TEST(MixedSums, AllPairsToTheRoundingOfFloats) {
 
 TEST(GravityTree, HoldsEveryBodyOnceAndItsMoments) {
   Cloud cloud = plummer(3000);
-  // Many at one place, more than a group holds, and some without mass.
+  // Many at one position, more than a group holds, and some without mass.
   for (size_t i = 0; i < 150; ++i) {
     for (size_t k = 0; k < 3; ++k) cloud.x[3 * (7 * i) + k] = 0.25;
     cloud.mu[13 * i] = 0;
@@ -145,7 +145,7 @@ TEST(GravityTree, HoldsEveryBodyOnceAndItsMoments) {
 
 TEST(GravityTree, ErrorsFallWithTheOpening) {
   const Cloud cloud = plummer(4096);
-  // Opened everywhere it is the sum over all pairs: in floats to their rounding, without softening in
+  // With every node opened it is the sum over all pairs: in floats to their rounding, without softening in
   // doubles.
   EXPECT_LT(errors(cloud, {{SofteningKind::plummer, 0.01}, 0}).rms, 1e-6);
   EXPECT_LT(errors(cloud, {{SofteningKind::plummer, 0}, 0}).rms, 1e-14);
@@ -181,14 +181,14 @@ TEST(GravityTree, TheFastMultipoleMethodErrsAsTheTreeDoesWithLess) {
                             {SofteningKind::plummer, 0.0},
                             {SofteningKind::spline, 0.02}}) {
     const Errors walks = errors(cloud, {s, 3e-3}), shared = errors(cloud, {s, 3e-3}, Way::multipoles);
-    // What is shared by groups is borne by the one among them that bears least, from farther away: the errors
-    // are of one size.
+    // A node shared by groups must satisfy the most demanding of them, from farther away: the errors are of
+    // the same size.
     EXPECT_LT(shared.rms, 1.3 * walks.rms) << s.length;
     EXPECT_LT(shared.rms, 1.5e-3) << s.length;
     EXPECT_LT(shared.potential, 2e-4) << s.length;
     EXPECT_LT(shared.met, 0.9 * walks.met) << "nodes that groups meet themselves";
   }
-  // Opened everywhere it is the sum over all pairs; control: it is not when it is not.
+  // With every node opened it is the sum over all pairs; control: otherwise it is not.
   EXPECT_LT(errors(plummer(3000), {{SofteningKind::plummer, 0.01}, 0}, Way::multipoles).rms, 1e-6);
   EXPECT_GT(errors(plummer(3000), {{SofteningKind::plummer, 0.01}, 0.1}, Way::multipoles).rms, 1e-4);
 }
@@ -221,7 +221,7 @@ TEST(GravityTree, SeriesMoveWithoutLosingAnything) {
 }
 
 TEST(GravityTree, ThePotentialOfAHeavyBodyIsNotItsOwn) {
-  // Saturn and its ring: the body's own m/eps is 1e4 times what everybody else does to it, and was taken off
+  // Saturn and its ring: a body's own m/eps is 1e4 times the effect of all others, and used to be subtracted
   // with a float's rounding.
   Cloud cloud = plummer(2000);
   cloud.mu[0] = 1e6;

@@ -1,4 +1,4 @@
-// What is wrong with a scene or a command of a fluid on a grid is said with its place.
+// Errors in a scene or a command of a fluid on a grid are reported with their place.
 #include <gtest/gtest.h>
 
 #include "engine/base/errors.h"
@@ -34,7 +34,7 @@ TEST(GridFluidFaults, TextsAreRefusedWithTheirPlace) {
   d.initial.clear();
   d.sides.x_min = FlowSideDef{SideKind::inflow, {"1", "1 +"}};
   EXPECT_EQ(pointer_of([&] { GridFlow run(d, 0.1); }), "/sides/x_min/velocity/1");
-  // More in than out.
+  // More inflow than outflow.
   d.sides.x_min->velocity = {"1", "0"};
   EXPECT_EQ(pointer_of([&] { GridFlow run(d, 0.1); }), "/sides");
   d.sides.x_max = FlowSideDef{SideKind::outflow, {}};
@@ -126,7 +126,7 @@ TEST(GridFluidFaults, AStepAThousandTimesTooLongSaysWhatWorks) {
   }
 }
 
-// Steps a hundred times too long for a substep: divided, or refused with a step that works; never NaN.
+// Steps a hundred times too long for a substep are subdivided, or refused with a step that works; never NaN.
 TEST(GridFluidFaults, StepsFarTooLongAreDividedOrSayWhatWorks) {
   using A = GridFluidDef::Advection;
   for (const A advection : {A::central, A::semi_lagrangian, A::maccormack, A::bfecc}) {

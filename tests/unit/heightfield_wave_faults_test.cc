@@ -1,5 +1,5 @@
-// What is wrong with a scene or a command of shallow water is said with its place; steps that are far too
-// long are divided or refused with one that works.
+// Errors in a scene or a command of shallow water are reported with their place; steps that are far too long
+// are subdivided or refused with one that works.
 #include <gtest/gtest.h>
 
 #include "engine/base/errors.h"

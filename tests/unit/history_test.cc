@@ -41,7 +41,7 @@ TEST(History, SnapshotsAreAsFrequentAsAStepIsDear) {
   EXPECT_EQ(dear.steps().size(), 4096u / 16);
   // 30 us in 256 steps of 30 us: 0.4 %; in 128 it would be more than half a percent.
   EXPECT_EQ(cheap.steps().size(), 4096u / 256);
-  // However cheap a step is, seeking repeats a thousand of them at most.
+  // However cheap a step is, a seek repeats at most a thousand of them.
   EXPECT_EQ(free.steps().size(), 4096u / 1024);
 }
 

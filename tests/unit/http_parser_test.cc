@@ -1,5 +1,5 @@
-// The request parser: what is a request, what is refused with which status, and that it makes no difference
-// how the bytes were cut on their way. Most refusals here are what Beast's parser alone lets through.
+// The request parser: what is accepted, what is refused with which status, and that the splitting of the
+// bytes does not matter. Most refusals here concern what Beast's parser alone lets through.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -13,7 +13,7 @@ constexpr size_t kLimit = 16384;
 
 using Progress = RequestParser::Progress;
 
-// Status of the refusal, 0 when the head is accepted, -1 when more is awaited.
+// Status of the refusal, 0 if the head is accepted, -1 if more is needed.
 int verdict(const std::string& text, Request& request) {
   RequestParser parser(request, kLimit);
   parser.feed(text);
@@ -94,8 +94,8 @@ TEST(RequestParser, RefusesWithAStatus) {
   EXPECT_EQ(verdict("GET / HTT"), -1);
 }
 
-// Feeds the text in pieces as a connection does: what was not taken comes again with the next piece. Returns
-// the status of the refusal, 0 when the request is complete, -1 when more is awaited.
+// Feeds the text in pieces as a connection does: what was not consumed is passed again with the next piece.
+// Returns the status of the refusal, 0 if the request is complete, -1 if more is needed.
 int feed(const std::string& text, size_t piece, size_t limit, Request& request, size_t& used) {
   RequestParser parser(request, kLimit);
   used = 0;

@@ -1,4 +1,4 @@
-// What a scene may not say about bodies in water, and where it is told so.
+// What a scene must not contain about bodies in water, and where the error is reported.
 #include <gtest/gtest.h>
 
 #include "engine/base/errors.h"
@@ -54,7 +54,7 @@ TEST(ImmersionScene, EveryFaultHasItsPointer) {
   EXPECT_TRUE(faults(hollow, R"({"type": "immersion", "a": "crates", "b": "water"})").empty());
 }
 
-// The 32 particles of the crate's lower half; what is fixed is not in the water unless the scene says so.
+// The 32 particles of the crate's lower half; a fixed body is not in the water unless the scene says so.
 TEST(ImmersionScene, WaterInABodyIsToldTheWayOut) {
   const auto issues = faults("", R"({"type": "immersion", "a": "crates", "b": "water"})");
   ASSERT_EQ(issues.size(), 1u);

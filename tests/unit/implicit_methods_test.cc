@@ -1,6 +1,6 @@
-// What implicit methods owe their callers besides accuracy: dense output between accepted steps, stopping
-// where a watcher says, the same bits when a run is cut in two with its carry and memory, derivatives by
-// differences, and errors that say where it went wrong.
+// Requirements on implicit methods besides accuracy: dense output between accepted steps, stopping where a
+// watcher demands it, the same bits when a run is split with its carry and memory, derivatives by
+// differences, and errors that say where it failed.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -83,7 +83,7 @@ TEST(ImplicitMethods, DenseOutputIsAsGoodAsTheSteps) {
     const double end = std::max(std::abs(s.y[0] - std::sin(3.0)), std::abs(s.y[1] - std::cos(3.0)));
     EXPECT_LT(end, 1e-4) << method;
     EXPECT_GT(between.steps, 3u) << method;
-    // Interpolants of order 3 or more: a few times the error of the ends, never that of a straight line (the
+    // Interpolants of order 3 or more: a few times the error at the ends, never that of a straight line (the
     // control: steps are 0.01 s and longer, a line would be off by 1e-5).
     EXPECT_LT(between.worst_inside, 10 * end + 3e-6) << method;
     EXPECT_LT(between.worst_ends, 1e-13) << method;
@@ -138,7 +138,7 @@ TEST(ImplicitMethods, CarryAndMemoryAreAllThatARestoredRunNeeds) {
        {std::span<const char* const>(kAdaptive), std::span<const char* const>(kFixed)}) {
     for (const char* method : methods) EXPECT_EQ(run(method, false), run(method, true)) << method;
   }
-  // Control: memory matters where there is any.
+  // Control: the memory matters in methods that have one.
   for (const char* method : {"bdf2", "generalized_alpha"}) {
     Start without;
     for (int k = 0; k < 6; ++k) go(method, f, without, 0.5 * k, 0.5 * (k + 1), 1e-6, 3);
@@ -179,7 +179,7 @@ TEST(ImplicitMethods, DifferencesDoWhereDerivativesAreMissing) {
   }
 }
 
-// y' = y^2 from 1 leaves the numbers at t = 1.
+// y' = y^2 from 1 diverges at t = 1.
 class Explosion final : public RightHandSide {
  public:
   size_t size() const override { return 1; }
@@ -204,8 +204,8 @@ TEST(ImplicitMethods, GiveUpWithAReason) {
   EXPECT_THROW(go("newmark", Explosion(), s, 0, 2, 1e-6, 10), Error);
 }
 
-// y' = -40 atan(10 y): all but straight where it starts, steep where it ends. With the Jacobian of the start
-// iterations run away from the solution of a long step; a fixed step has no shorter one to fall back on.
+// y' = -40 atan(10 y): nearly linear at the start, steep at the end. With the Jacobian of the start, the
+// iterations of a long step diverge from its solution; a fixed step cannot fall back on a shorter one.
 class Bend final : public RightHandSide {
  public:
   size_t size() const override { return 1; }

@@ -1,4 +1,4 @@
-// Joints whose limits exclude each other and inertias that no body can have are refused with their pointer.
+// Joints whose limits exclude each other and impossible inertias are refused with their pointer.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -40,7 +40,7 @@ TEST(ImpossibleBodies, InertiasThatNoBodyHas) {
   EXPECT_EQ(link("[1, 1, 3]"), Pointers{"/systems/0/links/0/inertia"});
   EXPECT_EQ(link("[1, 1, -0.1]"), Pointers{"/systems/0/links/0/inertia"});
   EXPECT_EQ(link("[1, 1, 1, 2, 0, 0]"), Pointers{"/systems/0/links/0/inertia"});
-  // A disc and a rod lie on the border.
+  // A disc and a rod are limiting cases.
   EXPECT_EQ(link("[1, 1, 2]"), Pointers{});
   EXPECT_EQ(link("[1, 0, 1]"), Pointers{});
   const auto body = [](const std::string& rest) {
@@ -54,7 +54,7 @@ TEST(ImpossibleBodies, InertiasThatNoBodyHas) {
 }
 
 TEST(ImpossibleBodies, TheTestLooksAtPrincipalMoments) {
-  // A disc turned out of its axes: the diagonal alone shows nothing.
+  // A disc rotated out of its axes: the diagonal alone does not reveal it.
   const double c = std::cos(0.7), s = std::sin(0.7);
   const auto turned = [&](double a, double b, double z) {
     return Symmetric3{a * c * c + z * s * s, b, a * s * s + z * c * c, 0, (z - a) * c * s, 0};

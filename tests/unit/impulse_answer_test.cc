@@ -8,7 +8,7 @@ namespace {
 
 using namespace testing_coupled;
 
-// A rope of four links at rest, one end held; h^2 k / m = 139.
+// A rope of four links at rest, with one end held; h^2 k / m = 139.
 constexpr const char* kRope = R"({"gravity": [0, 0, 0], "time": {"dt": 0.016666666666666666}, "systems": [
     {"type": "mass_spring", "id": "rope", "rope": {"from": [0, 0, 0], "to": [1, 0, 0], "links": 4}, "mass": 0.01,
      "stiffness": 5000, "pinned": ["first"], "integrator": "linear_implicit_euler"}]})";
@@ -30,7 +30,7 @@ struct Answered {
   std::vector<double> impulses, dv;
 };
 
-// Small impulses along a straight rope at rest: what a step makes of a kick at its start is linear.
+// Small impulses along a straight rope at rest: the response of a step to a kick at its start is linear.
 TEST(ImpulseAnswer, IsWhatAStepMakesOfAKick) {
   const Vec3 impulse{1e-6, 0, 0};
   Answered answered(impulse, 4);
@@ -47,7 +47,7 @@ TEST(ImpulseAnswer, IsWhatAStepMakesOfAKick) {
     EXPECT_NEAR(answered.dv[k], after.f64(1)[k], 1e-6 * largest) << k;
     EXPECT_NEAR(answered.dv[k] / 60, after.f64(0)[k] - before.f64(0)[k], 1e-6 * largest) << k;
   }
-  // The control: by its own mass the point would have moved eleven times as far as the rope lets it.
+  // The control: by its own mass alone the point would have moved eleven times as far as the rope allows.
   EXPECT_LT(largest, 0.2 * impulse.x / 0.01);
 }
 

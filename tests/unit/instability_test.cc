@@ -1,5 +1,5 @@
-// A scene that blows up is caught while its numbers still mean something, keeps the last good state and says
-// what would help; and what it suggests does help.
+// A scene that blows up is caught while its numbers are still meaningful, keeps the last good state and
+// suggests remedies; and the remedies work.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ TEST(Instability, ExplosionIsCaughtBeforeTheNumbersOverflow) {
   EXPECT_EQ(f.last_good_step, done);
   EXPECT_THAT(f.detail, testing::AllOf(testing::HasSubstr("system \"o\": energy rose from 5"),
                                        testing::HasSubstr("in step " + std::to_string(done + 1) + " (t = ")));
-  // The last good state is held, and it is one that a plot can show.
+  // The last good state is kept, and it can be plotted.
   const double v = s.state().systems[0].f64(s.state().systems[0].at("velocity"))[0];
   EXPECT_LT(std::abs(v), 1e8);
   EXPECT_EQ(s.step_index(), done);
@@ -59,7 +59,7 @@ TEST(Instability, TheSuggestionsHelp) {
 }
 
 TEST(Instability, WhatIsOnlyFastIsLeftAlone) {
-  // Ten kilometres a second in a small scene is somebody's experiment, not an explosion.
+  // Ten kilometres a second in a small scene is an experiment, not an explosion.
   std::string fast = scene(0.001, "symplectic_euler");
   fast.replace(fast.find("\"velocity\":0"), 12, "\"velocity\":10000");
   Session s(std::make_shared<const World>(parse_scene(fast)), std::make_shared<const ThreadArena>(1));
@@ -89,7 +89,7 @@ TEST(Instability, RemediesWereTriedOnTheStateThatFailed) {
   ASSERT_TRUE(s.failure());
   for (const std::string& remedy : s.failure()->remedies)
     EXPECT_THAT(remedy, testing::HasSubstr("held when tried for ")) << remedy;
-  // What a command did at step 3 is part of the trial.
+  // The effect of a command at step 3 is part of the trial.
   Session stiffened = session(0.01, "symplectic_euler");
   stiffened.step(3);
   Command c;
@@ -150,15 +150,16 @@ TEST(EnergyWatch, KnowsWhatWasThereAndWhatCommandsBrought) {
   };
   EnergyWatch w;
   EXPECT_TRUE(w.holds(energy(0, 0)));  // the first look
-  // A fall from a potential of 0: 20 J change hands, so 17 J too many are not yet beyond twice that ...
+  // A fall from a potential of 0: 20 J are converted, so that an excess of 17 J is still within twice that
+  // ...
   EXPECT_TRUE(w.holds(energy(20, -20)));
   EXPECT_TRUE(w.holds(energy(37, -20)));
   EXPECT_FALSE(w.holds(energy(61, -20)));  // ... and 41 J are.
-  // A command may bring anything.
+  // A command may supply any energy.
   w.command(energy(20, -20), energy(1020, -20));
   EXPECT_TRUE(w.holds(energy(1000, 0)));
   EXPECT_FALSE(w.holds(energy(5000, 0)));
-  // What is driven from outside begins afresh when the drive ends.
+  // A system driven from outside starts afresh when the drive ends.
   EXPECT_TRUE(w.holds(energy(1e9, 0, Exchange::open)));
   EXPECT_TRUE(w.holds(energy(1e9, 0)));
   EXPECT_FALSE(w.holds(energy(4e9, 0)));
@@ -177,7 +178,7 @@ TEST(Instability, AResetBeforeTheDiagnosisLeavesNoFailureBehind) {
   s.reset();
   EXPECT_FALSE(s.computing_aside());
   EXPECT_EQ(s.step(1), 1u);
-  // The control: with nothing in between the failure is found.
+  // The control: with nothing in between, the failure is detected.
   ASSERT_EQ(explode(), StepOutcome::unstable);
   s.compute_aside();
   EXPECT_EQ(s.commit_aside(Session::Output::aloud), StepOutcome::failed);

@@ -1,5 +1,6 @@
-// Bodies that are not free in space: links of a tree and bodies of the plane, reached through their ports.
-// What an impulse does beside the tree's mass matrix, momentum, faces that nothing passes, links to points.
+// Bodies that are not free in space: links of a tree and bodies of the plane, accessed through their ports.
+// The response to an impulse against the tree's mass matrix, momentum, faces that nothing passes, links to
+// points.
 #include <cmath>
 
 #include "engine/base/random.h"
@@ -91,8 +92,8 @@ TEST(LinkBodies, AnImpulseChangesMomentumByItself) {
   }
 }
 
-// Corrections of place keep momentum, and give what they are told of angular momentum; the centre of mass of
-// a free tree moves by P / m but for the square of the way.
+// Position corrections conserve momentum, and change the angular momentum as told; the centre of mass of a
+// free tree moves by P / m to first order.
 TEST(LinkBodies, CorrectionsKeepMomentum) {
   Reached r(kBody);
   const BodyPort& port = r.port();
@@ -105,7 +106,7 @@ TEST(LinkBodies, CorrectionsKeepMomentum) {
   };
   for (uint64_t k = 0; k < 30; ++k) {
     const size_t row = k % 3;
-    // Ways are those of where one begins to look.
+    // Displacements are measured from where the memory began.
     Bodies bodies(r.state, port, &r.memory);
     const Vec3 p = r.observe3("momentum"), l = r.observe3("angular_momentum"), by = random_vec(3, k) * 0.01,
                gained = random_vec(4, k) * 0.01;
@@ -117,8 +118,8 @@ TEST(LinkBodies, CorrectionsKeepMomentum) {
   }
 }
 
-// v' = J M^-1 J^T (J, T) with M by the composite rigid body algorithm: another way than the solve's. One
-// hinge and one slider on the ground.
+// v' = J M^-1 J^T (J, T) with M by the composite rigid body algorithm: a different method from the solver's.
+// One hinge and one slider on the ground.
 TEST(LinkBodies, AnswerByTheInverseOfTheMassMatrix) {
   Reached r(R"({"type": "articulation", "id": "arm", "links": [
       {"parent": "ground", "axis": [0, 0, 1], "q": [0.3], "mass": 2, "center": [0, -1, 0], "inertia": [0.1, 0.2, 0.3]},
@@ -133,7 +134,7 @@ TEST(LinkBodies, AnswerByTheInverseOfTheMassMatrix) {
   const double gw = 0.7 * 2 - 0.4 * s, gu = 0.7, w = (c * gw - b * gu) / det, u = (a * gu - b * gw) / det;
   const Vec3 expected = x * (2 * w + u) + y * (s * w);
   EXPECT_LT(norm(bodies.answer(1, {}, j) - expected), 1e-13);
-  // The control: a free body would have answered by its mass.
+  // The control: a free body would have responded by its mass.
   EXPECT_GT(norm(expected - j), 0.1);
 }
 
@@ -154,7 +155,7 @@ TEST(LinkBodies, AnswersOfAllAreSymmetricAndSumUp) {
   EXPECT_GT(std::abs(ab), 1e-4);
 }
 
-/// 120 balls that rain on a place from a side.
+/// 120 balls that rain on a place from one side.
 std::string dust(const Vec3& from, const Vec3& speed, const Vec3& spread, double radius = 0.02) {
   std::string x, v;
   for (uint64_t i = 0; i < 120; ++i) {
@@ -202,8 +203,8 @@ TEST(LinkBodies, BallsAndAFreeTreeKeepMomentum) {
     const Vec3 own = run.observe3("doll.momentum");
     run.session.step(300);
     const Momenta after = sums();
-    // The tree's own motion is integrated to 1e-6 of its steps (the method's tolerance): what a coupling adds
-    // to that is rounding. The control: the same tree alone drifts as far.
+    // The tree's own motion is integrated to 1e-6 of its steps (the method's tolerance): a coupling adds only
+    // rounding to that. The control: the same tree alone drifts as far.
     SceneRun alone(scene_of(kBody, ""));
     alone.session.step(300);
     const double drift = norm(alone.observe3("doll.momentum") - own);
@@ -215,7 +216,7 @@ TEST(LinkBodies, BallsAndAFreeTreeKeepMomentum) {
   }
 }
 
-// No ball is nearer to any link than its radius, however fast it comes.
+// No ball is closer to any link than its radius, however fast it arrives.
 TEST(LinkBodies, NoBallPassesALink) {
   for (const double speed : {5.0, 200.0}) {
     SceneRun run(scene_of(dust({0.4, 2, 0.3}, {0, -speed, 0}, {0.8, 0.8, 0.4}) + "," + kBody,
@@ -239,8 +240,8 @@ TEST(LinkBodies, NoBallPassesALink) {
   }
 }
 
-// A ball meets a rod on a hinge at a = 0.8 m from it: there the rod weighs M = I / a^2, and for e = 1
-// v' = (m - M) / (m + M) v (Landau, Lifshitz, Mechanics, section 17 with one coordinate each).
+// A ball hits a hinged rod at a = 0.8 m from the hinge: there the rod has the effective mass M = I / a^2, and
+// for e = 1 v' = (m - M) / (m + M) v (Landau, Lifshitz, Mechanics, section 17 with one coordinate each).
 TEST(LinkBodies, ABallBouncesOffAHingedRod) {
   for (const double e : {1.0, 0.5}) {
     char law[160];
@@ -263,7 +264,7 @@ TEST(LinkBodies, ABallBouncesOffAHingedRod) {
   }
 }
 
-// A rope that hangs on a hand: one place to rounding, and momentum as without the hook.
+// A rope that hangs on a hand: the two places coincide to rounding, and momentum is as without the hook.
 TEST(LinkBodies, ARopeHooksOn) {
   SceneRun run(scene_of(
       R"({"type": "mass_spring", "id": "rope", "rope": {"from": [2, 0.3, 0.3], "to": [3, 0.3, 0.3], "links": 6},
@@ -326,13 +327,13 @@ TEST(FlatBodies, BallsInThePlaneKeepMomentum) {
       const Momenta then = sums();
       run.session.step(1);
       const Momenta now = sums();
-      // Before the balls drive the bodies together, whose own contacts are swept a bounded number of times.
+      // Before the balls drive the bodies together, whose own contacts are swept a limited number of times.
       if (k < 100)
         worst = std::max({worst, norm(now.linear - then.linear), std::abs(now.angular.z - then.angular.z)});
     }
     EXPECT_LT(worst, 1e-11 * before.scale) << law;
     EXPECT_GT(run.observe("c.impulse.sum"), 10) << law;
-    // What is in the plane stays there.
+    // What is in the plane stays in it.
     const ConstPoints p(run.session.state().systems[0], *run.world->system(0).ports().points);
     for (size_t i = 0; i < p.count; ++i) ASSERT_EQ(p.place(i).z, 0);
   }
@@ -361,7 +362,7 @@ TEST(FlatBodies, NoBallPassesAnOutline) {
   }
 }
 
-// A rope falls across a triangle whose corner points up between two of its points: lines of the plane have
+// A rope falls across a triangle whose corner points up between two of its points: lines in the plane have
 // sides, and the corner stays on its own.
 TEST(FlatBodies, ACornerDoesNotPassARope) {
   SceneRun run(R"({"time": {"dt": 0.002}, "systems": [
@@ -383,7 +384,7 @@ TEST(FlatBodies, ACornerDoesNotPassARope) {
   EXPECT_GT(run.observe("c.impulse.sum"), 0.5);
 }
 
-// A chain is a wall on its left; a sleeping body wakes where a ball hits it.
+// A chain is a wall on its left side; a sleeping body wakes where a ball hits it.
 TEST(FlatBodies, ChainsHoldAndSleepersWake) {
   SceneRun run(R"({"time": {"dt": 0.004}, "systems": [
       {"type": "particles", "id": "ball", "mass": 50, "radius": 0.1, "positions": [[0.1, 6, 0], [3, 1, 0]]},

@@ -1,4 +1,4 @@
-// The strict reader: what it accepts, what it refuses, what its errors name, and that time is linear.
+// The strict reader: what it accepts and refuses, what its errors name, and that its time is linear.
 #include "engine/scene/json.h"
 
 #include <gtest/gtest.h>
@@ -123,7 +123,7 @@ TEST(Json, TimeIsLinearInTheNumberOfKeys) {
     std::string text = "{";
     for (int i = 0; i < keys; ++i) text += (i ? ",\"k" : "\"k") + std::to_string(i) + "\":1";
     text += "}";
-    // CPU time of this thread, the least of three: what else the machine does is left out.
+    // CPU time of this thread, the least of three: excludes the load of other programs.
     double least = HUGE_VAL;
     for (int n = 0; n < 3; ++n) {
       const std::clock_t start = std::clock();

@@ -1,4 +1,4 @@
-// Kepler's motion by universal variables beside closed solutions and itself, on ellipses, parabolas and
+// Kepler motion by universal variables against closed solutions and itself, on ellipses, parabolas and
 // hyperbolas.
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ TEST(KeplerMotion, TheCaseOfAThinEllipse) {
   // nbody.kepler_e099: mu = 1, from the pericentre of e = 0.99, to t = 3.5 (mpmath, 30 digits).
   Vec3 x{0.01, 0, 0}, v{0, std::sqrt(1.99 / 0.01), 0};
   kepler_motion(x, v, 1, 3.5);
-  // Rounding of the start is enlarged by the passage: relative 1e-16 of the period moves the body by 1e-16 v
+  // The passage amplifies the rounding of the start: a relative 1e-16 of the period moves the body by 1e-16 v
   // t.
   EXPECT_NEAR(x.x, -1.97373758141097163, 3e-14);
   EXPECT_NEAR(x.y, -0.02533735150527517338, 3e-14);
@@ -47,7 +47,7 @@ TEST(KeplerMotion, ACircleTurnsAsTimeSays) {
               2 * (1e-15 + 4e-16 * kTurn * turns))
         << turns;
   }
-  // Control: another strength turns another way.
+  // Control: another strength gives another angle.
   Vec3 x{2, 0, 0}, v{0, std::sqrt(3 / 2.0), 0};
   kepler_motion(x, v, 3.001, kTurn * std::sqrt(8 / 3.0));
   EXPECT_GT(norm(x - Vec3{2, 0, 0}), 1e-3);

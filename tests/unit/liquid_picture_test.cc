@@ -1,4 +1,4 @@
-// Liquids of particles in pictures: balls, or where the scene says so their surface.
+// Liquids of particles in pictures: balls or, if the scene says so, their surface.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ TEST(LiquidPicture, IsASurfaceWhereTheSceneSaysSo) {
     EXPECT_EQ(s.radius, 0);
     EXPECT_GT(s.triangles.size(), 1000u);
     EXPECT_EQ(s.scalar.size() * 3, s.positions.size());
-    // It is around the cube of 0.4 m, half a spacing at most beyond what the particles are in.
+    // It surrounds the cube of 0.4 m, at most half a spacing beyond the particles' volume.
     for (size_t i = 1; i < s.positions.size(); i += 3) {
       EXPECT_GT(s.positions[i], -0.05f);
       EXPECT_LT(s.positions[i], 0.45f);
@@ -40,7 +40,7 @@ TEST(LiquidPicture, IsASurfaceWhereTheSceneSaysSo) {
     const DrawPoints balls = drawn("balls", system);
     EXPECT_GT(balls.radius, 0) << "control";
     EXPECT_TRUE(balls.triangles.empty());
-    // Colours mean the same.
+    // Colours have the same meaning.
     const auto most = std::max_element(balls.scalar.begin(), balls.scalar.end());
     EXPECT_FLOAT_EQ(s.scalar_max.value(), *most);
   }

@@ -1,4 +1,4 @@
-// The death of the only particle took the integrator's own single numbers with it, as if they were its row.
+// The death of the only particle used to remove the integrator's own scalar columns, as if they were its row.
 #include <gtest/gtest.h>
 
 #include "engine/session/world.h"
@@ -17,7 +17,7 @@ TEST(LoneParticle, ItsDeathLeavesTheMethodsNumbers) {
   for (int n = 0; n < 80; ++n) world.step(s, workspace, arena, {});
   EXPECT_EQ(p.rows(p.at("position")), 0u);
   EXPECT_EQ(p.rows(p.at("integrator.left_step")), 1u);
-  // Control: what belongs to the particle went with it.
+  // Control: what belongs to the particle is gone.
   for (int n = 0; n < 100; ++n) world.step(s, workspace, arena, {});
   EXPECT_EQ(p.rows(p.at("integrator.previous_position")), p.rows(p.at("position")));
 }

@@ -1,4 +1,4 @@
-// What passes between particles and faces keeps mass, momentum and angular momentum, and gives fields back.
+// Transfers between particles and faces conserve mass, momentum and angular momentum, and reproduce fields.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -27,7 +27,7 @@ std::vector<Particle> scattered() {
   for (int i = 0; i < 200; ++i) {
     Particle p{};
     for (size_t a = 0; a < D; ++a) {
-      // Weyl's sequences fill the middle of the box evenly.
+      // Weyl sequences fill the middle of the box evenly.
       const double r = std::fmod(double(i + 1) * (a == 0   ? 0.6180339887
                                                   : a == 1 ? 0.7548776662
                                                            : 0.5698402910),
@@ -44,7 +44,7 @@ template <size_t D>
 void check_transfers() {
   const MacGrid g = grid_of(D);
   std::vector<Particle> all = scattered<D>();
-  // The linear field of a turn with a stretch comes back as it was, at every particle.
+  // The linear field of a rotation with a stretch is reproduced at every particle.
   const double turn[3][3] = {{0.3, -2, 0.5}, {1.7, 0.1, -0.4}, {-0.2, 0.6, 0.9}}, shift[3] = {1, -2, 0.5};
   for (Particle& p : all) {
     for (size_t c = 0; c < D; ++c) {
@@ -95,7 +95,7 @@ TEST(MacParticles, AngularMomentumIsKept) {
       std::vector<double> m(g.size()), q(g.size());
       const auto around = around_particle<kD>(g, c, p.x);
       scatter<kD>(g, around, p.v[c], p.c[c], mass[c].data(), u[c].data());
-      // The particle's own angular momentum is that of what it spreads.
+      // The particle's own angular momentum is that of what it transfers.
       scatter<kD>(g, around, p.v[c], p.c[c], m.data(), q.data());
       for (size_t j = 0; j < g.padded(1); ++j) {
         for (size_t i = 0; i < g.padded(0); ++i) {

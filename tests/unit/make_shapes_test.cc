@@ -62,7 +62,7 @@ TEST(MakeSoftBlock, TetrahedraFillTheBox) {
   for (const double s : block.share) shares += s;
   EXPECT_NEAR(volume, 1, 1e-12);
   EXPECT_NEAR(shares, 1, 1e-12);
-  // Neighbours fit: a face has two tetrahedra, or one and lies on the surface.
+  // Neighbours fit together: a face has two tetrahedra, or one and lies on the surface.
   size_t outer = 0;
   for (const auto& [face, count] : faces) {
     EXPECT_LE(count, 2);
@@ -70,7 +70,7 @@ TEST(MakeSoftBlock, TetrahedraFillTheBox) {
   }
   EXPECT_EQ(outer, 2u * 2 * (3 * 4 + 4 * 2 + 3 * 2));
   EXPECT_EQ(block.triangles.size(), outer);
-  // The surface encloses the volume: outward all of it.
+  // The surface encloses the volume: all of it faces outward.
   double enclosed = 0;
   for (const auto& t : block.triangles)
     enclosed += dot(block.x[t[0]], cross(block.x[t[1]], block.x[t[2]])) / 6;

@@ -1,11 +1,11 @@
-// Places in space and in pictures that belong to something else, on data whose truth is known.
+// Outliers among 3-D points and image points, on data whose truth is known.
 #include "tests/unit/markers_rig.h"
 
 namespace truestep::animation {
 namespace {
 
 TEST(Triangulation, SightingsOfSomethingElseAreSetAside) {
-  // Half a pixel of noise, a camera out of four blocked for a fifth of the places, one sighting of ten false
+  // Half a pixel of noise, one camera in four occluded for a fifth of the points, one sighting in ten false
   // by 20 to 300 pixels.
   const auto cameras = ring_of_cameras();
   std::mt19937 engine(23);
@@ -22,7 +22,7 @@ TEST(Triangulation, SightingsOfSomethingElseAreSetAside) {
       ImagePoint p = *project(cameras[c], truth.back());
       p.u += noise(engine), p.v += noise(engine);
       const bool blocked = c == 2 && k % 5 == 0;
-      // At most one of a place, where there are three cameras or more.
+      // At most one per point, where there are three cameras or more.
       const double way = 160 + 140 * u(engine), angle = 3.14 * u(engine), chance = 0.5 * (1 + u(engine));
       if (!blocked && chance < 0.1 && wrong[k] == 0)
         p.u += way * std::cos(angle), p.v += way * std::sin(angle), wrong[k] = 1;
@@ -33,8 +33,8 @@ TEST(Triangulation, SightingsOfSomethingElseAreSetAside) {
     }
   }
   const double s = picture_noise(plain, sightings);
-  // A third of the places is misled, which a median bears: it is pulled up from the middle to their two
-  // thirds'.
+  // A third of the points is misled, which a median tolerates: it moves up from the middle of all to that of
+  // the other two thirds.
   EXPECT_GT(s, 0.4);
   EXPECT_LT(s, 0.9);
   double worst_robust = 0, worst_plain = 0;
@@ -45,7 +45,7 @@ TEST(Triangulation, SightingsOfSomethingElseAreSetAside) {
     misled += wrong[k];
     const double off = norm(agreed->found.place - truth[k]);
     if (seen[k].size() == 3 && wrong[k] > 0) {
-      // Two rays against one: a false one that happens to meet another is as good as the true pair.
+      // Two rays against one: a false ray that happens to meet another is as good as the true pair.
       ++of_three, of_three_off += off > 0.02;
     } else {
       worst_robust = std::max(worst_robust, off);
@@ -58,16 +58,18 @@ TEST(Triangulation, SightingsOfSomethingElseAreSetAside) {
   EXPECT_GT(misled, 100u);
   // Half a pixel at 4 m and 1000 pixels of focal length is 2 mm, some more at the edges.
   EXPECT_LT(worst_robust, 0.02);
-  // False ones miss the other rays by less than three pixels of some 160 in one case of fifty, for either.
+  // False rays miss the other rays by less than three pixels of some 160 in one case of fifty, for either
+  // camera.
   EXPECT_GT(of_three, 10u);
   EXPECT_LE(of_three_off, of_three / 8);
   EXPECT_GT(worst_plain, 0.2) << "the control: they do mislead";
 }
 
-/// Angles that a fit leaves (root of the mean square, rad), frame by frame from the one before: 2 mm of
-/// noise, a tenth of the markers out of sight, and of those in sight a share somewhere within half a metre.
+/// Errors of the angles after a fit (root mean square, rad), frame by frame, each starting from the previous
+/// one: 2 mm of noise, a tenth of the markers out of sight, and a fraction of those in sight displaced by up
+/// to half a metre.
 struct Misled {
-  /// Of frames in which every joint has two markers that are right beside a false one, ascending.
+  /// Ascending, of the frames in which every joint has two right markers beside a false one.
   std::vector<double> angles;
   double all_angles = 0;
   size_t false_ones = 0, found = 0, right_ones = 0, lost = 0;
@@ -125,7 +127,7 @@ TEST(MarkerFit, OutliersAreSetAside) {
                           auto& work) {
     fit_markers(b.joints, b.markers, places, seen, motion, known, work);
   };
-  // The same with the false ones out of sight: what is the best that can be had.
+  // The same with the false ones out of sight: the best possible result.
   const auto told = [&](const Body& b, const auto& places, const auto& seen, const auto& wrong, auto& motion,
                         auto& work) {
     auto right = seen;
@@ -140,14 +142,14 @@ TEST(MarkerFit, OutliersAreSetAside) {
                                std::to_string(found.all_angles) + " beside " +
                                std::to_string(best.all_angles));
   ASSERT_GT(found.false_ones, 150u) << "the control: there are false ones";
-  // A joint with one marker of three right and one out of sight cannot tell which is which: a tenth of the
+  // A joint with one right marker of three and one out of sight cannot tell which is which: a tenth of the
   // false ones lies beside one out of sight twice in ten. Nine tenths must be found.
   EXPECT_GT(static_cast<double>(found.found), 0.9 * static_cast<double>(found.false_ones));
-  // Beyond 4.7 spreads lie 3 in 10,000 of three normal numbers' lengths; some are lost beside a false one.
+  // 3 in 10,000 lengths of three normal numbers exceed 4.7 spreads; some are lost beside a false one.
   EXPECT_LT(static_cast<double>(found.lost), 0.03 * static_cast<double>(found.right_ones));
-  // Where two right ones stand against it: hardly more than what knowing the false ones would leave. A local
-  // search may still end in a worse minimum: in one frame of twenty at most (a bound set after seeing three
-  // of 95).
+  // Where two right markers stand against a false one: hardly worse than if the false ones were known. A
+  // local search may still end in a worse minimum: in one frame of twenty at most (a bound set after seeing
+  // three of 95).
   ASSERT_GT(found.angles.size(), 40u);
   ASSERT_EQ(found.angles.size(), best.angles.size());
   EXPECT_LT(found.angles[found.angles.size() / 2], 1.1 * best.angles[best.angles.size() / 2]);

@@ -1,4 +1,4 @@
-// Places out of pictures and skeletons out of markers, on data whose truth is known.
+// 3-D points from images and skeletons from markers, on data whose truth is known.
 #include <cmath>
 
 #include "engine/geometry/read/trc.h"
@@ -36,7 +36,7 @@ TEST(Triangulation, ExactPicturesGiveExactPlaces) {
 }
 
 TEST(Triangulation, NoiseCostsWhatLeastSquaresSay) {
-  // Covariance of the place: s^2 (sum du du^T + dv dv^T)^-1, whose trace is what errors have on average.
+  // Covariance of the position: s^2 (sum du du^T + dv dv^T)^-1, whose trace is the mean squared error.
   const auto cameras = ring_of_cameras();
   std::mt19937 engine(5);
   constexpr double kNoise = 0.5;
@@ -75,7 +75,7 @@ TEST(Triangulation, NoiseCostsWhatLeastSquaresSay) {
     }
     sum += norm2(triangulate(cameras, seen)->place - truth);
   }
-  // 2,000 tries of three coordinates tell a mean square to sqrt(2/6000) = 1.8 %: five of that.
+  // 2,000 trials of three coordinates determine a mean square to sqrt(2/6000) = 1.8 %; five times that.
   EXPECT_NEAR(sum / kTries / trace, 1, 0.09);
   EXPECT_GT(std::sqrt(trace), 5e-4) << "the control: half a pixel at 4 m is more than rounding";
 }
@@ -99,8 +99,8 @@ TEST(MarkerFit, ExactMarkersGiveThePose) {
     const auto truth = body.pose(f / 30.0);
     const MarkerFit fit =
         fit_markers(body.joints, body.markers, body.places(truth), seen, motion, known, work);
-    // Held to the pose before with 1e-8 m^2 a rad against markers at 0.1 m: 1e-8 / 0.01 of a step of 0.05 rad
-    // in the first iterations, which take it away.
+    // Held to the previous pose with 1e-8 m^2 per rad against markers at 0.1 m: 1e-8 / 0.01 of a step of 0.05
+    // rad in the first iterations, which later ones remove.
     ASSERT_LT(fit.error, 1e-7) << f;
     for (size_t j = 0; j < 9; ++j) {
       ASSERT_LT(angle_between(body.joints[j], truth[j], motion[j]), 1e-5) << f << " joint " << j;
@@ -129,7 +129,7 @@ TEST(MarkerFit, NoiseAndOcclusionStayWithinWhatTheyMustCost) {
     for (size_t i = 0; i < places.size(); ++i) {
       places[i] += Vec3{noise(engine), noise(engine), noise(engine)};
       seen[i] = u(engine) < 0.9;
-      if (!seen[i]) places[i] = {1e3, -1e3, 1e3};  // whatever stands there is not looked at
+      if (!seen[i]) places[i] = {1e3, -1e3, 1e3};  // the position of an unseen marker is ignored
       seen_all += seen[i];
     }
     const MarkerFit fit = fit_markers(body.joints, body.markers, places, seen, motion, known, work);
@@ -144,8 +144,8 @@ TEST(MarkerFit, NoiseAndOcclusionStayWithinWhatTheyMustCost) {
   // Residuals of a least squares fit: s^2 (3 m - p) / m a marker, with p = 6 + 5 x 3 + 3 = 24 coordinates.
   const double m = static_cast<double>(seen_all) / kFrames;
   EXPECT_NEAR(std::sqrt(squares / static_cast<double>(seen_all)) / (kNoise * std::sqrt(3 - 24 / m)), 1, 0.05);
-  // Three markers within 0.1 m of their axis tell an angle to 2 mm / (0.1 m sqrt 2) or so, and a parent's
-  // angle counts again at its child: 0.03 rad, some less seen.
+  // Three markers within 0.1 m of their axis determine an angle to about 2 mm / (0.1 m sqrt 2), and a
+  // parent's angle counts again at its child: 0.03 rad, with some markers unseen.
   EXPECT_LT(std::sqrt(angles / (9 * kFrames)), 0.035);
   EXPECT_GT(std::sqrt(angles / (9 * kFrames)), 0.003) << "the control: noise does cost something";
   EXPECT_LT(worst, 0.3);

@@ -1,4 +1,4 @@
-// What commands do to a network of springs, what they refuse, and the other faces of the system.
+// The effects of commands on a network of springs, what is refused, and the other interfaces of the system.
 #include "engine/base/errors.h"
 #include "tests/support/drawn.h"
 #include "tests/unit/mass_spring_rig.h"

@@ -129,7 +129,7 @@ TEST_P(Networks, JacobiansAreTheDerivativesOfTheForces) {
     def.damping = 0.1;
     if (wind_speed > 0) {
       def.wind = Vec3{wind_speed, 1, 2};
-      // With friction by air or along springs only df/dv is exact; the elastic test below has neither.
+      // With air drag or damping along springs only df/dv is exact; the elastic test below has neither.
       def.internal_damping = 0.4;
     }
     Rig rig(def);
@@ -195,7 +195,7 @@ TEST_P(Networks, InternalForcesConserveMomentum) {
   }
 }
 
-// Damping along springs takes energy out of stretching and none out of turning.
+// Damping along springs removes energy from stretching and none from rotation.
 TEST(MassSpringForces, InternalDampingDissipatesStretchingOnly) {
   MassSpringDef def = cloth();
   def.internal_damping = 0.7;

@@ -1,4 +1,4 @@
-// Ewald's smooth part through a mesh beside the sum over waves.
+// Ewald's smooth part through a mesh against the sum over waves.
 #include "engine/kernels/molecular/mesh_ewald.h"
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ Answer by_waves(const Salt& s, const EwaldSetting& setting) {
   Answer out;
   out.force.resize(s.x.size());
   EwaldSum sum;
-  // Far beyond where the mesh's own waves end.
+  // Far beyond the cut-off of the mesh's own waves.
   EwaldSetting all = setting;
   all.k_max *= 1.6;
   out.energy = sum.add(all, s.edges, s.x, s.q, out.force, ThreadArena(1));
@@ -85,7 +85,7 @@ TEST(MeshEwald, ForcesAreTheGradientOfTheEnergy) {
   const MeshSetting mesh{.ewald = ewald_setting(1, 2.5, 1e-3), .order = 4, .points = {10, 12, 15}};
   const auto energy = [&] { return by_mesh(s, mesh).energy.energy; };
   const Answer at = by_mesh(s, mesh);
-  // What forces add up to is taken from all: differences of two atoms' forces are the gradient's.
+  // The net force is removed from all atoms: differences of two atoms' forces are those of the gradient.
   const auto slope = [&](size_t k) {
     constexpr double kStep = 1e-4;
     const double x = s.x[k];

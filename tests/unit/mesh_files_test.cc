@@ -1,4 +1,5 @@
-// Files of meshes: what each format says, limits before anything is allocated, and what is wrong where.
+// Mesh files: the contents of each format, limits checked before anything is allocated, and errors with their
+// place.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +16,7 @@ namespace {
 
 using Triangles = std::vector<std::array<uint32_t, 3>>;
 
-// Six times the volume that a closed surface holds: positive where its triangles are seen from outside.
+// Six times the enclosed volume of a closed surface: positive if its triangles are seen from outside.
 double volume6(const SurfaceFile& s) {
   double out = 0;
   for (const auto& t : s.triangles) out += dot(s.vertices[t[0]], cross(s.vertices[t[1]], s.vertices[t[2]]));

@@ -1,5 +1,5 @@
-// Kernels of atoms and molecules: potentials beside their derivatives, erf beside the C library's, four lanes
-// beside one, rigid triangles beside what they keep, texts beside what is wrong with them.
+// Kernels of atoms and molecules: potentials against their derivatives, erf against the C library's, four
+// lanes against one, rigid triangles against their invariants, texts against their errors.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -41,7 +41,7 @@ TEST(MolecularKernels, ErfSeries) {
   }
 }
 
-/// Largest departure of forces from differences of the energy of four points.
+/// Largest deviation of forces from differences of the energy of four points.
 template <class Energy, class Forces>
 double fault(std::array<Vec3, 4> x, const Energy& energy, const Forces& forces) {
   constexpr double kStep = 1e-5;
@@ -80,7 +80,7 @@ TEST(MolecularKernels, BondedForcesAreGradients) {
   EXPECT_LT(check(bonds), 2e-9);
   EXPECT_LT(check(angles), 2e-9);
   EXPECT_LT(check(dihedrals), 2e-9);
-  // Control: the forces of another multiplicity are not this energy's.
+  // Control: the forces of another multiplicity do not belong to this energy.
   EXPECT_GT(
       fault(
           x, [&](const X& p) { return dihedral(p[0] - p[1], p[1] - p[2], p[3] - p[2], 3, 3, 0.4).energy; },
@@ -239,7 +239,7 @@ TEST(Molecular, DisplacementCountsThroughTheSides) {
   double* v = run.state.f64(Columns::velocity).data();
   for (size_t i = 0; i < 256; ++i) v[3 * i] = 30;
   run.step(100);
-  // 30 in every direction of x: four boxes further.
+  // 30 in every component: four boxes further.
   EXPECT_NEAR(run.observe("displacement"), 900, 1e-9);
   std::vector<double> scratch;
   const FieldView x = run.system->field(run.state, 0, 0, scratch);

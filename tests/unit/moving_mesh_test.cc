@@ -1,5 +1,5 @@
-// A body whose solid is a closed surface of triangles used to end a run in its first step: "a sphere's radius
-// must be positive", because the sweep of fast bodies asked for the core of a surface, which has none.
+// A body whose solid is a closed surface of triangles used to end a run in its first step with "a sphere's
+// radius must be positive", because the sweep of fast bodies asked for the core of a surface, which has none.
 #include <gtest/gtest.h>
 
 #include "tests/support/rigid3d_run.h"
@@ -18,7 +18,8 @@ TEST(MovingMesh, FallsOntoABox) {
   d.bodies = {floor, mesh};
   testing::RigidRun run(d, 0.01);
   run.seconds(2);
-  // It lies on one of its faces, whose middle is nearer to the centre of mass than that of its height.
+  // It lies on one of its faces, whose middle is nearer to the centre of mass than the middle of its height
+  // is.
   EXPECT_GT(run.x(1).y, 0);
   EXPECT_LT(run.x(1).y, 0.5);
   EXPECT_LT(norm(run.v(1)), 0.1);

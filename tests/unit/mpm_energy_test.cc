@@ -1,4 +1,4 @@
-// Elastic laws by a text, beside the same law that is built in, and texts that are none.
+// Elastic laws given as texts against the same laws built in, and invalid texts.
 #include <gtest/gtest.h>
 
 #include "engine/base/errors.h"
@@ -36,7 +36,7 @@ double fault(const std::string& text, Law law) {
   return worst / m.lambda;
 }
 
-// Rounding of a singular value decomposition and some dozens of operations: 1e-12 of the modulus.
+// Rounding of a singular value decomposition and a few dozen operations: 1e-12 of the modulus.
 TEST(MpmEnergy, TheBuiltInLawsComeOutWhenTheyAreWritten) {
   const std::string volume = "-mu*log(J)+lambda/2*log(J)^2";
   EXPECT_LT(fault<2>("mu/2*(I1-2)" + volume, Law::neo_hookean), 1e-12);
@@ -47,8 +47,8 @@ TEST(MpmEnergy, TheBuiltInLawsComeOutWhenTheyAreWritten) {
   EXPECT_GT(fault<3>("mu/2*(I1-3)-mu*log(J)+lambda/2*(J-1)^2", Law::neo_hookean), 1e-3) << "control";
 }
 
-// Mooney and Rivlin's law has no built-in twin: its stress against central differences of its energy, whose
-// error is the square of their width.
+// The Mooney-Rivlin law has no built-in counterpart: its stress against central differences of its energy,
+// whose error is the square of their width.
 TEST(MpmEnergy, StressIsTheDerivativeOfTheEnergy) {
   const EnergyLaw law("mu/4*(I1-3)+mu/4*(I2-3)-1.5*mu*log(J)+lambda/2*log(J)^2", 3, rubber(), "/energy");
   const auto f = bent<3>();
@@ -64,7 +64,7 @@ TEST(MpmEnergy, StressIsTheDerivativeOfTheEnergy) {
   for (int k = 0; k < 9; ++k) EXPECT_NEAR(expected.m[k][0] / 5e4, got.m[k][0] / 5e4, 1e-6);
 }
 
-// The modulus that substeps follow is that of the built-in law at rest, and no less than it elsewhere.
+// The modulus that determines substeps is that of the built-in law at rest, and not below it elsewhere.
 TEST(MpmEnergy, KnowsHowFastItsWavesAre) {
   const EnergyLaw law("mu/2*(I1-3)-mu*log(J)+lambda/2*log(J)^2", 3, rubber(), "/energy");
   const auto rest = law.response(Square<3, double>::identity());

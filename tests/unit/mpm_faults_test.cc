@@ -1,4 +1,4 @@
-// What a scene may not say about pieces of material, and where it is told so.
+// What a scene must not contain about pieces of material, and where the error is reported.
 #include "tests/unit/mpm_rig.h"
 
 namespace truestep::mpm {
@@ -83,7 +83,7 @@ TEST(MpmScene, SaysWhatDoesNotFitOfTexts) {
   EXPECT_EQ(faults(d), Faults{}) << "control";
 }
 
-// A thread has next to no volume and one particle an axis across: a lattice of 4e7 places along it.
+// A thread has almost no volume and one particle per axis across: a lattice of 4e7 places along it.
 TEST(MpmScene, CountsWhatAThreadWouldBeMadeOf) {
   MpmDef d = piece();
   d.low = {0, 0, 0}, d.high = {2.4e7, 4, 1}, d.cell = 1;
@@ -101,8 +101,8 @@ TEST(MpmScene, ExpectsAsManyParticlesAsThereAre) {
     const auto there = [&] { return static_cast<double>(places_of(d, d.bodies[0]).size()); };
     EXPECT_EQ(expected_particles(d), there());
     d.bodies[0].shape = Shape::ball, d.bodies[0].radius = 0.3;
-    // Places within a ball of 38 spacings differ from its volume by less than a shell a tenth of a spacing
-    // thick.
+    // The number of lattice places within a ball of 38 spacings differs from its volume by less than a shell
+    // a tenth of a spacing thick.
     EXPECT_NEAR(expected_particles(d), there(), 0.1 / 38 * 3 * there());
     d.bodies[0].inner_radius = 0.2;
     EXPECT_NEAR(expected_particles(d), there(), 0.1 / 26 * 3 * there()) << "hollow";

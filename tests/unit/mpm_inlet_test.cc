@@ -1,4 +1,4 @@
-// Material that comes by nozzles and goes by kill regions.
+// Material added by nozzles and removed in kill regions.
 #include <gtest/gtest.h>
 
 #include "engine/core/state_check.h"
@@ -19,8 +19,8 @@ MpmDef jet(int dimension, Law law = Law::fluid) {
   return d;
 }
 
-// As many particles as the nozzle's lattice, speed and time say, each of its share of the mass: layers 25 mm
-// apart, one every 25 ms, of which the first is born at 0.
+// As many particles as the nozzle's lattice, speed and time give, each with its share of the mass: layers 25
+// mm apart, one every 25 ms, the first one born at 0.
 TEST(MpmInlet, PoursWhatItsSpeedAndTimeSay) {
   for (const int dimension : {2, 3}) {
     for (const Law law : {Law::fluid, Law::snow, Law::sand}) {
@@ -33,15 +33,15 @@ TEST(MpmInlet, PoursWhatItsSpeedAndTimeSay) {
       run.seconds(0.4);
       EXPECT_EQ(run.observe("count"), 12 * layer);
       EXPECT_EQ(run.observe("emitted"), run.observe("count"));
-      // Sums of f64; each particle's mass is the density's by its volume.
+      // Sums in f64; each particle's mass is the density times its volume.
       EXPECT_NEAR(run.observe("mass") / (12 * layer * particle), 1, 1e-13);
-      // Without gravity it goes on as it came: rounding of f32, and what nodes beside the axis hold back.
+      // Without gravity it keeps its velocity, to rounding of f32 and what nodes beside the axis hold back.
       EXPECT_NEAR(run.observe("momentum.y") / run.observe("mass"), 1, 1e-3);
     }
   }
 }
 
-// What was, came and went: every particle is counted once.
+// Initial, added and removed material: every particle is counted once.
 TEST(MpmInlet, MassIsBookedExactlyWhileItComesAndGoes) {
   MpmDef d = jet(2);
   d.precision = Precision::f64;
@@ -69,7 +69,7 @@ TEST(MpmInlet, MassIsBookedExactlyWhileItComesAndGoes) {
   for (size_t k = 1; k < ids.size(); ++k) EXPECT_LT(ids[k - 1], ids[k]) << "ids in order, none twice";
   EXPECT_EQ(static_cast<double>(run.state.span<uint64_t>(columns::counts)[counts::born]),
             start + run.observe("emitted"));
-  // Where there is no room left births are refused, and counted.
+  // Where there is no room left, births are refused and counted.
   d.kill_boxes.clear(), d.max_particles = 100;
   MpmRun full(d, 0.01, {0, -9.81, 0});
   full.seconds(0.5);
@@ -77,7 +77,7 @@ TEST(MpmInlet, MassIsBookedExactlyWhileItComesAndGoes) {
   EXPECT_GT(full.observe("refused"), 50);
 }
 
-// Into a basin whose mouth is under what it has poured: nothing is doubled, whatever presses on it.
+// Into a basin whose mouth is below what it has poured: nothing is doubled, whatever presses on it.
 TEST(MpmInlet, PumpsUnderWhatIsThere) {
   MpmDef d = jet(2);
   d.bodies.resize(1);

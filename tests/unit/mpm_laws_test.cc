@@ -92,7 +92,7 @@ TEST(MpmLaws, ATurnChangesNoEnergyAndTurnsTheStress) {
   }
 }
 
-// Floats in lanes beside doubles: two units in the last place, of what is near 0 of ln in 1.
+// Floats in lanes against doubles: two units in the last place, relative to 1 where ln is near 0.
 TEST(MpmLaws, LogarithmsAndExponentialsOfFloatsAreThoseOfDoubles) {
   for (double x = 1e-6; x < 1e6; x *= 1.0007) {
     const auto a = static_cast<float>(x);
@@ -143,7 +143,7 @@ TEST(MpmLaws, SandComesBackToItsCone) {
   double e[3], trace = 0, norm2 = 0;
   for (int k = 0; k < 3; ++k) e[k] = std::log(d.s[k][0]), trace += e[k];
   for (const double x : e) norm2 += (x - trace / 3) * (x - trace / 3);
-  // Klar et al. 2016, eq. 27: on the cone, with the trace that it had.
+  // Klar et al. 2016, eq. 27: on the cone, with its previous trace.
   EXPECT_NEAR(std::sqrt(norm2) + (3 * m.lambda + 2 * m.mu) / (2 * m.mu) * m.cone * trace, 0, 1e-13);
   EXPECT_NEAR(trace, std::log(1.1 * 0.8), 1e-13);
   EXPECT_EQ(volume[0], 0);
@@ -159,7 +159,8 @@ TEST(MpmLaws, SandThatIsPulledApartHasNoStressAndRemembersItsVolume) {
   return_map(m, d, volume);
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(d.s[k][0], 1, 1e-15);
   EXPECT_NEAR(volume[0], std::log(1.1 * 1.05), 1e-14);
-  // Pressed by as much it is again where it was: without the correction it would have gained volume.
+  // Compressed by the same amount it is back where it was: without the correction it would have gained
+  // volume.
   auto pressed = svd(stretched<3>(1 / 1.1, 1 / 1.05, 1));
   return_map(m, pressed, volume);
   for (int k = 0; k < 3; ++k) EXPECT_NEAR(pressed.s[k][0], 1, 0.03);
@@ -181,7 +182,7 @@ TEST(MpmLaws, FoamComesBackToItsCylinder) {
   EXPECT_EQ(none[0], 0) << "below the limit it is elastic";
 }
 
-// The bound of the largest stretch costs a shorter substep where it is not sharp, never a longer one.
+// Where the bound of the largest stretch is not sharp, it costs a shorter substep, never a longer one.
 TEST(MpmLaws, ModulusOfNeoHookeanSolidsIsNoSmallerThanTheFastestWaves) {
   const Material m = material(Law::neo_hookean);
   const M<3> f = deformation<3>();

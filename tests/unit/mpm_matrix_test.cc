@@ -1,4 +1,4 @@
-// Singular values and vectors of 2 x 2 and 3 x 3 matrices in lanes, on the matrices that are hard.
+// Singular values and vectors of 2 x 2 and 3 x 3 matrices in lanes, for difficult matrices.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -69,9 +69,9 @@ TEST(MpmMatrix, AMirroredMatrixHasItsSignInTheLastValue) {
   EXPECT_NEAR(d.s[2][0], -1, 1e-14);
 }
 
-// Largest deviation of the nearest rotation from U V^T. Where singular values s and t of opposite sign or
-// both near 0 meet, rounding is divided by s + t: matrices are taken whose least is a hundredth of the
-// largest, or a tenth on the far side of the plane of mirrors.
+// Largest deviation of the nearest rotation from U V^T. Where singular values s and t of opposite sign, or
+// both near 0, meet, rounding is divided by s + t: the matrices are such that the smallest is at least a
+// hundredth of the largest, or a tenth on the far side of the plane of reflections.
 template <int D, class T>
 double rotation_fault(const Square<D, T>& a, int lane) {
   const Svd<D, T> d = svd(a);

@@ -28,9 +28,9 @@ double largest(const Square<D, double>& a, const Square<D, double>& b) {
   return worst;
 }
 
-// A stretch that both laws are convex at: nothing is left out there.
+// A stretch at which both laws are convex: nothing is left out there.
 constexpr double kStretched[9] = {1.2, 0.1, -0.05, 0.02, 1.15, 0.06, 0.03, -0.04, 1.25};
-// Pressed and sheared: parts are negative.
+// Compressed and sheared: some parts are negative.
 constexpr double kPressed[9] = {0.5, 0.3, -0.2, -0.2, 0.6, 0.15, 0.1, -0.12, 0.55};
 constexpr double kChange[9] = {0.3, -0.7, 0.2, 0.5, 0.1, -0.4, -0.6, 0.25, 0.8};
 
@@ -72,7 +72,7 @@ double least_curvature(Law law, bool positive) {
     }
     Square<D, double> dp = k.apply(df);
     if (!positive) {
-      // Control: the derivative as it is, by differences.
+      // Control: the unmodified derivative, by differences.
       const double h = 1e-5;
       Stiffness<D, double> other;
       auto up = f, down = f;
@@ -95,7 +95,8 @@ TEST(MpmStiffness, HasNoNegativeDirectionWhereTheEnergyHas) {
   EXPECT_LT(least_curvature<3>(Law::corotated, false), -0.01) << "control";
 }
 
-// The part of diag(2, -3) with a turn between: diag(2, 0), and none of a part of opposite equals is lost.
+// The positive part of diag(2, -3) with a rotation in between: diag(2, 0), and nothing is lost of a pair of
+// opposite equal values.
 TEST(MpmStiffness, ThePositivePartLeavesOutWhatIsNegative) {
   const double c = 0.6, s = 0.8;
   const double both[3][2] = {{2, -3}, {1, -1}, {-2, -5}};

@@ -1,4 +1,4 @@
-// Nodes and a rigid body that push each other, against closed forms and conservation.
+// Nodes and a rigid body that push each other, against closed forms and conservation laws.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -20,7 +20,7 @@ std::vector<TouchedNode> some_nodes() {
   return out;
 }
 
-// A node under the centre of a ball: a plastic blow, (m v + M u) / (m + M).
+// A node under the centre of a ball: a plastic impact, (m v + M u) / (m + M).
 TEST(MpmTouch, ANodeInTheWayMovesOnWithTheBody) {
   for (const double mass : {1e-3, 1.0, 1e3}) {
     TouchedBody body = ball(mass);
@@ -65,7 +65,7 @@ TEST(MpmTouch, MomentumIsExchangedToRounding) {
   }
 }
 
-// The body is a thousandth of what it is in: it must come to the nodes' velocity, not beyond it.
+// The body has a thousandth of the mass around it: it must reach the nodes' velocity, not exceed it.
 TEST(MpmTouch, ALightBodyDoesNotOvershoot) {
   TouchedBody body = ball(2.8e-3);
   auto nodes = some_nodes();
@@ -91,14 +91,14 @@ TEST(MpmTouch, FrictionStaysWithinCoulombsCone) {
     touch(nodes, body, Hold::separate, friction);
     for (const TouchedNode& n : nodes) {
       const double push = dot(n.impulse, n.normal);
-      // The body's answer makes what slides slower than what the bound was taken from, never faster.
+      // The body's response makes sliding slower than the bound was computed from, never faster.
       EXPECT_LE(norm(n.impulse - n.normal * push), friction * push + 1e-14);
     }
     EXPECT_NE(nodes[0].velocity.x, sideways) << "control: it is dragged along";
   }
 }
 
-// What nothing moves keeps its motion, and nodes take it over.
+// A driven body keeps its motion, and nodes take it over.
 TEST(MpmTouch, ADrivenBodyKeepsItsMotion) {
   TouchedBody body = ball(0);
   auto nodes = some_nodes();

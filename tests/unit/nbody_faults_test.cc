@@ -1,4 +1,4 @@
-// What a scene of bodies may not say, what commands may not do, and collisions.
+// What a scene of bodies must not contain, what commands must not do, and collisions.
 #include "engine/base/errors.h"
 #include "engine/scene/json.h"
 #include "engine/session/world.h"
@@ -54,13 +54,13 @@ std::vector<std::string> scene_faults(const std::string& members) {
 }
 
 TEST(NbodyScene, MethodsOfBodiesAloneAreKnownByName) {
-  // Beside another fault they are no fault of their own.
+  // Beside another error they are not reported separately.
   const auto other = scene_faults(R"("mass": -1, "integrator": "leapfrog")");
   ASSERT_EQ(other.size(), 1u);
   for (const char* own : {"wisdom_holman", "mercurius", "hermite"}) {
     EXPECT_EQ(scene_faults(R"("mass": -1, "integrator": ")" + std::string(own) + '"'), other) << own;
   }
-  // A wrong name is told of them, once.
+  // A wrong name is reported with the valid ones, once.
   const auto wrong = scene_faults(R"("integrator": "mercuriu")");
   ASSERT_EQ(wrong.size(), 1u);
   for (const char* own : {"wisdom_holman", "mercurius", "hermite", "ias15"}) {
@@ -149,8 +149,8 @@ TEST(NbodyCollisions, MergeBounceAndStopKeepMomentum) {
       EXPECT_NEAR(std::pow(run.state.f64(Columns::radius)[0], 3), 2e-3, 1e-15) << "both volumes";
       EXPECT_EQ(run.state.span<uint64_t>(Columns::id)[0], 1u) << "the heavier one's";
     } else {
-      // Restitution: of the 2 m/s between them 1 m/s is left, or none. They are as far apart as that takes
-      // them after the touch.
+      // Restitution: of the relative speed of 2 m/s, 1 m/s is left, or none. Their distance is what that
+      // gives after the touch.
       const double apart = response == Response::bounce ? 1 : 0;
       EXPECT_NEAR(run.v(1).x - run.v(0).x, apart, 1e-14);
       EXPECT_NEAR(run.x(1).x - run.x(0).x, 0.2 + apart * (2 - 0.9), 1e-13);
@@ -186,8 +186,8 @@ TEST(NbodyStability, CoincidentMasslessAndLonelyBodies) {
   NbodyDef d = model_units();
   d.masses = {1, 1, 0, 1};
   for (const Method method : {Method::direct, Method::tree}) {
-    // One has run away: as far as squares and cubes of distances are numbers, or as far as the tree tells the
-    // others apart.
+    // One has escaped: as far as squares and cubes of distances are finite, or as far as the tree can resolve
+    // the others.
     d.positions = {{0, 0, 0}, {0, 0, 0}, {1, 0, 0}, {method == Method::direct ? 1e100 : 1e12, 0, 0}};
     d.method = method, d.integrator = "leapfrog";
     NbodyRun run(d, 0.01);

@@ -130,8 +130,8 @@ const Variant kVariants[] = {
     {60, kSparse, Order::second, Derivatives::differences, NewtonMatrix::Kind::band},
 };
 
-// Differences of second derivatives near 6 with steps of 1e-8 leave 1e-7; own derivatives meet those of the
-// central differences (1e-10) that the matrix is compared with.
+// Differences of second derivatives near 6 with steps of 1e-8 leave 1e-7; analytic derivatives are compared
+// with central differences (1e-10).
 double tolerance_of(Derivatives d) {
   return d == Derivatives::own ? 1e-8 : 1e-6;
 }
@@ -150,7 +150,7 @@ TEST(NewtonMatrix, SolvesTheWholeSystemInEveryShape) {
     Statistics count;
     m.differentiate(0, y.data(), fy.data(), 1, count);
     if (v.shape != kDense && v.derivatives == Derivatives::differences) {
-      // Three columns meet: three or four groups, not one evaluation per column.
+      // Three columns overlap: three or four groups, not one evaluation per column.
       EXPECT_LE(count.rates, 8u);
     }
     const Eigen::MatrixXd j = dense_jacobian(f, y), one = Eigen::MatrixXd::Identity(long(n), long(n));
@@ -165,7 +165,7 @@ TEST(NewtonMatrix, SolvesTheWholeSystemInEveryShape) {
     const double size = want.norm();
     EXPECT_LT((Eigen::Map<Eigen::VectorXd>(x.data(), long(n)) - want).norm(),
               tolerance_of(v.derivatives) * size);
-    // Control: the solution for another z is another one.
+    // Control: another z has another solution.
     EXPECT_GT(
         ((one - 0.21 * j).fullPivLu().solve(Eigen::Map<const Eigen::VectorXd>(b.data(), long(n))) - want)
             .norm(),
@@ -186,7 +186,7 @@ TEST(NewtonMatrix, SolvesTheWholeSystemInEveryShape) {
   }
 }
 
-// A torus: no order of its points has few diagonals.
+// A torus: no order of its points gives a narrow band.
 class Torus final : public RightHandSide {
  public:
   explicit Torus(size_t side) : side_(side) {

@@ -1,4 +1,4 @@
-// Nystroem pairs, splittings and the Gauss-Radau rows keep the order conditions that their rows promise. A
+// Nystroem pairs, splittings and the Gauss-Radau rows satisfy the order conditions of their promised order. A
 // splitting is a Nystroem method too: K_i = a(x + h c_i v + h^2 sum_j k_j (c_i - c_j) K_j).
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@
 namespace truestep::test {
 namespace {
 
-// Of products of coefficients around 1 with 17 digits.
+// For products of coefficients around 1 with 17 digits.
 constexpr double kTolerance = 2e-14;
 
 NystromTableau as_tableau(const Splitting& s) {

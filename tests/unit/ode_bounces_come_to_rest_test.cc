@@ -1,5 +1,5 @@
-// Bounces that accumulate end in contact: the ball stays on its floor however long it is watched, rides a
-// floor that moves, leaves one that drops away, and is moved again by whatever moves it.
+// Bounces that accumulate end in contact: the ball stays on its floor however long the run, rides a moving
+// floor, leaves one that drops away, and moves again when something moves it.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -46,7 +46,7 @@ TEST(OdeBouncesComeToRest, TheTimeIsThatOfTheGeometricSum) {
   const double bounces = run.value("events.bounce");
   EXPECT_GT(bounces, 30);
   EXPECT_LT(bounces, 80);
-  // Control: no restitution short of one rests while it still flies.
+  // Control: no restitution below one rests while the ball still flies.
   OdeRun lively(ball("1"), 0.001);
   lively.steps(10000);
   EXPECT_EQ(lively.value("events.bounce.resting"), 0);
@@ -87,7 +87,7 @@ TEST(OdeBouncesComeToRest, WhatMovesTheBallMovesItAgain) {
   EXPECT_NEAR(kicked.value("h"), 3 * 0.25 - 0.5 * 9.81 * 0.0625, 1e-6);
   kicked.steps(500);
   EXPECT_EQ(kicked.value("events.bounce.resting"), 1);
-  // A command lifts it; then gravity itself turns round.
+  // A command lifts it; then gravity itself is reversed.
   kicked.set("h", 0.4);
   kicked.steps(1);
   EXPECT_NEAR(kicked.value("h"), 0.4 - 0.5 * 9.81 * 1e-4, 1e-7);
@@ -104,7 +104,7 @@ TEST(OdeBouncesComeToRest, AStateThatBeginsInContactAndOneThatSlides) {
   run.steps(50);
   EXPECT_EQ(run.value("h"), 0);
   EXPECT_NEAR(run.value("x"), 10, 1e-9);
-  // Control: an event that turns nothing round is passed, once.
+  // Control: an event that reverses nothing is simply passed, once.
   OdeRun passed(R"s("states": {"h": 1, "v": 0, "n": 0}, "equations": {"h": "v", "v": "-9.81", "n": "0"},
     "events": [{"name": "gate", "when": "h", "direction": "falling", "set": {"n": "n + 1", "v": "0.5 * v"}}])s");
   passed.steps(20);

@@ -1,5 +1,5 @@
-// What a scene may say about an ode system and what it makes of it: structure, Jacobians, events, tracers,
-// commands, faults.
+// What a scene may contain about an ode system, and the result: structure, Jacobians, events, tracers,
+// commands, errors.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -108,7 +108,7 @@ TEST(OdeSystem, StiffEquationsGetAnImplicitMethod) {
   };
   OdeRun easy(R"s("states": {"x": 2, "v": 0}, "equations": {"x": "v", "v": "5 * (1 - x^2) * v - x"})s", 0.01);
   EXPECT_EQ(method(easy)->kind, Integrator::Kind::explicit_);
-  // The second shows its stiffness only after a moment.
+  // The second system shows its stiffness only after a moment.
   OdeRun van_der_pol(
       R"s("states": {"x": 2, "v": 0}, "equations": {"x": "v", "v": "1e5 * (1 - x^2) * v - x"})s", 0.01);
   OdeRun robertson(R"s("states": {"a": 1, "b": 0, "c": 0},
@@ -122,7 +122,7 @@ TEST(OdeSystem, StiffEquationsGetAnImplicitMethod) {
   const auto expected = implicit_exists ? Integrator::Kind::implicit : Integrator::Kind::explicit_;
   EXPECT_EQ(method(van_der_pol)->kind, expected);
   EXPECT_EQ(method(robertson)->kind, expected);
-  // Fast oscillations are no reason: implicit methods would have to follow them too.
+  // Fast oscillations are no reason for an implicit method, which would have to follow them too.
   OdeRun fast(R"s("states": {"x": 1, "v": 0}, "equations": {"x": "v", "v": "-1e8 * x"})s", 0.1);
   EXPECT_EQ(method(fast)->kind, Integrator::Kind::explicit_);
 }
@@ -189,7 +189,7 @@ TEST(OdeEvents, APileUpIsAnInstability) {
 }
 
 TEST(OdeTracers, FollowARotationAndTheStatesOfTheSystem) {
-  // The field turns about a centre that is itself a state of the system.
+  // The field rotates about a centre that is itself a state of the system.
   OdeRun run(R"s("states": {"c": 0}, "equations": {"c": "1"}, "integrator": "rk4",
     "tracers": {"velocity": {"x": "1 - y", "y": "x - c"}, "points": [[1, 0, 0], [0, 2, 0.5]]})s",
              0.01);
@@ -263,7 +263,7 @@ TEST(OdeSystem, AllFaultsAtOnceWithPointers) {
   for (const char* pointer : {"/states/sin", "/parameters/x", "/let/r", "/let/k[1]", "/equations/x",
                               "/equations/v", "/equations/w", "/equations/y", "/equations", "/invariants/E",
                               "/absolute_tolerances/z", "/events/0/when", "/events/0/set/muu", "/plot/1"}) {
-    // The name that parameters and states share is refused where it comes second.
+    // A name shared by a parameter and a state is refused where it occurs second.
     if (std::string(pointer) == "/parameters/x") {
       EXPECT_TRUE(found("/states/x"));
     } else {

@@ -1,5 +1,5 @@
-// A method with control of its step exists once: on a force field it does to the bit what it does on the
-// field's right-hand side, under the same norm of the error.
+// An adaptive method exists once: on a force field it gives the same bits as on the field's right-hand side,
+// under the same error norm.
 #include <gtest/gtest.h>
 
 #include "engine/integrators/field_equations.h"
@@ -48,7 +48,7 @@ TEST(OnePath, AdaptiveMethodsDoTheSameOnFieldsAndOnTheirEquations) {
     ++seen;
   }
   EXPECT_GE(seen, 10u);
-  // Control: rk4 keeps a second path for fields, which rounds otherwise.
+  // Control: rk4 keeps a second path for fields, which rounds differently.
   const Integrator& rk4 = *find_integrator("rk4");
   EXPECT_NE(after(rk4, field, false), after(rk4, field, true));
 }

@@ -1,4 +1,4 @@
-// A parameter may have another word: accepted, echoed as its name, refused beside it.
+// A parameter may have an alias: accepted, echoed as its name, and refused beside it.
 #include <gtest/gtest.h>
 
 #include "engine/base/errors.h"

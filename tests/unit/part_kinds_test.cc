@@ -1,4 +1,4 @@
-// A system of each kind of part that only tests know: it streams, records, draws, is probed and restored
+// For each kind of part, a system known only to tests: it streams, records, draws, is probed and restored
 // without a line about it anywhere else.
 #include <gtest/gtest.h>
 
@@ -25,7 +25,7 @@ using testing::world_of_part;
 struct Kind {
   const char* name;
   PartInfo (*part)();
-  const char* probe;  ///< of row 2, or the grid's place of it
+  const char* probe;  ///< of row 2, or of the grid point there
   double at_start;    ///< of the first field there
   size_t shown;       ///< fields that a stream gets unless it names some
 };
@@ -106,7 +106,7 @@ TEST_P(PartKinds, IsDrawn) {
   std::set<uint32_t> colors;
   for (size_t k = 0; k < pixels.size(); k += 4)
     colors.insert(uint32_t{pixels[k]} << 16 | uint32_t{pixels[k + 1]} << 8 | pixels[k + 2]);
-  // The control: of values alone there is a caption on the background.
+  // The control: values alone give a caption on the background.
   const size_t many = 400;
   EXPECT_EQ(colors.size() > many, !values) << colors.size();
 }

@@ -1,4 +1,4 @@
-// The surface of a liquid of particles: closed, of the liquid's volume, flat where it is flat.
+// The surface of a liquid of particles: closed, with the liquid's volume, and flat where the liquid is flat.
 #include "engine/geometry/particle_surface.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ bool closed(const ParticleSurface& s) {
   return !edges.empty();
 }
 
-/// Places of a lattice within a shape, each moved by up to `shake` spacings along every axis.
+/// Lattice points within a shape, each displaced by up to `shake` spacings along every axis.
 template <class Inside>
 std::vector<float> lattice(int reach, double shake, const Inside& inside) {
   std::mt19937 random(3);
@@ -63,18 +63,19 @@ TEST(ParticleSurface, OfABallIsABall) {
   const std::vector<float> ones(x.size() / 3, 7);
   const ParticleSurface s = particle_surface(x, ones, {kSpacing, 0.5 * kSpacing});
   EXPECT_TRUE(closed(s));
-  // A tenth of a spacing all round is 4 % of the volume.
+  // A tenth of a spacing all around is 4 % of the volume.
   const double own = static_cast<double>(x.size()) / 3 * kSpacing * kSpacing * kSpacing;
   EXPECT_NEAR(volume(s), own, 0.05 * own);
   for (size_t i = 0; i < s.positions.size() / 3; ++i) {
-    EXPECT_NEAR(norm(vertex(s, i)), kRadius, 0.7 * kSpacing);  // the lattice's own steps
+    // The lattice's own spacing limits the accuracy.
+    EXPECT_NEAR(norm(vertex(s, i)), kRadius, 0.7 * kSpacing);
     EXPECT_NEAR(s.values[i], 7, 1e-4);
   }
   const ParticleSurface half = particle_surface(x, {}, {0.8 * kSpacing, 0.5 * kSpacing});
   EXPECT_LT(volume(half), 0.9 * own) << "control: particles of half the volume";
 }
 
-// Half a spacing above the uppermost particles; what shakes these hardly shows.
+// Half a spacing above the uppermost particles; displacing these hardly shows.
 TEST(ParticleSurface, OfStillWaterIsFlat) {
   const auto ripple = [&](double shake, double bump) {
     const auto x = lattice(10, shake, [&](const Vec3& p) {
@@ -95,7 +96,7 @@ TEST(ParticleSurface, OfStillWaterIsFlat) {
     return std::sqrt(std::max(squares / n - sum / n * sum / n, 0.0));
   };
   EXPECT_LT(ripple(0, 0), 0.03 * kSpacing);
-  // The places themselves are off by 0.14 spacings (rms).
+  // The particles themselves are displaced by 0.14 spacings (rms).
   EXPECT_LT(ripple(0.25, 0), 0.1 * kSpacing);
   EXPECT_GT(ripple(0, 2 * kSpacing), 0.3 * kSpacing) << "control: a bump of two layers";
 }
@@ -113,7 +114,7 @@ TEST(ParticleSurface, TakesWhateverThereIs) {
   EXPECT_TRUE(particle_surface({}, {}, {kSpacing, kSpacing}).triangles.empty());
   const std::vector<float> x{0, 0, 0, NAN, 0, 0, 0, INFINITY, 0, 3e38f, -3e38f, 0};
   EXPECT_TRUE(particle_surface(x, {}, {0, kSpacing}).triangles.empty());
-  // The lattice becomes as coarse as its limit asks.
+  // The lattice becomes as coarse as its limit demands.
   particle_surface(x, {}, {kSpacing, 0.5 * kSpacing, 100'000});
   const std::vector<float> far{0, 0, 0, 1e4f, 0, 0};
   EXPECT_LE(particle_surface(far, {}, {kSpacing, 0.5 * kSpacing, 100'000}).positions.size(), 300'000u);

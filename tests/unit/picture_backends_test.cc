@@ -1,4 +1,4 @@
-// OSMesa and EGL: two doors to one rasteriser.
+// OSMesa and EGL: two interfaces to one rasterizer.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -40,9 +40,9 @@ TEST(Picture, EglCanDoItTooOrSaysWhyNot) {
   EXPECT_EQ(gl.GetError(), static_cast<GLenum>(GL_NO_ERROR));
 }
 
-// Both are the same rasteriser (llvmpipe) behind two doors, of two builds of Mesa perhaps: samples at edges
-// may fall to the other side and shades round the other way, so nearly all pixels agree to 2 of 255 and the
-// mean to a tenth. Control: the same cloth seen from a hand's breadth beside differs in far more.
+// Both use the same rasterizer (llvmpipe) through two interfaces, perhaps of two builds of Mesa: samples at
+// edges may fall on the other side and shades may round differently, so nearly all pixels agree to 2 of 255
+// and the mean to a tenth. Control: the same cloth from a slightly shifted viewpoint differs in far more.
 TEST(Picture, EglDrawsWhatOsmesaDraws) {
   using Backend = PictureRenderer::Backend;
   std::optional<PictureRenderer> egl;

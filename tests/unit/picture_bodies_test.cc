@@ -1,4 +1,4 @@
-// Bodies in pictures: a body of a colour appears where it should and nowhere else; marks lie over everything.
+// Bodies in pictures: a coloured body appears where it should and nowhere else; marks are drawn on top.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// The camera that a picture chooses: all that is drawn, with little to spare.
+// The automatic camera of a picture: everything drawn is inside, with little to spare.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace {
 
 using test::one_sphere;
 
-// Angle of p off the camera's axis across and along, as a share of the half picture.
+// Angle of p from the camera's axis, horizontally and vertically, relative to half the picture.
 std::pair<double, double> place(const DrawCamera& camera, double aspect, const Vec3& p) {
   const Vec3 back = normalized(camera.eye - camera.target), right = normalized(cross(*camera.up, back));
   const Vec3 above = cross(back, right), q = p - camera.eye;

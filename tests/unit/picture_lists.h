@@ -1,5 +1,6 @@
-// DrawLists that tests, the picture bench and people's eyes share: a draped cloth, a fountain, a spring net,
-// balls in a container. Positions come from formulas and a fixed-seed generator, so every run draws the same.
+// DrawLists shared by tests, the picture benchmark and visual inspection: a draped cloth, a fountain, a
+// spring net, balls in a container. Positions come from formulas and a fixed-seed generator, so every run
+// draws the same.
 #pragma once
 #include "engine/sinks/picture/draw_list.h"
 

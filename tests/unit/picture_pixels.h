@@ -1,4 +1,4 @@
-// What tests of pictures read: pixels, a list with one sphere, the code of an error.
+// Helpers of picture tests: pixels, a list with one sphere, the code of an error.
 #pragma once
 #include <cstdint>
 #include <functional>

@@ -1,5 +1,5 @@
-// Plots in pictures: axes with round values, names and units of what is drawn, curves told apart by colour
-// and a legend, and a camera that leaves room for the words.
+// Plots in pictures: axes with round values, names and units, curves distinguished by colour and a legend,
+// and a camera that leaves room for the labels.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -45,7 +45,7 @@ TEST(PicturePlot, AxesShowTheNamesThatTheSceneDrawsAndTheirValues) {
       ode(R"("states": {"y": 1}, "equations": {"y": "-y"}, "plot": ["t / 2 - 1", "3 * y"])"), 20);
   const DrawList list = s.list();
   EXPECT_EQ(texts(list, {Side::below}),
-            (Texts{"0", "1", "2", "3", "4"}));  // the whole run, not what has passed
+            (Texts{"0", "1", "2", "3", "4"}));  // the range of the whole run, not only of the past
   EXPECT_EQ(texts(list, {Side::corner}), Texts{"t (s)"});
   EXPECT_EQ(texts(list, {Side::above}), Texts{"y"});
   const Texts values = texts(list, {Side::left});
@@ -80,7 +80,7 @@ TEST(PicturePlot, CurvesHaveColoursAndNames) {
     EXPECT_EQ(list.legend[k].text, "c[" + std::to_string(k) + "]");
     EXPECT_EQ(list.legend[k].color.r, picture::palette(k).r);
   }
-  // One curve alone needs no legend.
+  // A single curve needs no legend.
   const test::PictureSession one(ode(R"("states": {"c": 1}, "equations": {"c": "-c"}, "plot": ["t", "c"])"),
                                  20);
   EXPECT_TRUE(one.list().legend.empty());
@@ -99,7 +99,7 @@ TEST(PicturePlot, TheSceneSaysPhasePlaneOrSpace) {
   EXPECT_EQ(space.fov_degrees, 35);
 }
 
-// A camera of the scene's own that is far too near: the frame is in the picture all the same.
+// With a camera of the scene that is far too close, the frame is still in the picture.
 TEST(PicturePlot, TheWholeFrameIsInThePicture) {
   std::string scene = ode(R"("states": {"y": 1}, "equations": {"y": "0"}, "plot": ["t", "y"])");
   scene.insert(scene.rfind('}'), R"(, "viewer": {"camera": {"eye": [0, 0, 2], "target": [0, 0, 0]}})");
@@ -138,7 +138,7 @@ TEST(PicturePlot, ALegendNamesOnlyWhatHasItsColour) {
   EXPECT_TRUE(test::PictureSession(head + rope("rope") + ", " + chain + "]}", 0).list().legend.empty());
 }
 
-// Both limbs are skins with colours of their own; in places of the palette the legend would exchange them.
+// Both limbs are skins with colours of their own; by position in the palette the legend would swap them.
 TEST(PicturePlot, ALegendHasTheColoursThatASceneGives) {
   const std::string limbs(find_gallery_scene("anim_twisted_limb")->text);
   const DrawList list = test::PictureSession(limbs, 0).list();

@@ -1,5 +1,5 @@
-// Strings in pictures: distance joints, springs and attachments are lines between the things that they hold,
-// of copies too, until they break; in both themes they can be seen.
+// Strings in pictures: distance joints, springs and attachments are lines between the objects that they hold,
+// copies included, until they break; they are visible in both themes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +16,8 @@ std::string scene(const std::string& systems, const std::string& couplings = "[]
          systems + R"(, "couplings": )" + couplings + "}";
 }
 
-/// The ends of the lines of the last set of points, where its lines stand alone; none without strings.
+/// The end points of the lines in the last set of points, if that has nothing but lines; empty without
+/// strings.
 std::vector<float> strings(const DrawList& list) {
   for (const DrawPoints& p : list.points) {
     if (p.radius == 0 && p.point_pixels == 0 && !p.lines.empty()) return p.positions;

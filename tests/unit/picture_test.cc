@@ -60,7 +60,8 @@ TEST(Picture, ARedSphereIsRedInTheMiddleAndNowhereElse) {
       const Rgb a = at(red, 200, x, y), b = at(empty, 200, x, y);
       EXPECT_EQ(brightness(a), brightness(b)) << x << " " << y;
     }
-  // The first row is the top one: the key light comes from above, so the sphere's upper half is the brighter.
+  // The first row is the top one: the key light comes from above, so the upper half of the sphere is
+  // brighter.
   EXPECT_GT(at(red, 200, 100, 55).r, at(red, 200, 100, 95).r + 20);
   // Radius 0.5 at distance 4 covers 75 pixels times 0.5 / (4 tan 15 deg), seen at sqrt(1 - (r/d)^2).
   int covered = 0;
@@ -77,7 +78,7 @@ TEST(Picture, AShadowDarkensTheGroundUnderASphereOnly) {
   list.camera = DrawCamera{{0, 8, 0.01}, {0, 0, 0}, {}, 40};
   const Pixels with = renderer.render_rgba(list);
   // The light falls towards (0.5, -1, -0.45), so the shadow's centre is at x = 0.5, z = -0.45: right of and
-  // above the middle. One metre is 100 / (8 tan 20 deg) = 34 pixels; aim between grid lines.
+  // above the middle. One metre is 100 / (8 tan 20 deg) = 34 pixels; the sample is between grid lines.
   const int x = 100 + 20, y = 100 - 19;
   list.points.clear();
   const Pixels without = renderer.render_rgba(list);
@@ -114,7 +115,7 @@ TEST(Picture, SameListSameBytes) {
   Pixels elsewhere;
   std::thread([&] { elsewhere = renderer.render_rgba(list); }).join();
   EXPECT_EQ(first, elsewhere);
-  renderer.render_rgba(test::fountain(50));  // what came between leaves no trace
+  renderer.render_rgba(test::fountain(50));  // the picture in between leaves no trace
   EXPECT_EQ(first, renderer.render_rgba(list));
   EXPECT_NE(first, renderer.render_rgba(test::balls_in_box(61)));  // control
 }
@@ -250,7 +251,7 @@ TEST(Picture, CaptionAndColourBarStayInTheirCorners) {
     return n;
   };
   DrawList list;
-  list.caption = "t = 1.25 s \xc3\xa9\n";  // what the font lacks is no reason to fail
+  list.caption = "t = 1.25 s \xc3\xa9\n";  // a character missing in the font must not cause a failure
   EXPECT_GT(changed(list, 0, 200, 270, 300), 60);
   EXPECT_EQ(changed(list, 0, 400, 0, 260), 0);
   list.caption.clear();

@@ -1,5 +1,5 @@
 // Closest points of a point and a triangle and of two segments against a search over both features, and the
-// first time at which moving ones come near against small steps in time.
+// first time at which moving features come near against small steps in time.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -35,7 +35,7 @@ void check_closest() {
     const FeaturePoints x{1.5 * r.vector(), r.vector(), r.vector(), r.vector()};
     const Proximity at = Kind::closest(x);
     const double least = searched(x, Kind::kFirst == 2);
-    // A grid of 60 is never nearer than the closest points, and not much further: sides of at most 3.5 / 60.
+    // A grid of 60 is never nearer than the closest points, and not much farther: sides of at most 3.5 / 60.
     EXPECT_LE(at.distance, least + 1e-12);
     EXPECT_GE(at.distance, least - 0.06);
     EXPECT_NEAR(at.c[0] + at.c[1] + at.c[2] + at.c[3], 0, 1e-14);
@@ -76,7 +76,7 @@ void check_approach() {
     const auto hit = first_approach<Kind>(x, dx, kTarget, start);
     if (least < 0.8 * kTarget) {
       ASSERT_TRUE(hit) << n;
-      // Before four fifths, never after.
+      // Before four fifths of the target, but never too late.
       EXPECT_LE(hit->at.distance, kTarget);
       EXPECT_GE(hit->at.distance, 0.8 * kTarget - 1e-12);
       ++hits;
@@ -102,7 +102,7 @@ TEST(Proximity, NoSpeedStepsOverAFeature) {
   ASSERT_TRUE(hit);
   EXPECT_NEAR(hit->t, 0.5, 1e-8);
   EXPECT_NEAR(hit->at.normal.y, 1, 1e-9);
-  // What they have in common does not matter.
+  // Common motion does not matter.
   const Vec3 along{0, -1e6, 0};
   EXPECT_FALSE(
       first_approach<PointTriangle>(x, {along, along, along, along}, 1e-3, PointTriangle::closest(x)));

@@ -1,4 +1,4 @@
-// 16-bit values: half a quantum of error at most, nothing outside the box or not finite is taken.
+// 16-bit values: an error of at most half a quantum; values outside the box and non-finite ones are refused.
 #include "engine/sinks/stream/quantise.h"
 
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ TEST(Quantise, ErrorIsHalfAQuantumAtMost) {
           std::vector<uint16_t> q(v.size());
           ASSERT_TRUE(quantise(v.data(), rows, width, box, q.data()));
           EXPECT_LE(worst_error(v, width, box, q, 0), 0.5 + kRounding);
-          // The control: elements rounded down, which decode half a quantum lower, miss the bound.
+          // The control: elements rounded down, which decode half a quantum lower, violate the bound.
           if (rows > 1000) {
             EXPECT_GT(worst_error(v, width, box, q, -0.5), 0.9);
           }

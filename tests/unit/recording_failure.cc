@@ -9,7 +9,7 @@
 namespace truestep::fixture {
 namespace {
 
-// Files may not grow beyond `bytes`: what a full disk looks like to one process.
+// Limits the growth of files to `bytes`: a full disk as seen by one process.
 class FileLimit {
  public:
   explicit FileLimit(rlim_t bytes) {
@@ -45,7 +45,7 @@ TEST_F(RecordingFailure, AFullDiskEndsTheRecordingOnly) {
     append(writer, 100, 1);  // ignored
   }
   EXPECT_GT(durable, 0u);
-  // Under this limit the library cannot even lengthen the file to the end it noted, which a full disk allows.
+  // Under this limit the library cannot even extend the file to its recorded end, which a full disk allows.
   recover_recording(*thread, path("a.vtkhdf"), {});
   EXPECT_GE(good_frames(path("a.vtkhdf")), durable);
   EXPECT_EQ(good_frames(record("b.vtkhdf", 5000, 20)), 20u);  // the thread serves the next one
@@ -86,7 +86,7 @@ TEST(Fletcher32, AgreesWithTheDefinition) {
   std::vector<unsigned char> data;
   uint32_t x = 12345;
   for (size_t size : {0, 1, 2, 3, 31, 32, 33, 64, 1000, 11519, 11520, 11521, 23041, 100000}) {
-    for (unsigned fill : {0u, 255u, 7u}) {  // zeros and ones meet the two ends of the reduction
+    for (unsigned fill : {0u, 255u, 7u}) {  // zeros and ones reach both ends of the reduction
       data.assign(size, static_cast<unsigned char>(fill));
       if (fill == 7) {
         for (unsigned char& c : data) c = static_cast<unsigned char>((x = x * 1664525 + 1013904223) >> 24);

@@ -1,4 +1,4 @@
-// Parts whose rows grow: room for spawned bodies and emitters takes none in the file until it is used.
+// Parts whose rows grow: room for spawned bodies and emitters takes no space in the file until it is used.
 #include <array>
 
 #include "engine/sinks/recording/log/recover.h"
@@ -46,8 +46,7 @@ class RecordingOfGrowingParts : public RecordingTest {
       reader.read(i, got);
       const GrowingFrame want(i, rows[i]);
       ASSERT_EQ(got.systems[0].rows, rows[i]) << "frame " << i;
-      // Places are f64 and ages f32, in which quarters are exact; identities are whole numbers and are left
-      // out.
+      // Positions are f64 and ages f32, in which quarters are exact; ids are whole numbers and are left out.
       EXPECT_EQ(got.systems[0].fields[0], want.data[0]) << "frame " << i;
       EXPECT_EQ(got.systems[0].fields[1], want.data[1]) << "frame " << i;
     }

@@ -1,5 +1,5 @@
-// Damaged metadata: whoever opens such a file for reading is told so, soon. The library's own number of
-// attempts at a torn block of a live file waits twice as long each time and would never end.
+// Damaged metadata: whoever opens such a file for reading gets an error soon. The library's own number of
+// attempts at a torn block of a live file doubles its wait each time and would never end.
 #include <chrono>
 
 #include "engine/sinks/recording/log/recover.h"
@@ -30,15 +30,15 @@ TEST_F(RecordingTest, DamagedMetadataIsRefusedSoon) {
       ++refused;
       EXPECT_FALSE(error.code().empty());
     }
-    // A millisecond for each refused block; the limit tells it from a wait without end.
+    // A millisecond for each refused block; the limit distinguishes it from an endless wait.
     EXPECT_LT(std::chrono::steady_clock::now() - start, patience(5)) << "byte " << at;
   }
   EXPECT_GT(refused, 5u);  // most bytes of a header are under a checksum
 }
 
-// A file is shortened from its end, 61 bytes at a time, so that every place within a page is met: each
-// length is read to its last good frame or refused, and what a repair makes of it (now and then; a repair is
-// a process) holds no more frames than a longer file's.
+// A file is shortened from its end, 61 bytes at a time, so that every offset within a page occurs: each
+// length is read to its last good frame or refused, and a repair of it (now and then; a repair is a process)
+// recovers no more frames than from a longer file.
 TEST_F(RecordingTest, TruncatedAnywhereKeepsAPrefixOrIsRefused) {
   const std::string file = record("cut", 40, 6), copy = path("copy");
   const uint64_t size = fs::file_size(file);

@@ -17,7 +17,7 @@ class RecordingRecovery : public RecordingTest {
     f.seekp(static_cast<std::streamoff>(at));
     f.put(c);
   }
-  // What is in the folder besides the given file: leftovers of a repair.
+  // Files in the folder besides the given one: leftovers of a repair.
   std::vector<std::string> others(const std::string& file) {
     std::vector<std::string> names;
     for (const auto& e : fs::directory_iterator(folder)) {
@@ -59,7 +59,7 @@ TEST_F(RecordingRecovery, ATruncatedFileKeepsItsPrefix) {
     const RecoveryReport report = recover(file);
     if (report.outcome == RecoveryOutcome::kRecovered) {
       EXPECT_EQ(good_frames(file), report.frames_kept) << part;
-      EXPECT_GE(report.frames_kept, most) << part;  // a longer file never keeps less
+      EXPECT_GE(report.frames_kept, most) << part;  // a longer file never retains less
       most = report.frames_kept;
       EXPECT_EQ(fs::exists(file + ".damaged"), report.frames_kept < report.frames_found);
     } else {

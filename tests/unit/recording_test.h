@@ -1,4 +1,4 @@
-// What the tests of the recorder share: a folder that goes away, and recordings of the fixture's frames.
+// Shared by the tests of the recorder: a temporary folder, and recordings of the fixture's frames.
 #pragma once
 #include <gtest/gtest.h>
 
@@ -40,9 +40,9 @@ class RecordingTest : public ::testing::Test {
     return path(name);
   }
 
-  // Whether a file that is left behind has its chunk log beside it.
+  // Whether the chunk log is beside a file left behind.
   enum class Log : uint8_t { lost, kept };
-  // A file as a killed process leaves it: copied while its writer holds it open, everything durable.
+  // A file as a killed process leaves it: copied while its writer holds it open, with everything durable.
   std::string leave(const std::string& name, uint32_t points, uint64_t frames, Log log = Log::lost) {
     RecordingWriter writer(thread, layout(path(name + ".alive"), points));
     append(writer, 0, frames);
@@ -52,7 +52,7 @@ class RecordingTest : public ::testing::Test {
     return path(name);
   }
 
-  // Frames from the first that are right.
+  // Number of leading frames that are right.
   uint64_t good_frames(const std::string& file) {
     RecordingReader reader(thread, file);
     RecordedFrame got;

@@ -1,5 +1,5 @@
-// A kill tears what HDF5 rewrites in place: the blocks of its index of chunks. With the chunk log beside the
-// file every acknowledged frame comes back; the control, the same file without it, loses frames.
+// A kill tears what HDF5 rewrites in place: the blocks of its chunk index. With the chunk log beside the file
+// every acknowledged frame is recovered; the control, the same file without it, loses frames.
 #include "engine/sinks/recording/file/layout_bytes.h"
 #include "engine/sinks/recording/log/recover.h"
 #include "tests/support/patience.h"
@@ -15,7 +15,7 @@ class TornIndex : public RecordingTest {
     std::ifstream in(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
   }
-  // Fills every block that begins with one of `marks` with zeros, up to the page's end; how many there were.
+  // Zeros every block that begins with one of `marks`, up to the end of its page; returns their number.
   static int zero_blocks(const std::string& file, const std::vector<std::string>& marks) {
     constexpr size_t kPage = 4096;
     const std::string all = contents(file);
@@ -23,7 +23,7 @@ class TornIndex : public RecordingTest {
     int count = 0;
     for (const std::string& mark : marks) {
       for (size_t at = all.find(mark); at != all.npos; at = all.find(mark, at + 1)) {
-        if (at % 64 != 0) continue;  // the same letters in somebody's data
+        if (at % 64 != 0) continue;  // the same letters in user data
         f.seekp(static_cast<std::streamoff>(at));
         f << std::string(std::min(kPage - at % kPage, all.size() - at), '\0');
         ++count;
@@ -95,7 +95,7 @@ TEST_F(TornIndex, FlippedBytesNeverPassAsFrames) {
   EXPECT_GT(shortened, 5u);  // most bytes belong to frames, so most flips must have been noticed
 }
 
-// A log that was torn itself names fewer frames than the file's own structures, which are used as before.
+// A torn log names fewer frames than the file's own structures, which are used as before.
 TEST_F(TornIndex, ATornLogIsNoHarm) {
   const std::string whole = leave("whole", 3000, 40, Log::kept);
   const uint64_t size = fs::file_size(chunk_log_path(whole));

@@ -1,4 +1,4 @@
-// Convergence in space: orders that are known come out, at common places, with and without an exact solution.
+// Convergence in space: known orders are found, at common points, with and without an exact solution.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ class Refining : public testing::Test {
   StudyResult run(const std::string& request) {
     return run_study(read_study_request(parse_json(request)), context);
   }
-  /// A decaying mode of a rod, its exact solution told or not.
+  /// A decaying mode of a rod, with or without its exact solution in the scene.
   static std::string rod(const std::string& more, bool told) {
     const std::string exact = told ? R"j("exact":"exp(-pi^2*t)*sin(pi*x)",)j" : "";
     return R"j({"schema_version":"1.0","name":"rod","time":{"dt":0.001,"duration":0.05},"systems":[
@@ -66,15 +66,14 @@ TEST_F(Refining, GalleryScenesHaveTheOrderOfTheirSystem) {
     const json::value& observed = r.summary.at("observed_order");
     return observed.is_double() ? observed.as_double() : NAN;
   };
-  // Measured 4.01 and 2.00. The string's halves are on their way: after a whole crossing every mode has
-  // turned by a multiple of pi, so that errors of the phase enter by their squares, which is order 4.
+  // Measured 4.01 and 2.00. The string's two pulses are still travelling: after a whole crossing every mode
+  // has advanced by a multiple of pi, so that phase errors would enter squared, as order 4.
   EXPECT_NEAR(order(R"("gallery":"heat_plate","horizon":0.005,"halvings":3)"), 4, 0.1);
   EXPECT_NEAR(order(R"("gallery":"wave_string","horizon":0.7,"halvings":5)"), 2, 0.1);
 }
 
-// Particles of other resolutions have other places; errors against an exact solution need none that they
-// share. A block swells in one direction between walls and is known to be there, by a force that is made for
-// it.
+// Particles of different resolutions have different positions; errors against an exact solution need no
+// common ones. A block swells in one direction between walls in a known way, by a manufactured force.
 TEST_F(Refining, ParticlesOfMaterialHaveAnOrderAgainstAnExactSolution) {
   const std::string scene = R"j({"schema_version":"1.0","name":"swell","gravity":[0,0,0],
     "time":{"dt":0.001,"duration":0.25},"systems":[{"type":"mpm","id":"block","low":[0,0,0],"high":[1,0.5,1],
@@ -86,17 +85,17 @@ TEST_F(Refining, ParticlesOfMaterialHaveAnOrderAgainstAnExactSolution) {
   ASSERT_EQ(r.table.rows.size(), 4u) << json::serialize(r.summary);
   EXPECT_EQ(r.summary.at("subject").as_string(), "block.cell");
   EXPECT_EQ(r.summary.at("measured_against").as_string(), "the scene's exact solution");
-  // Second order, as quadratic splines between slip walls that nothing strains promise; steps in time add a
+  // Second order, as quadratic splines between slip walls without strain promise; the time steps add a
   // twentieth to the error of the third level and a fifth to that of the fourth. Measured 1.91 and 2.03.
   for (const size_t row : {1u, 2u})
     EXPECT_NEAR(std::get<double>(r.table.rows[row][5]), 2, 0.15) << json::serialize(r.summary);
 }
 
 TEST_F(Refining, TheLimitOfEverFinerOnesIsTheExactSolution) {
-  // Errors against what the finest resolutions tend to are those against the exact solution.
+  // Errors against the limit of the finest resolutions equal those against the exact solution.
   const auto told = run(convergence(rod(R"("order":"2")", true), R"("refine":"space","budget":20)"));
   const auto found = run(convergence(rod(R"("order":"2")", false), R"("refine":"space","budget":20)"));
-  // Norms over the nodes of four and eight cells are not those over the rod.
+  // Norms over the nodes of four and eight cells differ from those over the rod.
   for (size_t k = 2; k < told.table.rows.size(); ++k) {
     const double a = std::get<double>(told.table.rows[k][4]), b = std::get<double>(found.table.rows[k][4]);
     EXPECT_NEAR(b / a, 1, 0.05) << k;
@@ -104,7 +103,7 @@ TEST_F(Refining, TheLimitOfEverFinerOnesIsTheExactSolution) {
 }
 
 TEST_F(Refining, BothFollowsTheSpacingAsTheMethodNeedsIt) {
-  // Order 1 in time with dt ~ dx^2, order 2 with dt ~ dx, and rk4, whose border falls like dx^2.
+  // Order 1 in time with dt ~ dx^2, order 2 with dt ~ dx, and rk4, whose stability limit falls like dx^2.
   for (const auto& [name, follows, order] :
        {std::tuple{"euler", "dx^2", 2}, {"trapezoid", "dx", 2}, {"rk4", "dx^2", 2}}) {
     const auto r =
@@ -144,7 +143,7 @@ TEST_F(Refining, WorkPrecisionRunsOverResolution) {
   }
 }
 
-// The same object at twice the resolution: mass, stiffness and damping of the whole stay.
+// The same object at twice the resolution: total mass, stiffness and damping are preserved.
 TEST_F(Refining, ARopeStaysTheSameRope) {
   const std::string rope = R"({"schema_version":"1.0","name":"rope","gravity":[0,-10,0],
     "time":{"dt":0.01,"duration":0.2},"systems":[{"type":"mass_spring","id":"r","density":0.5,"stiffness":4000,
@@ -162,16 +161,16 @@ TEST_F(Refining, ARopeStaysTheSameRope) {
   EXPECT_EQ(at(coarse, "internal_damping") / 2, at(fine, "internal_damping") / 16);
   const auto r = run(convergence(rope, R"("refine":"space","budget":20)"));
   ASSERT_GE(r.table.rows.size(), 4u);
-  // It hangs lower by rho g L^2 / (2 E A) at any resolution: errors fall.
+  // It sags by rho g L^2 / (2 E A) at any resolution: errors fall.
   EXPECT_LT(std::get<double>(r.table.rows[3][4]), 0.5 * std::get<double>(r.table.rows[1][4]));
-  // Points of a given mass are more rope when there are more of them.
+  // Points of a given mass: more of them are a heavier rope.
   std::string heavier = rope;
   heavier.replace(heavier.find("\"density\":0.5"), 13, "\"mass\":0.01");
   EXPECT_THAT(refused(convergence(heavier, R"("refine":"space")")).what(), testing::HasSubstr("density"));
 }
 
-// A square that slides along two of its sides and is pulled evenly but for a smooth bump: no corner takes
-// from the second order that places have on smooth solutions.
+// A square that slides along two of its sides under an even load except for a smooth bump: no corner reduces
+// the second order that positions have for smooth solutions.
 TEST_F(Refining, ElementsHaveTheirOrder) {
   const auto r = run(convergence(
       R"j({"schema_version":"1.0","name":"square","gravity":[0,0,0],"time":{"dt":1,"duration":1},"systems":[
@@ -192,8 +191,8 @@ TEST_F(Refining, BodiesOfGivenCellsAreNotDivided) {
   EXPECT_EQ(e.issues()[0].pointer, "/refine");
 }
 
-// A cloth whose springs resist bending by their number cannot be divided: said before its first resolution is
-// integrated, which takes minutes for the gallery's.
+// A cloth whose bending springs are defined by their number cannot be refined: this is reported before its
+// first resolution is integrated, which takes minutes for the gallery's.
 TEST_F(Refining, WhatCannotBeDividedIsRefusedBeforeAnythingRuns) {
   int begun = 0;
   context.progress = [&](double, const std::string&) { ++begun; };
@@ -206,9 +205,9 @@ TEST_F(Refining, WhatCannotBeDividedIsRefusedBeforeAnythingRuns) {
   EXPECT_EQ(begun, 0);
 }
 
-// A bore lies across one or two cells: the mean error falls as they do, first order at every halving. In the
-// mean square, where a front's place within its cell counts most, the two runs in time differ by more than
-// that, and no order was found. The bounds leave room for where the bore stands in its cell.
+// A bore is one or two cells wide: the mean error falls with the cells, first order at every halving. In the
+// mean square, where the position of a front within its cell matters most, the two runs in time differ by
+// more than that, and no order was found. The bounds leave room for the position of the bore in its cell.
 TEST_F(Refining, AFrontHasFirstOrderInTheMean) {
   const auto r = run(R"({"kind":"convergence","refine":"space","gallery":"stoker_dam_break","budget":30})");
   const auto column = [&](const std::string& name) {

@@ -1,6 +1,5 @@
-// Commands that act at a point of a body of the plane: an impulse off the centre turns it, a drag keeps hold
-// of the point that it took. And what a body is drawn as: alike ones share a mesh, joined ones stand in
-// layers.
+// Commands that act at a point of a body in the plane: an off-centre impulse turns it, a drag keeps hold of
+// its point. And how bodies are drawn: equal ones share a mesh, joined ones are in layers.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -60,7 +59,7 @@ TEST(Rigid2dHold, AnImpulseOffTheCentreTurns) {
 TEST(Rigid2dHold, ADragHoldsThePointThatItTook) {
   Rigid2dDef def;
   def.bodies = {square({0, 0, 0})};
-  def.bodies[0].angular_damping = 3;  // or it would turn about the hand for ever
+  def.bodies[0].angular_damping = 3;  // otherwise it would swing about the drag forever
   Trial run(def);
   Command drag;
   drag.kind = CommandKind::drag, drag.index = 0, drag.vector = {0.5, 2, 0}, drag.at = Vec3{0.5, 0, 0};
@@ -69,7 +68,7 @@ TEST(Rigid2dHold, ADragHoldsThePointThatItTook) {
   drag.at.reset();  // goes on, at the same point
   run.system.apply(run.state, drag);
   run.run(600);
-  // What hangs on the spring's end is the middle of the right edge, not the centre.
+  // The point at the spring's end is the middle of the right edge, not the centre.
   const Pose pose = pose_of(run.state, 0);
   EXPECT_NEAR((pose * Vec2{0.5, 0}).x, 0.5, 0.01);
   EXPECT_NEAR((pose * Vec2{0.5, 0}).y, 2, 0.01);

@@ -1,4 +1,4 @@
-// What is wrong with a joint is said with its pointer; commands to motors; coordinates of joints.
+// Errors in joints with their pointers; commands to motors; coordinates of joints.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -89,7 +89,7 @@ TEST(Rigid3dJointScene, EveryFaultHasItsPointer) {
     EXPECT_EQ(found[0].pointer, std::string("/systems/0/joints") + c.pointer) << c.joint << found[0].message;
     EXPECT_FALSE(found[0].message.empty());
   }
-  // The control: what is right is taken.
+  // The control: a valid joint is accepted.
   EXPECT_TRUE(faults(R"([{"type": "hinge", "a": 0, "b": 1, "lower": -1, "upper": 1, "hertz": 1},
     {"type": "hinge", "a": -1, "b": 1}, {"type": "gear", "first": 0, "second": 1, "ratio": 2},
     {"type": "ball", "a": -1, "b": 2}])")
@@ -132,7 +132,7 @@ TEST(Rigid3dJointCommands, MotorsTakeTheirTargetsAndOthersRefuse) {
 }
 
 TEST(Rigid3dJointPlace, RatesOfCoordinatesAreTheirAxes) {
-  // d coordinate / dt = turn axis . (w_b - w_a), by differences, for every way of measuring turns.
+  // d coordinate / dt = turn axis . (w_b - w_a), by differences, for every definition of the rotation.
   Joint j;
   j.anchor_a = {0.1, 0.2, 0.3}, j.anchor_b = {-0.2, 0.1, 0};
   const Quat qa = normalized(Quat{0.9, 0.2, -0.3, 0.1}), qb = normalized(Quat{0.8, -0.1, 0.25, 0.4});
@@ -167,7 +167,7 @@ TEST(SoftConstraint, TheOscillatorsStepIsStableAndDampsByItsRate) {
   }
 }
 
-/// x(1) of x'' = -w^2 x from (1, 2) in steps of h, with half a pull at both ends or without.
+/// x(1) of x'' = -w^2 x from (1, 2) in steps of h, with half a kick at both ends or without.
 TEST(SoftConstraint, TheOscillatorsStepIsOfSecondOrderBetweenHalfPulls) {
   const double w = 9;
   const auto error = [&](double h, double halves) {
@@ -185,7 +185,8 @@ TEST(SoftConstraint, TheOscillatorsStepIsOfSecondOrderBetweenHalfPulls) {
   EXPECT_EQ(oscillator_step(1e6, 0, 1.0 / 300).half, 0);
 }
 
-/// A spring by hertz has the stiffness that gives its bodies that frequency as they stand at t = 0.
+/// A spring given by hertz has the stiffness that gives its bodies that frequency in their configuration at t
+/// = 0.
 TEST(RigidJoints, ASpringByHertzHasOneStiffness) {
   Rigid3dDef d;
   SphereBodyDef ball;

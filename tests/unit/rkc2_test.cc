@@ -1,4 +1,4 @@
-// rkc2: what its number of stages follows, with a spectral radius that is given or found.
+// rkc2: the determination of its number of stages, with a spectral radius that is given or estimated.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -73,12 +73,12 @@ TEST(Rkc2, EvaluationsGrowWithTheRootOfTheStiffness) {
     const auto [error, work] = run(Rod(n, Rod::Radius::given), 0.1, 1e-5);
     std::printf("%zu cells: %lu steps, %lu evaluations, error %.1e\n", n, work.steps, work.rates, error);
     EXPECT_LT(error, 1e-4);
-    // The steps are those that the wave's own decay asks for; stages double where the stiffness quadruples.
+    // The steps are those that the wave's own decay requires; stages double where the stiffness quadruples.
     if (before > 0) {
       EXPECT_NEAR(double(work.rates) / before, 2, 0.4);
     }
     before = double(work.rates);
-    // An explicit method of order 5 is held to 3.3 / stiffness with 6 evaluations a step.
+    // An explicit method of order 5 is limited to 3.3 / stiffness with 6 evaluations per step.
     EXPECT_LT(double(work.rates), 0.1 * 6 * 0.1 * 4 * double(n) * double(n) / 3.3 + 400);
   }
 }
@@ -87,10 +87,10 @@ TEST(Rkc2, FindsTheSpectralRadiusThatIsNotGiven) {
   const Outcome given = run(Rod(200, Rod::Radius::given), 0.1, 1e-5);
   const Outcome found = run(Rod(200, Rod::Radius::found), 0.1, 1e-5);
   EXPECT_LT(found.error, 2 * given.error + 1e-5);
-  // A fifth more radius, a tenth more stages, and the iterations; none of it is trial and error.
+  // A fifth more radius, a tenth more stages, and the iterations; nothing is trial and error.
   EXPECT_LT(double(found.work.rates), 1.6 * double(given.work.rates));
   EXPECT_LE(found.work.rejected, given.work.rejected + 2);
-  // Control: a radius that is too small is found out by the error estimate, which takes many more steps.
+  // Control: a radius that is too small is detected by the error estimate, which takes many more steps.
   const Outcome wrong = run(Rod(200, Rod::Radius::wrong), 0.1, 1e-5);
   EXPECT_GT(wrong.work.steps + wrong.work.rejected, 5 * given.work.steps);
 }

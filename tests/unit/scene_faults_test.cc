@@ -1,5 +1,5 @@
-// Every fault of a scene is said at once, with its pointer, what is allowed and the nearest name: fields,
-// rows and ids of probes, observables, expectations, recordings; and an unknown key hides none of them.
+// All errors of a scene are reported at once, with pointer, allowed values and nearest name: fields, rows and
+// ids of probes, observables, expectations, recordings; and an unknown key hides none of them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -89,7 +89,7 @@ TEST(SceneFaults, RecordingsNameFieldsThatThereAre) {
   const auto found = faults(rope(R"("recording": {"fields": ["position", "speeed"]})"));
   ASSERT_EQ(found.size(), 1u);
   EXPECT_TRUE(found.contains("/recording/fields/1"));
-  // Fields of other lengths are of other parts, which are recorded beside each other.
+  // Fields of other lengths belong to other parts, which are recorded separately.
   EXPECT_TRUE(faults(R"({"systems": [{"type": "pendulum", "id": "p"}],
     "recording": {"fields": ["position", "angle"]}})")
                   .empty());
@@ -103,7 +103,7 @@ TEST(SceneFaults, AnUnknownKeyHidesNoOtherFault) {
   EXPECT_TRUE(found.contains("/gravty"));
   EXPECT_TRUE(found.contains("/systems/0/stifness"));
   EXPECT_TRUE(found.contains("/systems/0/pins/0"));
-  // The rope's own fault keeps it from being built: nothing is said of its fields.
+  // The rope's own error keeps it from being built: nothing is reported about its fields.
   EXPECT_FALSE(found.contains("/probes/0/fields/0"));
   EXPECT_TRUE(found.contains("/observables/0"));
   const auto built =
@@ -134,7 +134,7 @@ TEST(SceneFaults, EmittersFillRowsThatProbesMayName) {
   };
   EXPECT_TRUE(with("49").empty());
   EXPECT_EQ(with("50").size(), 1u);
-  // Bodies that only a command could bring are not there.
+  // Bodies that only a command could create do not exist yet.
   const auto ball = faults(R"({"systems": [{"type": "rigid3d", "id": "r", "bodies": [{"type": "sphere"}]}],
     "probes": [{"id": "a", "system": "r", "index": 1}]})");
   EXPECT_EQ(ball.size(), 1u);

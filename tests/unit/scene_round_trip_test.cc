@@ -1,5 +1,5 @@
-// What a session answers as its scene is a scene: it can be posted again and gives the same echo and the
-// same bits.
+// The scene that a session returns is valid: it can be posted again and gives the same echo and the same
+// bits.
 #include <gtest/gtest.h>
 
 #include "engine/base/errors.h"
@@ -18,7 +18,7 @@ std::string faults(const std::vector<Issue>& issues) {
   return all;
 }
 
-// Of the state after some steps; a scene that is there to fail ends at its last good one.
+// Hash of the state after some steps; a scene that is meant to fail ends at its last good one.
 uint64_t hash_after(Scene scene, uint64_t steps) {
   static const auto arena = std::make_shared<const ThreadArena>(1);
   Session session(std::make_shared<const World>(std::move(scene)), arena);

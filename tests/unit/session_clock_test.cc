@@ -1,4 +1,4 @@
-// The accumulator: wall time in, whole steps out, nothing drifts and nobody falls behind without limit.
+// The accumulator: wall time in, whole steps out, without drift and without unlimited backlog.
 #include <gtest/gtest.h>
 
 #include <cmath>

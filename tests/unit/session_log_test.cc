@@ -173,13 +173,13 @@ class KeptSession : public SessionLog {
     return keeper;
   }
   SavedSession saved() {
-    // What was handed to the thread that writes is written.
+    // Everything handed to the writing thread has been written.
     std::promise<void> done;
     writer.post([&] { done.set_value(); });
     done.get_future().wait();
     return read_saved_session(SessionFolder(folder / kId), std::nullopt);
   }
-  // The hash that what is on disk leads to.
+  // The hash of the state restored from disk.
   uint64_t restored_hash() {
     const SavedSession s = saved();
     Session other(world(), std::make_shared<const ThreadArena>(1));

@@ -1,4 +1,5 @@
-// What a session keeps of its observables: from the start, within a bound, and at a small share of the time.
+// The observables that a session retains: from the start, within a bound, and at a small fraction of the
+// time.
 #include <gtest/gtest.h>
 
 #include "engine/session/session.h"
@@ -71,7 +72,7 @@ TEST(SessionPace, SpeedIsWhatIsLeftAfterSkipping) {
   EXPECT_FALSE(s.achieved_speed());
   for (int k = 0; k < 100; ++k) s.advance(0.01);
   EXPECT_NEAR(s.achieved_speed().value(), 1, 1e-9);
-  // 8 steps (0.08 s) of every 0.4 s: the bound on catching up, within the step that may be owed.
+  // 8 steps (0.08 s) of every 0.4 s: the bound on catching up, plus or minus a pending step.
   for (int k = 0; k < 10; ++k) s.advance(0.4);
   EXPECT_NEAR(s.achieved_speed().value(), 0.2, 0.02);
   s.pause();

@@ -1,4 +1,4 @@
-// A run whose result is not to be trusted says so once, with the dt that would do; and that dt does.
+// A run whose result is not trustworthy warns once, with a dt that would be; and that dt works.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ TEST(SessionWarnings, SaysOnceWhatIsWrongAndTheSuggestedStepDoes) {
   EXPECT_GT(w.warning.value, w.warning.limit);
   ASSERT_GT(w.warning.suggested_dt, 0);
   EXPECT_THAT(listener->told, testing::ElementsAre(testing::HasSubstr("system \"f\": the flow crosses ")));
-  // The eddies decay: a step that held their first speed holds them all along.
+  // The eddies decay: a step that was short enough for their first speed remains so.
   Session shorter = whirls(w.warning.suggested_dt);
   shorter.step(16);
   EXPECT_TRUE(shorter.warnings().empty());

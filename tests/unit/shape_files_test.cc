@@ -1,5 +1,5 @@
-// Base and targets of blended shapes out of OBJ, PLY and glTF files: the same surface as by lists, and what
-// does not fit is said with its pointer.
+// Base and targets of blend shapes from OBJ, PLY and glTF files: the same surface as from lists, and errors
+// with their pointer.
 #include <boost/json.hpp>
 
 #include "engine/base/errors.h"

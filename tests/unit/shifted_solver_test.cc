@@ -1,5 +1,5 @@
 // Solvers of (shift I - step div(c grad)) x = b on lattices: against dense solves of the operator's own
-// matrix, and what a multigrid cycle contracts by.
+// matrix, and the contraction of a multigrid cycle.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -120,7 +120,7 @@ void expect_complex(const Diffusion& d, Solver& solver, double tolerance) {
     worst = std::max({worst, std::abs(re[i] - xr[i]), std::abs(im[i] - xi[i])});
   }
   EXPECT_LT(worst, tolerance);
-  // A real matrix and a complex one stand side by side, whichever came last.
+  // A real and a complex matrix exist at the same time, whichever came last.
   auto both = apply(d, 1, 0.3, xr);
   ASSERT_TRUE(solver.factor(1, 0.3));
   ASSERT_TRUE(solver.factor(Complex(1), Complex(a, b)));
@@ -167,8 +167,8 @@ TEST(MultigridSolver, SolvesWhatTheOperatorSays) {
   }
 }
 
-// Mean factor per cycle of the residual's norm over the last five of ten cycles, b = 0 and x noise: Poisson's
-// equation itself, the hardest shift there is.
+// Mean factor per cycle of the residual's norm over the last five of ten cycles, with b = 0 and x noise:
+// Poisson's equation itself, the hardest shift.
 double contraction(const Lattice& l, const std::function<Diffusion(const Lattice&)>& discretise) {
   Multigrid<double> m(l, discretise);
   EXPECT_TRUE(m.factor(0, 1));
@@ -201,10 +201,10 @@ TEST(Multigrid, ACycleContractsByAFifth) {
     std::printf("cells %zu%s%s: %.3f a cycle\n", c.cells[0],
                 c.cells.size() > 1 ? (" x " + std::to_string(c.cells[1])).c_str() : "",
                 c.cells.size() > 2 ? (" x " + std::to_string(c.cells[2])).c_str() : "", factor);
-    // Three axes that are halved with a remainder interpolate a little worse.
+    // Three axes that are halved with a remainder interpolate slightly worse.
     EXPECT_LE(factor, c.cells.back() == 31 ? 0.25 : 0.2) << c.cells[0];
   }
-  // Control: a coarse equation with a coefficient of its own that is wrong by a factor of two.
+  // Control: a coarse equation whose coefficient is wrong by a factor of two.
   const Lattice l = box({64, 64}, {{D, D}, {D, D}});
   const double wrong = contraction(l, [&](const Lattice& on) {
     Diffusion d = varying(on);

@@ -1,4 +1,4 @@
-// The rule of rest, and pads that stop learning.
+// The rule of rest, and penetration offsets that stop adapting.
 #include "engine/rigid/sleeping.h"
 
 #include <gtest/gtest.h>
@@ -14,12 +14,12 @@ TEST(Sleeping, RestNeedsToBeSlowAndToStay) {
   EXPECT_DOUBLE_EQ(rest_after(0.2, 0.01, 0.07, 0.004, rule), 0.21);
   EXPECT_EQ(rest_after(0.2, 0.01, 0.09, 0.004, rule), 0);
   EXPECT_EQ(rest_after(0.2, 0.01, 0.07, 0.006, rule), 0);
-  // Where rest begins, nothing has moved yet.
+  // At the start of rest nothing has moved yet.
   EXPECT_DOUBLE_EQ(rest_after(0, 0.01, 0.07, 1, rule), 0.01);
 }
 
 TEST(Sleeping, WhatAConstantForcePushesDoesNotRest) {
-  // An acceleration that reaches sleep_speed only after sleep_time: slow all the while, but not in one place.
+  // An acceleration that reaches sleep_speed only after sleep_time: slow all the time, but not in one place.
   const SleepRule rule{0.05, 0.5};
   const double h = 1.0 / 240, a = 0.09;
   double rest = 0, place = 0, longest = 0, x = 0, v = 0;
@@ -40,10 +40,10 @@ TEST(ContactPad, LearnsItsLoadAndThenRests) {
   for (int i = 0; i < 3000; ++i) pad = next_penetration_offset(pad, gives - pad, load, padding);
   EXPECT_GT(pad, 0.5 * gives);
   EXPECT_LT(pad, gives);
-  // Small depths leave it, larger ones do not.
+  // Small depths leave the offset unchanged, larger ones do not.
   EXPECT_EQ(next_penetration_offset(pad, 0.3 * pad, load, padding), pad);
   EXPECT_GT(next_penetration_offset(pad, 0.9 * pad, load, padding), pad);
-  // What a load that has gone would leave would lift what is still there.
+  // The offset left by a load that is gone would lift what remains.
   EXPECT_LE(next_penetration_offset(pad, -pad, load / 100, padding), padding.per_load * load / 100);
 }
 

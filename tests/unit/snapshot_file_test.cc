@@ -1,5 +1,5 @@
-// Files that other processes read: a state that is damaged or that no run leads to is refused or can be
-// stepped; a bundle says from where hashes differ; a journal beyond its bound shortens the past and nothing
+// Files read by other processes: a state that is damaged, or that no run reaches, is refused or can be
+// stepped; a bundle tells from where hashes differ; a journal beyond its bound shortens the past and nothing
 // else.
 #include "engine/session/snapshot.h"
 
@@ -74,7 +74,7 @@ TEST(SnapshotFile, HostileStatesAreRefusedOrCanBeStepped) {
   }
 }
 
-// Both solvers keep in the state into how many small steps they divided the last step.
+// Both solvers keep in the state the number of substeps into which they divided the last step.
 TEST(SnapshotFile, NoStateAsksForMoreSmallStepsThanTheSolverWouldTake) {
   const auto plane = std::make_shared<const World>(parse_scene(R"({"systems": [{"type": "rigid2d", "bodies": [
     {"motion": "fixed", "shapes": [{"type": "box", "half_extents": [5, 0.1, 0]}]}, {"position": [0, 0.5, 0], "shapes": [{"type": "box"}]}]}]})"));
@@ -122,7 +122,8 @@ TEST(SnapshotFile, RowsThatDoNotBelongTogetherAreRefused) {
   EXPECT_THROW(world->require_state(state), Error);
 }
 
-// How many snapshots a session keeps, and a bundle has as checkpoints, depends on how fast the machine is.
+// The number of snapshots that a session keeps, and of a bundle's checkpoints, depends on the speed of the
+// machine.
 Bundle bundle_with_two_checkpoints(Session& session) {
   session.step(32);
   const Checkpoint before{32, session.hash()};
@@ -188,7 +189,7 @@ TEST(JournalBound, ShortensThePastAndNothingElse) {
   EXPECT_EQ(free.first_step(), 0u);
   const uint64_t first = bounded.first_step();
   ASSERT_GT(first, 0u);
-  // However fast the machine is: every eighth of the bound has a snapshot, and half of the journal stays.
+  // However fast the machine is: every eighth of the bound has a snapshot, and half of the journal remains.
   EXPECT_LE(first, 2000u - kMost / 2);
   EXPECT_THROW(bounded.seek(first - 1), Error);
   for (const uint64_t step : {first, first + 7, uint64_t{1999}}) {

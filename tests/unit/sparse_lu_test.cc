@@ -1,5 +1,5 @@
-// Both libraries solve what dense elimination solves, say when a matrix is singular and forget every matrix
-// but the last; CVODE's BDF runs on them.
+// Both libraries agree with dense elimination, report singular matrices and forget every matrix but the last;
+// CVODE's BDF runs on them.
 #include "engine/integrators/linear/sparse_lu.h"
 #include "engine/integrators/table/integrators.h"
 
@@ -183,7 +183,7 @@ TEST(SparseLu, CvodeRunsOnOurFactors) {
     return y;
   };
   const auto cvode = run("cvode_bdf"), radau = run("radau5");
-  // CVODE keeps within some hundred tolerances.
+  // CVODE stays within some hundred tolerances.
   for (size_t i = 0; i < f.size(); ++i) EXPECT_NEAR(cvode[i], radau[i], 1e-6);
   EXPECT_GT(radau[0], 0.05) << "control: something has happened";
 }

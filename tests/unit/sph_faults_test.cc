@@ -1,4 +1,5 @@
-// What a scene may not say about a liquid, and where it is told so; what particles take from outside.
+// What a scene must not contain about a liquid, where the error is reported, and the effects of commands on
+// particles.
 #include "engine/base/errors.h"
 #include "tests/unit/sph_rig.h"
 
@@ -75,12 +76,12 @@ TEST(SphScene, ExpectsAsManyParticlesAsThereAre) {
     EXPECT_EQ(expected_particles(d), static_cast<double>(places_of(d, d.bodies[0]).size()));
     d.bodies[0].shape = Shape::ball, d.bodies[0].radius = 0.3;
     const auto n = static_cast<double>(places_of(d, d.bodies[0]).size());
-    // A ball's lattice has the ball's volume but for its surface.
+    // The lattice of a ball has the ball's volume except near its surface.
     EXPECT_NEAR(expected_particles(d), n, 0.05 * n);
   }
 }
 
-// Faster than the substeps that are allowed: refused with the step that would do, and that step does.
+// Faster than the allowed number of substeps: refused with a step that works, and that step works.
 TEST(SphLimits, RefuseAStepThatIsTooLongAndSayWhichIsNot) {
   SphDef d = piece();
   d.solver = Method::wcsph, d.max_substeps = 20;

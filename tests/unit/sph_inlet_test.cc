@@ -1,4 +1,4 @@
-// Particles that come by nozzles and go by kill regions.
+// Particles added by nozzles and removed in kill regions.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,13 +19,13 @@ SphDef jet(Method solver, int dimension) {
   return d;
 }
 
-// As much comes as the nozzle's lattice, speed and time say, at the nozzle's speed.
+// As many as the nozzle's lattice, speed and time give, at the nozzle's speed.
 TEST(SphInlet, PoursWhatItsSpeedAndTimeSay) {
   for (const int dimension : {2, 3}) {
     for (const Method solver : {Method::dfsph, Method::wcsph, Method::pbf}) {
       SphRun run(jet(solver, dimension), 1.0 / 60);
       run.seconds(0.1);
-      // 0.1 s at 2 m/s: layers at 0, 0.025, 0.05, 0.075 s, and at 0.1 s with luck.
+      // 0.1 s at 2 m/s: layers at 0, 0.025, 0.05, 0.075 s, and at 0.1 s depending on rounding.
       const size_t layer = run.system.setting().inlets[0].places.size();
       EXPECT_EQ(layer, dimension == 2 ? 6u : 32u);
       EXPECT_EQ(run.observe("count"), 4.0 * static_cast<double>(layer));
@@ -49,7 +49,7 @@ TEST(SphInlet, AJetKeepsItsSpeed) {
   EXPECT_NEAR(most, 2, 0.02);
 }
 
-// A basin fills by the rate of the nozzle above it, until there are as many particles as there may be.
+// A basin fills at the rate of the nozzle above it, until the largest number of particles is reached.
 TEST(SphInlet, FillsABasinAtItsRate) {
   SphDef d;
   d.dimension = 2, d.spacing = 0.025, d.high = {1, 1, 1};
@@ -88,7 +88,7 @@ TEST(SphInlet, WhatIsInAKillRegionGoes) {
   }
 }
 
-// A nozzle under water pushes out what is in it and doubles nothing, whatever presses on it: it is a pump.
+// A nozzle under water pushes out its contents and doubles nothing, whatever presses on it: it is a pump.
 TEST(SphInlet, PumpsUnderWater) {
   SphDef d;
   d.dimension = 2, d.spacing = 0.025, d.high = {1, 1, 1};
@@ -105,7 +105,7 @@ TEST(SphInlet, PumpsUnderWater) {
   }
 }
 
-// The same bits by any number of threads and from a snapshot, while particles come and go.
+// The same bits for any number of threads and from a snapshot, while particles come and go.
 TEST(SphInlet, ComesAndGoesWithTheSameBits) {
   SphDef d = jet(Method::dfsph, 3);
   d.kill_boxes = {{.center = {0.5, 0.5, 0.5}, .half_extents = {0.4, 0.4, 0.4}}};

@@ -1,4 +1,4 @@
-// Smoothing kernels and what walls add to the sums over them.
+// Smoothing kernels and the contributions of walls to the sums over them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -41,14 +41,14 @@ TEST(SphKernels, SlopesAreDerivatives) {
   }
 }
 
-// Layers half a spacing, three halves, ... behind a wall go on as the layers before it: rows of particles at
-// a half, three halves, ... from the wall then see as much as in the midst of the fluid.
+// Layers half a spacing, three halves, ... behind a wall continue those before it: rows of particles at a
+// half, three halves, ... from the wall then have the same sums as in the bulk of the fluid.
 TEST(SphWalls, CompleteTheFluid) {
   for (const Smoothing kind : kAll) {
     for (const int dimension : {2, 3}) {
       HalfSpace wall;
       wall.set(kind, dimension, 2.5, 1);
-      // In the midst half of all that is not in one's own layer lies below the layer.
+      // In the bulk, half of everything outside a particle's own layer lies below that layer.
       const double own = 1 - 2 * wall.at(0.5).share;
       EXPECT_GT(own, 0.2);
       EXPECT_LT(own, 0.8);
@@ -63,9 +63,9 @@ TEST(SphWalls, CompleteTheFluid) {
   }
 }
 
-// Akinci, Akinci & Teschner 2013: the work that parts a pair is what the force gives up on its way, and the
-// bonds of a lattice much finer than the kernel have the tension of a continuum (Fowler 1937): in space pi /
-// 2 n^2 times the integral of r^3 and the work, in the plane n^2 times that of r^2.
+// Akinci, Akinci & Teschner 2013: the work that separates a pair is the integral of the force along the way,
+// and the bonds of a lattice much finer than the kernel have the tension of a continuum (Fowler 1937): in
+// space pi / 2 n^2 times the integral of r^3 and the work, in the plane n^2 times that of r^2.
 TEST(SphCohesion, IsStrongAsTheTensionSays) {
   for (double q = 0.02; q < 1; q += 0.07) {
     const double slope = (cohesion_work(q - 1e-4) - cohesion_work(q + 1e-4)) / 2e-4;

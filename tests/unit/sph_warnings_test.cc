@@ -1,4 +1,4 @@
-// Liquids whose density is off say so, and what they say would do does.
+// Liquids with a wrong density warn, and the suggested remedy works.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// A tree that is given other boxes finds what overlaps them, as one that is built from them does.
+// A tree that is updated with other boxes finds the same overlaps as one built from them.
 #include <gtest/gtest.h>
 
 #include <set>

@@ -1,5 +1,5 @@
-// The cost of an implicit step by the pattern of its matrix: the fill is that of a factorisation by Eigen,
-// and a large net is seen to cost what its factors cost.
+// The cost of an implicit step from the pattern of its matrix: the fill is that of a factorization by Eigen,
+// and the predicted cost of a large net is that of its factors.
 #include "engine/integrators/control/step_work.h"
 #include "engine/integrators/table/integrators.h"
 
@@ -80,7 +80,7 @@ TEST(StepWork, ALargeNetCostsWhatItsFactorsCost) {
   };
   const StepWork a = work(small), b = work(large);
   EXPECT_DOUBLE_EQ(b.rate / a.rate, (large.operations() + 3600) / (small.operations() + 100));
-  // Of 36 times the unknowns a factorisation takes 36^(3/2) = 216 times as long at the least, in whatever
+  // With 36 times the unknowns a factorization takes at least 36^(3/2) = 216 times as long, in whatever
   // order.
   EXPECT_GT(b.factorisation, 100 * a.factorisation);
   EXPECT_GT(b.operations(), b.factorisation);

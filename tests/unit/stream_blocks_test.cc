@@ -1,5 +1,5 @@
-// Blocks as bytes: rotations within their stated angle, values that an encoding cannot carry, and bytes that
-// web/test/decode.test.mjs reads too (stream_bytes.txt there).
+// Blocks as bytes: rotations within their stated angle, values that an encoding cannot represent, and bytes
+// that web/test/decode.test.mjs reads too (stream_bytes.txt there).
 #include <gtest/gtest.h>
 
 #include <array>
@@ -45,7 +45,7 @@ double worst_angle(const std::vector<float>& q, const std::vector<double>& decod
   return worst;
 }
 
-// Ids of particles are 64 bits wide: as U32 every second one would be the upper half of the one before.
+// Ids of particles are 64 bits wide: as U32, every second one would be the upper half of the one before.
 TEST(Blocks, IntegersComeAsTheyAre) {
   const auto world = std::make_shared<const World>(parse_scene(
       R"({"systems": [{"type": "particles", "id": "p", "positions": [[0, 0, 0], [1, 0, 0], [2, 0, 0]]}]})"));
@@ -133,7 +133,7 @@ std::string hex(const std::string& bytes) {
   return out;
 }
 
-// The other side of web/test/decode.test.mjs's test of the same name.
+// The counterpart of the test of the same name in web/test/decode.test.mjs.
 TEST(StreamBlocks, BytesThatTheBrowserReads) {
   DeltaCoder coder({stream_field(0, 3, WireEncoding::q16_delta), stream_field(1, 4, WireEncoding::quat32)});
   const std::vector<float> q = {0.5f, -0.5f, 0.1f, 0.7f};

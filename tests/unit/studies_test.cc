@@ -1,4 +1,4 @@
-// Studies: numbers that are known beforehand come out, and what cannot be known is not claimed.
+// Studies: known numbers are found, and what cannot be known is not claimed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -101,7 +101,7 @@ TEST_F(Study, ConvergenceFindsTheOrderOfEachMethod) {
 }
 
 TEST_F(Study, ConvergenceOfAdaptiveMethodsIsByToleranceAndSaysTheirOwnSteps) {
-  // Systems of equations count what their methods do.
+  // Systems of equations report the work of their methods.
   const char* swing = R"({"schema_version":"1.0","name":"swing","time":{"dt":0.5,"duration":2},
     "systems":[{"type":"ode","id":"o","states":{"x":1,"v":0},"equations":{"x":"v","v":"-100*x"},
                 "integrator":"dopri5"}]})";
@@ -109,9 +109,9 @@ TEST_F(Study, ConvergenceOfAdaptiveMethodsIsByToleranceAndSaysTheirOwnSteps) {
   ASSERT_GE(r.table.rows.size(), 4u);
   EXPECT_EQ(r.table.columns[0].name, "tolerance");
   EXPECT_EQ(r.plot.x_label, "tolerance");
-  EXPECT_EQ(r.plot.series.size(), 1u);  // no line of an order that nothing promises
+  EXPECT_EQ(r.plot.series.size(), 1u);  // no reference line of an order that was not promised
   const auto value = [&](size_t row, size_t column) { return std::get<double>(r.table.rows[row][column]); };
-  // From one tolerance to one a thousand times smaller a method of order 5 takes 1000^(1/5) = 4 times the
+  // Between two tolerances a factor of a thousand apart, a method of order 5 needs 1000^(1/5) = 4 times the
   // steps.
   EXPECT_NEAR(value(3, 0) / value(0, 0), 1e-3, 1e-9);
   EXPECT_GT(value(3, 1), 2 * value(0, 1));
@@ -149,7 +149,7 @@ TEST_F(Study, ErrorsOfTheReferenceAreThoseOfTheClosedForm) {
   EXPECT_EQ(m.points[0].status, "ok");
 }
 
-// A cloth of 400 points for a minute: far more than a budget of 2 s reaches.
+// A cloth of 400 points for a minute: far beyond a budget of 2 s.
 constexpr const char* kCloth = R"({"schema_version":"1.0","name":"cloth","time":{"dt":0.005,"duration":60},
   "systems":[{"type":"mass_spring","id":"c","mass":0.001,"stiffness":50,"damping":0.0001,
               "pinned":["corner_00","corner_10"],"cloth_grid":{"nx":20,"ny":20}}]})";
@@ -164,7 +164,7 @@ TEST_F(Study, AStudyCoversWhatItsBudgetReachesAndSaysSo) {
   EXPECT_THAT(std::string(shortened.summary.at("note").as_string()),
               testing::HasSubstr("of the scene's 60 s"));
   EXPECT_FALSE(shortened.plot.series.empty());
-  // Controls: a horizon that was asked for is kept or refused, and a light scene is covered whole.
+  // Controls: a requested horizon is kept or refused, and a cheap scene is covered completely.
   try {
     run(with("work_precision", rest + R"(,"horizon":60)", kCloth));
     ADD_FAILURE() << "a minute of this cloth cannot be measured in that time";
@@ -179,7 +179,7 @@ TEST_F(Study, AStudyCoversWhatItsBudgetReachesAndSaysSo) {
 }
 
 TEST_F(Study, NoErrorIsQuotedBelowWhatTheReferenceKnows) {
-  // A ball that bounces: the step in which it meets the floor changes its path by more than any method does.
+  // A bouncing ball: the step in which it hits the floor changes its path by more than any method does.
   const std::string ball = R"({"schema_version":"1.0","name":"ball","time":{"dt":0.01,"duration":1},
     "systems":[{"type":"particles","id":"b","positions":[[0,1,0]],"mass":1,
                 "colliders":[{"type":"plane","restitution":0.5}]}]})";
@@ -194,7 +194,7 @@ TEST_F(Study, NoErrorIsQuotedBelowWhatTheReferenceKnows) {
   EXPECT_GE(lowest(bouncing), 10 * bouncing.summary.at("reference").at("uncertainty").as_double());
   EXPECT_THAT(std::string(bouncing.summary.at("reference").at("method").as_string()),
               testing::HasSubstr("dt / 8"));
-  // Control: the same without a floor is smooth, known to rounding, and quoted far below.
+  // Control: the same without a floor is smooth, accurate to rounding, and reported far below that.
   const auto falling = run(with("work_precision", rest));
   EXPECT_LT(lowest(falling), 1e-6);
 }
@@ -205,19 +205,20 @@ TEST_F(Study, StabilityLimitsMatchTheory) {
   const auto r = run(with("stability", R"("integrators":["symplectic_euler","rk4"],"steps":4000)", undamped));
   EXPECT_NEAR(r.summary.at("omega_max").as_double(), 10, 1e-6);
   for (const auto& row : r.table.rows) {
-    // A run counts as unstable once it is ten times farther than the motion: beyond the border by a share e,
-    // 4,000 steps of symplectic Euler grow by exp(4000 * 2 sqrt(2 e)) and rk4's by about exp(4000 * 4 e).
-    // 2e-2 holds for both.
+    // A run counts as unstable once it is ten times farther than the motion: a fraction e beyond the limit,
+    // 4,000 steps of symplectic Euler grow by exp(4000 * 2 sqrt(2 e)) and those of rk4 by about exp(4000 * 4
+    // e). 2e-2 is enough for both.
     EXPECT_NEAR(std::get<double>(row[3]), 1, 0.02) << std::get<std::string>(row[0]);
   }
-  // The plot tells the methods by name, one line each.
+  // The plot identifies the methods by name, one line each.
   EXPECT_THAT(r.plot.y_names, testing::ElementsAre("symplectic_euler", "rk4"));
   EXPECT_THAT(result_svg(r.plot),
               testing::AllOf(testing::HasSubstr(">symplectic_euler<"), testing::HasSubstr(">rk4<")));
 }
 
 TEST_F(Study, StabilityIsThatOfTheSystemItIsAbout) {
-  // The second oscillator breaks at 2 / 10 s whatever the first one's method holds: rk4 2.83 / 3 s.
+  // The second oscillator becomes unstable at 2 / 10 s whatever the limit of the first one's method: rk4 2.83
+  // / 3 s.
   const std::string two = R"({"schema_version":"1.0","name":"two","time":{"dt":0.01,"duration":2},
     "systems":[{"type":"oscillator","id":"soft","mass":1,"stiffness":9,"position":1,"velocity":0},
                {"type":"oscillator","id":"stiff","mass":1,"stiffness":100,"position":1,"velocity":0,
@@ -241,7 +242,7 @@ TEST_F(Study, StabilityOfFreeFlightIsRefusedWithTheReason) {
 TEST_F(Study, StabilityOfALargeSceneEndsWithinItsBudget) {
   const double begin = thread_cpu_seconds();
   const auto r = run(with("stability", R"("integrators":["rk4","velocity_verlet"],"budget":0.4)", kCloth));
-  // 1,000 steps a run would be some 2 s of this cloth; the spectrum and building the worlds come on top.
+  // 1,000 steps per run would be some 2 s of this cloth; the spectrum and building the worlds are extra.
   EXPECT_LT(thread_cpu_seconds() - begin, 1.5);
   EXPECT_THAT(std::string(r.summary.at("note").as_string()), testing::HasSubstr("of the 1000 steps"));
   // Control: a light scene runs all of them.
@@ -266,9 +267,9 @@ TEST(Spectrum, FindsTheHighestFrequencyOfAChain) {
   const auto s = spectrum_of(R"({"schema_version":"1.0","name":"chain","gravity":[0,0,0],
     "systems":[{"type":"mass_spring","id":"c","rope":{"from":[0,0,0],"to":[11,0,0],"links":11},"pinned":["ends"],
                 "mass":1,"stiffness":1}]})");
-  // Reference case ms.chain10: omega_10 = 2 sin(10 pi / 22). The iteration ends when the eigenvalue changes
+  // Reference case ms.chain10: omega_10 = 2 sin(10 pi / 22). The iteration stops when the eigenvalue changes
   // by 1e-7; the next one is 0.94 of it, which leaves some 1e-6. The next lower mode, 1.919, would be far
-  // out.
+  // off.
   EXPECT_NEAR(s.omega, 2 * std::sin(10 * 3.14159265358979 / 22), 1e-5);
 }
 
@@ -292,7 +293,7 @@ TEST_F(Study, SweepMeasuresEveryCaseAndGoesOn) {
   // E0 = k/2; without damping it stays (rk4 at w h = 0.1 loses 1e-8 of it a step).
   EXPECT_NEAR(std::get<double>(whole.table.rows[0][3]), 50, 1e-3);
   EXPECT_LT(std::get<double>(whole.table.rows[2][3]), 5);
-  // The second half alone is run when the first is known, and the table is the same.
+  // Only the second half is run if the first is known, and the table is the same.
   context.finished_rows = {rows[0], rows[1], rows[2]};
   rows.clear();
   const auto resumed = run(request);
@@ -341,8 +342,8 @@ TEST_F(Study, AccuracyIsReachedByWhatWasChosen) {
     const double x = state.systems[0].f64(state.systems[0].at("position"))[0];
     const double error = std::abs(x / oscillator_end() - 1);
     EXPECT_LE(error, tolerance) << json::serialize(chosen.report.at("chosen"));
-    // The running estimate is of the true error's size: within ten times, or below the reference's own
-    // rounding.
+    // The running estimate has the size of the true error: within a factor of ten, or below the reference's
+    // own rounding.
     const double estimate = *world.observe(state).find("error.estimate");
     EXPECT_LT(estimate, 10 * error + 1e-12);
     EXPECT_GT(estimate, 0.1 * error - 1e-12);

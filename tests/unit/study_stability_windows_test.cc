@@ -1,5 +1,5 @@
-// Some compositions of leapfrog lose stability over a span of steps and hold again above it. The largest
-// stable step is the end of the first span; those above are named as what they are.
+// Some compositions of leapfrog lose stability over an interval of steps and are stable again above it. The
+// largest stable step is the end of the first stable interval; those above are reported as such.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -38,10 +38,10 @@ TEST(StudyStabilityWindows, TheEndOfTheFirstSpanIsReported) {
   const auto& span = again.at("pefrl").as_array().at(0).as_object();
   EXPECT_NEAR(span.at("from").to_number<double>(), 3.5, 0.05);
   EXPECT_NEAR(span.at("to").to_number<double>(), 5.37, 0.05);
-  // In the table's text, hence on the command line and in the CSV, and in the plot.
+  // In the table's text, and hence on the command line and in the CSV, and in the plot.
   EXPECT_THAT(result_csv(r.table), testing::HasSubstr("3.5"));
   EXPECT_THAT(result_svg(r.plot), testing::HasSubstr("stable again"));
-  // Control: leapfrog itself has one span, and nothing is claimed above it.
+  // Control: leapfrog itself has one interval, and nothing is claimed above it.
   EXPECT_FALSE(again.contains("velocity_verlet"));
 }
 

@@ -1,4 +1,4 @@
-// Regions filled with tetrahedra: volumes, angles, closed surfaces, and what is no surface.
+// Regions filled with tetrahedra: volumes, angles, closed surfaces, and invalid surfaces.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -64,7 +64,7 @@ TEST(Stuffing, ABallHasItsVolumeWithTheOrderOfItsFacets) {
     EXPECT_LT(static_cast<double>(s.tetrahedra.size()), about.tetrahedra);
     EXPECT_GT(static_cast<double>(s.tetrahedra.size()), 0.3 * about.tetrahedra);
   }
-  // Facets cut off volumes of second order in their size.
+  // Facets cut off a volume of second order in their size.
   EXPECT_LT(errors[0], 0.06);
   EXPECT_NEAR(errors[0] / errors[1], 4, 1.5);
 }
@@ -75,11 +75,11 @@ TEST(Stuffing, CylindersKeepTheirVolumeButForRoundedEdges) {
   EXPECT_GT(s.least_angle, kLeastAngle);
   EXPECT_LT(s.largest_angle, kLargestAngle);
   border_faces(s);
-  // Edges are cut off within a lattice cell: of their length 2 pi r a piece of some tenths of a^2 each.
+  // Edges are cut off within a lattice cell: some tenths of a^2 per unit of their length 2 pi r.
   EXPECT_NEAR(volume_of(s), rod->volume(), 2 * 2 * kPi * 0.4 * 0.01);
 }
 
-// An octahedron as a surface: the lattice finds the same region that its triangles hold.
+// An octahedron as a surface: the lattice finds the region enclosed by its triangles.
 TEST(Stuffing, ASurfaceHoldsItsVolume) {
   std::vector<Vec3> x{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
   std::vector<std::array<uint32_t, 3>> t{{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
@@ -102,7 +102,7 @@ TEST(Stuffing, ASurfaceHoldsItsVolume) {
                                     {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}),
                     1)
                   .tetrahedra.empty());
-  // What is no closed surface says so, with the edge.
+  // A surface that is not closed is reported with the edge.
   t[3] = {0, 3, 4};
   EXPECT_NE(surface_fault(t)->what.find("same way"), std::string::npos);
   t.pop_back();

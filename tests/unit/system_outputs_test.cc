@@ -1,5 +1,5 @@
-// What the catalogue says that systems give out is what they give out: every field and observable of every
-// gallery scene is listed with its unit, and of what is listed each plain name is seen somewhere.
+// The outputs that the catalogue lists for systems are the actual ones: every field and observable of every
+// gallery scene is listed with its unit, and each plain name listed occurs somewhere.
 #include <gtest/gtest.h>
 
 #include <regex>
@@ -31,7 +31,7 @@ std::regex pattern(std::string_view name) {
 TEST(SystemOutputs, WhatGalleryScenesGiveOutIsListed) {
   // By table: kinds that are one system under several names share theirs.
   std::set<std::pair<const Outputs*, std::string>> seen;
-  // What no gallery scene has.
+  // Outputs that occur in no gallery scene.
   std::vector<std::string> texts{
       R"({"systems": [{"type": "pendulum"}, {"type": "oscillator"}, {"type": "rigid2d", "bodies": [
     {"motion": "fixed", "sensor": true, "shapes": [{"type": "circle"}]}]}]})"};
@@ -44,7 +44,7 @@ TEST(SystemOutputs, WhatGalleryScenesGiveOutIsListed) {
         for (const FieldInfo& f : part.fields) {
           bool listed = false;
           for (const FieldOutput& o : row.outputs->fields) {
-            // What only another part than the main one has is listed with the part's name.
+            // An output of a part other than the main one is listed with the part's name.
             const bool same = std::regex_match(f.name, pattern(o.name));
             if (!same && part.name + "." + f.name != o.name) continue;
             listed = true;
@@ -76,7 +76,7 @@ TEST(SystemOutputs, WhatGalleryScenesGiveOutIsListed) {
     EXPECT_FALSE(row.outputs->rows.empty()) << row.type;
     const auto expect_seen = [&](std::string_view name) {
       // One method counts its steps, constant forces have tests of their own, and nothing has stopped at the
-      // start: none need be in the gallery.
+      // start: these need not be in the gallery.
       if (name.find('<') != std::string_view::npos || name == "integrator.held_steps" ||
           name == "power.applied" || name == "stopped.time") {
         return;

@@ -1,5 +1,5 @@
-// Every tableau satisfies the order conditions that its row promises: all rooted trees up to its order, the
-// row sums, the embedded weights, and "first same as last". A changed digit does not pass.
+// Every tableau satisfies the order conditions of its promised order: all rooted trees up to that order, the
+// row sums, the embedded weights, and "first same as last". A changed digit fails.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -93,7 +93,7 @@ TEST(Tableaus, FirstSameAsLastWhereThePapersSaySo) {
 }
 
 TEST(Tableaus, DenseOutputHasItsOrderEverywhere) {
-  // b_i(theta) against theta^rho: every tree up to the dense order, at places between the ends.
+  // b_i(theta) against theta^rho: every tree up to the dense order, at points between the ends.
   for (const Named& m : kAll) {
     const Tableau& t = m.tableau;
     if (t.dense_order != 4) continue;
@@ -126,7 +126,7 @@ TEST(Tableaus, AChangedDigitFails) {
         Tableau wrong = m.tableau;
         wrong.a[i][j] += 1e-7;
         bool seen = defect(wrong, wrong.b, static_cast<size_t>(wrong.order)) > kTolerance;
-        // Stages that only the error estimate or the next step reads.
+        // Stages used only by the error estimate or the next step.
         if (wrong.error_order)
           seen |= defect(wrong, embedded(wrong, wrong.error), size_t(wrong.error_order)) > kTolerance;
         if (wrong.first_same_as_last() != m.tableau.first_same_as_last()) seen = true;

@@ -1,4 +1,4 @@
-// Threads at hand: every block is done, once, whoever does it.
+// Helper threads: every block is processed exactly once, whoever does it.
 #include "engine/base/thread_team.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ TEST(ThreadTeam, DoesEveryBlockOnce) {
 
 TEST(ThreadTeam, RunsInTheCallerWhenNobodyIsGathered) {
   ThreadTeam team;
-  size_t blocks = 0, elements = 0;  // not atomic: nobody else may touch them
+  size_t blocks = 0, elements = 0;  // not atomic: no other thread may touch them
   team.for_blocks(100, 8, [&](size_t begin, size_t end) { ++blocks, elements += end - begin; });
   EXPECT_EQ(blocks, 13u);
   EXPECT_EQ(elements, 100u);
@@ -39,7 +39,7 @@ TEST(ThreadTeam, LoopsSeeWhatTheLoopBeforeThemWrote) {
   const ThreadArena arena(2);
   ThreadTeam team;
   const auto gathering = team.gather(arena);
-  // Every element comes from another block of the loop before.
+  // Every element comes from another block of the previous loop.
   std::vector<int> before(512), after(512);
   for (int loop = 0; loop < 2000; ++loop) {
     team.for_blocks(before.size(), 16, [&](size_t begin, size_t end) {

@@ -1,5 +1,5 @@
 // Conjugate gradients with two grids: the solution of the direct solver, few iterations however fine the
-// mesh, the same bits on any number of threads, and what is held stays out of the coarse grid.
+// mesh, the same bits on any number of threads, and held nodes stay out of the coarse grid.
 #include "engine/math/solvers/two_grid.h"
 
 #include <gtest/gtest.h>
@@ -59,9 +59,10 @@ TEST(TwoGrid, SolvesAsTheDirectSolver) {
   double most = 0, wrong = 0;
   for (size_t k = 0; k < x.size(); ++k)
     most = std::max(most, std::abs(exact[k])), wrong = std::max(wrong, std::abs(x[k] - exact[k]));
-  // The tolerance is one of the preconditioned residual: the error is as small but for the condition of that.
+  // The tolerance applies to the preconditioned residual: the error is as small up to that system's
+  // condition.
   EXPECT_LT(wrong, 1e-10 * most);
-  // Without the coarse grid what bends the block slowly takes many times as long.
+  // Without the coarse grid the slow bending modes take many times as long.
   Pcg plain;
   EXPECT_GT(plain.solve(s.a, s.b, x, 1e-12, 10'000, arena).iterations, 4 * r.iterations);
 }
@@ -76,8 +77,8 @@ TEST(TwoGrid, FinerMeshesTakeAboutAsManyIterations) {
     ASSERT_EQ(r.outcome, Pcg::Outcome::converged);
     counts.push_back(r.iterations);
   }
-  // Aggregates of as many rows: the ratio of the grids, and with it the condition, stays. Of plain conjugate
-  // gradients the count would grow threefold.
+  // With aggregates of constant size, the ratio of the grids and with it the condition stays the same. The
+  // count of plain conjugate gradients would triple.
   EXPECT_LT(counts[2], 1.6 * counts[0]) << counts[0] << ' ' << counts[1] << ' ' << counts[2];
 }
 

@@ -94,7 +94,7 @@ TEST(XpbdBending, HingesOfEquilateralTrianglesAreAnIsotropicPlate) {
     // Second order in spacing / R: 2e-4.
     EXPECT_NEAR(hinge_energy({1, 0, 0}, {0.5, std::sqrt(0.75), 0}, turn), 1, 1e-3) << turn;
   }
-  // The control: right triangles are as stiff across their edges and less so between.
+  // The control: right triangles are as stiff across their edges and less so in between.
   EXPECT_NEAR(hinge_energy({1, 0, 0}, {0, 1, 0}, 0), 1, 1e-3);
   EXPECT_LT(hinge_energy({1, 0, 0}, {0, 1, 0}, 0.3), 0.9);
 }

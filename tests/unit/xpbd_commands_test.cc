@@ -1,4 +1,4 @@
-// Commands to cloth and ropes, energies, and what a scene may not say.
+// Commands to cloth and ropes, energies, and what a scene must not contain.
 #include "engine/base/errors.h"
 #include "tests/unit/xpbd_rig.h"
 
@@ -108,7 +108,7 @@ TEST(XpbdEnergy, PotentialIsThatOfItsConstraints) {
   bent.bending_rigidity = 2;
   XpbdRun rod(bent, 1.0 / 60, {});
   rod.state.f64(XpbdColumns::position)[4] = 1e-4;
-  // Curvature 8e-4 1/m over 1/2 m: 1/2 EI k^2 l; the links' own 4e-8^2 is nothing beside it.
+  // Curvature 8e-4 1/m over 1/2 m: 1/2 EI k^2 l; the links' own (4e-8)^2 is negligible.
   EXPECT_NEAR(rod.observe("energy.potential"), 0.5 * 2 * 0.64e-6 * 0.5, 1e-12);
 
   XpbdDef cell;

@@ -49,7 +49,7 @@ TYPED_TEST(XpbdKernels, RowsComeBackFromTheirLanes) {
   }
 }
 
-/// Chains of `links` links, one a lane, of random shape, weights, stiffness and damping.
+/// Chains of `links` links, one per lane, with random shape, weights, stiffness and damping.
 template <class T>
 struct RandomChains {
   static constexpr int kLanes = Wide<T>::kLanes;

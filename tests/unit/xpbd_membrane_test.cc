@@ -1,5 +1,5 @@
-// Triangles of membranes (kernels/xpbd/membrane.h): iterated on one triangle they solve implicit Euler's
-// equation with the gradient of their energy, whose small strains are plane stress.
+// Membrane triangles (kernels/xpbd/membrane.h): iterated on one triangle they solve implicit Euler's equation
+// with the gradient of their energy, which is that of plane stress for small strains.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -42,7 +42,7 @@ struct Triangle {
                 at({0, 0, e}) - at({0, 0, -e})} /
            (2 * e);
   }
-  /// Where `iterations` bring points that would be at `x` after a step of h.
+  /// Where `iterations` move points that would be at `x` after a step of h.
   Places solve(const Places& x, double h, int iterations, double compliance) const {
     std::array<double, 4 * 3 * kLanes> rows{};
     std::array<uint32_t, 3 * kLanes> points{};

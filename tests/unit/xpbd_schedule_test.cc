@@ -1,4 +1,4 @@
-// Every constraint is met once, and those of one colour share no point.
+// Every constraint occurs once, and those of one colour share no point.
 #include "engine/systems/xpbd/schedule.h"
 
 #include <gtest/gtest.h>
@@ -95,7 +95,7 @@ TEST(XpbdSchedule, LinksByThemselves) {
 
 TEST(XpbdSchedule, MeshesHairAndBlocks) {
   XpbdDef mesh;
-  // A fan about point 0: its links cannot be one colour.
+  // A fan about point 0: its links cannot have one colour.
   MeshShape fan{.vertices = {{0, 0, 0}}};
   for (int k = 0; k < 7; ++k) {
     fan.vertices.push_back({k < 4 ? 1.0 : -1.0, 0.3 * k, 0.1 * k * k});

@@ -1,5 +1,4 @@
-// Sheets for xpbd systems that meet themselves, and a check that shares nothing with theirs: edges that
-// pierce triangles.
+// Sheets for xpbd systems with self-collision, and an independent check: edges that pierce triangles.
 #pragma once
 #include <algorithm>
 
@@ -21,8 +20,8 @@ inline void add_sheet(MeshShape& mesh, const Vec3& corner, const Vec3& u, const 
   }
 }
 
-/// Edges, each counted by its triangles, that pierce one of `triangles`; `meets`(k, l): whether two of them
-/// are asked.
+/// Number of edges, counted once per triangle of theirs, that pierce one of `triangles`; `meets`(k, l):
+/// whether the pair counts.
 template <class Meets>
 size_t piercings_of(const XpbdRun& run, const std::vector<std::array<uint32_t, 3>>& triangles,
                     const Meets& meets) {

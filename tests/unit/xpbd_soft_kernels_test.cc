@@ -29,7 +29,7 @@ TEST(XpbdShapeMatch, FindsTheTurnBehindAStretch) {
   const Mat3 found = match_transform(turn * stretch, Mat3::identity(), 0);
   // Rounding of a decomposition of numbers about 1.
   for (size_t k = 0; k < 9; ++k) EXPECT_NEAR(found.m[k], turn.m[k], 1e-14);
-  // What is mirrored is turned all the same.
+  // Mirrored points are rotated all the same.
   EXPECT_NEAR(determinant(match_transform(Mat3::diagonal(1, 1, -0.5), Mat3::identity(), 0)), 1, 1e-14);
 }
 
@@ -63,7 +63,7 @@ struct Elastic {
   double energy(const std::array<Vec3, 4>& x) const {
     return neo_hookean_energy(edges(x) * inverse(), volume(), mu, 1 - 2 * nu);
   }
-  /// Ways of the points in a step of h from x.
+  /// Displacements of the points in a step of h from x.
   std::array<Vec3, 4> step(const std::array<Vec3, 4>& x, double h) const {
     std::vector<uint32_t> points(4 * kLanes);
     alignas(64) std::array<double, 9 * kLanes> inverses, base;
@@ -96,7 +96,7 @@ TEST(XpbdNeoHookean, RestsAtRestAndInAnyPlace) {
   std::array<Vec3, 4> x;
   for (size_t i = 0; i < 4; ++i) x[i] = turn * t.rest[i] + Vec3{5, -3, 2};
   EXPECT_NEAR(t.energy(x), 0, 1e-12 * t.mu);
-  // Both multipliers are as large as a step's way of a metre a constraint, and cancel to their rounding.
+  // Both multipliers are as large as a displacement of a metre per constraint, and cancel to their rounding.
   for (const Vec3& by : t.step(x, 0.1)) EXPECT_LT(norm(by), 1e-13);
 }
 

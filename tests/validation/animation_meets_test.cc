@@ -1,5 +1,5 @@
-// What is animated publishes solids with velocities: particles, cloth, fluids and rigid bodies meet a moving
-// character, each pair once, against what a wall of that velocity would do.
+// Animated shapes publish solids with velocities: particles, cloth, fluids and rigid bodies meet a moving
+// character, each pair once, compared with a wall of that velocity.
 #include <cmath>
 
 #include "tests/support/coupled.h"
@@ -39,7 +39,7 @@ TEST(AnimatedMeets, ASkinSendsParticlesOffToo) {
 }
 
 TEST(AnimatedMeets, ClothIsCarriedOnIt) {
-  // A cloth of 0.4 m hangs over the bar, which rises on: its middle line keeps on top of it.
+  // A cloth of 0.4 m hangs over the rising bar: its middle line stays on top of it.
   SceneRun run(
       R"({"time": {"dt": 0.005, "substeps": 10}, "systems": [)" + kBar +
       R"(, {"type": "mass_spring", "id": "cloth", "cloth_grid": {"origin": [-0.2, 0.08, -0.2], "edge_u": [0.4, 0, 0], "edge_v": [0, 0, 0.4], "nx": 9, "ny": 9},
@@ -54,8 +54,8 @@ TEST(AnimatedMeets, ClothIsCarriedOnIt) {
 }
 
 TEST(AnimatedMeets, RigidBodiesAreCarriedByTheBodiesOnBones) {
-  // rigid3d meets a character through bodies that its bones carry (ragdoll, never let go): a ball rests on a
-  // bar that rises, and leaves it at rest relative to it.
+  // rigid3d meets a character through bodies carried by its bones (ragdoll, never released): a ball rests on
+  // a rising bar and is at rest relative to it.
   SceneRun run(R"({"time": {"dt": 0.005}, "systems": [)" + kBar +
                R"(, {"type": "rigid3d", "id": "world", "bodies": [
       {"type": "box", "half_extents": [0.5, 0.05, 0.3], "position": [0, 0, 0], "mass": 5},
@@ -72,7 +72,7 @@ TEST(AnimatedMeets, RigidBodiesAreCarriedByTheBodiesOnBones) {
 }
 
 TEST(AnimatedMeets, WaterMakesRoomForABone) {
-  // A bone of 6.2 litres goes down into a basin of 0.16 m^2: the water rises by 39 mm. The control: the bone
+  // A bone of 6.2 litres is lowered into a basin of 0.16 m^2: the water rises by 39 mm. The control: the bone
   // stays above.
   const auto level = [](const std::string& way) {
     SceneRun run(R"({"time": {"dt": 0.004}, "systems": [
@@ -86,12 +86,12 @@ TEST(AnimatedMeets, WaterMakesRoomForABone) {
     const State& s = run.session.state().systems[1];
     const auto medium = *run.world->system(1).ports().medium;
     const RealColumn<const double> x(s, medium.place);
-    // Twice the middle of the water's height: of a basin filled evenly its level.
+    // Twice the mean height of the water: the level, for an evenly filled basin.
     double sum = 0;
     for (size_t k = 0; k < s.rows(medium.place); ++k) sum += x.vector(k).y;
     return 2 * sum / static_cast<double>(s.rows(medium.place));
   };
-  // It hangs in the upper half: what it displaces is found above, so that the middle rises by more than a
+  // It hangs in the upper half: the displaced water moves up, so that the mean height rises by more than a
   // third of the level's 39 mm.
   EXPECT_GT(level("0.5 - 0.6*min(t, 0.5)"), level("0.5") + 0.013);
 }

@@ -1,5 +1,5 @@
-// Iterations of solvers of inverse kinematics on the chain of ten joints that Aristidou and Lasenby (2011)
-// compare them on, and skins, feet and cloth in whole scenes.
+// Iterations of inverse kinematics solvers on the chain of ten joints on which Aristidou and Lasenby (2011)
+// compare them, and skins, feet and cloth in whole scenes.
 #include "tests/support/coupled.h"
 #include "tests/unit/animation_rig.h"
 
@@ -14,7 +14,7 @@ double mean_iterations(IkMethod method, int most) {
   constexpr int kTargets = 200;
   for (int k = 0; k < kTargets; ++k) {
     Chain chain(10, 1), other(10, 1);
-    // Targets where some pose of the chain has its end, the start a slightly bent chain.
+    // Targets reached by some pose of the chain; the start is a slightly bent chain.
     other.shake(engine, 1.2);
     chain.shake(engine, 0.1);
     const Vec3 target = other.place();
@@ -24,9 +24,9 @@ double mean_iterations(IkMethod method, int most) {
 }
 
 // anim.fabrik_table: FABRIK 15.461 iterations, CCD 26.308, damped least squares 998.648 on average. The paper
-// says neither its targets nor its tolerance in full; iterations to a hundredth of a link, at most twice as
-// many (the issue's factor of 2), and in the published order. Ours with adaptive damping need far fewer than
-// the paper's with a fixed one.
+// gives neither its targets nor its tolerance in full; here, iterations to a hundredth of a link, at most
+// twice as many (the required factor of 2), and in the published order. Our adaptive damping needs far fewer
+// than the paper's fixed one.
 TEST(InverseKinematicsTable, IterationsAreNotMoreThanTwiceThePublishedOnes) {
   const double fabrik = mean_iterations(IkMethod::fabrik, 1000), ccd = mean_iterations(IkMethod::ccd, 1000);
   const double damped = mean_iterations(IkMethod::damped_least_squares, 5000);
@@ -40,12 +40,12 @@ TEST(InverseKinematicsTable, IterationsAreNotMoreThanTwiceThePublishedOnes) {
   EXPECT_LT(ccd, 2 * 26.308);
   EXPECT_LT(damped, 2 * 998.648);
   EXPECT_LT(gradient, 2 * 1311.19);
-  // The control: a tolerance is what iterations are for.
+  // The control: the tolerance requires iterations.
   EXPECT_GT(fabrik, 1);
 }
 
 TEST(AnimationScenes, AMovingBallCarriesAClothUp) {
-  // A ball of keyframes rises at 0.5 m/s under a cloth: contacts see where it goes and how fast.
+  // A sphere of keyframes rises at 0.5 m/s under a cloth: contacts know its motion.
   testing_coupled::SceneRun run(R"({"time": {"dt": 0.005, "substeps": 10}, "systems": [
     {"type": "mass_spring", "id": "cloth", "cloth_grid": {"origin": [-0.5, 0.4, -0.5], "edge_u": [1, 0, 0], "edge_v": [0, 0, 1], "nx": 15, "ny": 15},
      "mass": 0.001, "stiffness": 200, "internal_damping": 0.02, "damping": 0.001, "thickness": 0.02, "integrator": "velocity_verlet"},
@@ -56,7 +56,7 @@ TEST(AnimationScenes, AMovingBallCarriesAClothUp) {
     run.session.step(1);
     deepest = std::max(deepest, run.observe("c.penetration"));
   }
-  // A thousandth of the thickness: touches are swept a bounded number of times.
+  // A thousandth of the thickness: touches are swept a limited number of times.
   EXPECT_LT(deepest, 1e-5);
   const double* x = run.session.state().systems[0].f64(0).data();
   const Vec3 middle = load3(x, 7 * 15 + 7);
@@ -65,8 +65,8 @@ TEST(AnimationScenes, AMovingBallCarriesAClothUp) {
 }
 
 TEST(AnimationScenes, ParticlesMeetABoneThatSwings) {
-  // A bat that turns at 4 rad/s hits balls at rest without gravity, 0.5 m from its joint: Newton's law with
-  // restitution 1 against a wall that moves with v sends them off with 2 v = 4 m/s along its normal.
+  // A bat that swings at 4 rad/s hits balls at rest without gravity, 0.5 m from its joint: by Newton's law
+  // with restitution 1, a wall that moves at v sends them off at 2 v = 4 m/s along its normal.
   testing_coupled::SceneRun run(R"({"gravity": [0, 0, 0], "time": {"dt": 0.001}, "systems": [
     {"type": "skeleton", "id": "bat", "bone_radius": 0.02, "joints": [{"id": "hand", "type": "revolute", "value": "4*t", "end": [1, 0, 0]}]},
     {"type": "particles", "id": "balls", "radius": 0.01, "positions": [[0.49, 0.1, 0]]}],

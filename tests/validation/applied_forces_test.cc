@@ -1,5 +1,5 @@
-// Constant forces and torques on bodies and links, and inertias that are given: motions in closed form, free
-// and in contact, in the world's axes and in the body's own; energy.total and power.applied account for them.
+// Constant forces and torques on bodies and links, and prescribed inertias: motions in closed form, free and
+// in contact, in the world's axes and in the body's own; energy.total and power.applied account for them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -50,7 +50,7 @@ TEST(AppliedForces, AFreeBodyAcceleratesAndKeepsItsTotalEnergy) {
     const double before = run.observed("energy.total");
     run.steps(200);
     EXPECT_NEAR(run.field("velocity", 0), 3.0 / 2 * 2, 1e-9);
-    // Exact in space; the plane's small steps are of first order in their length, 2.5 ms.
+    // Exact in space; in the plane the substeps of 2.5 ms are of first order.
     const bool flat = scene.find("rigid2d") != std::string::npos;
     EXPECT_NEAR(run.field("position", 0), 3.0 / 2 * 2, flat ? 0.004 : 1e-9);
     EXPECT_NEAR(run.observed("energy.total"), before, flat ? 0.02 : 1e-9);
@@ -118,7 +118,7 @@ TEST(AppliedForces, OnAFloorWithoutFrictionABodySlides) {
   }
 }
 
-// A pendulum in a constant force is one in gravity: force m g downwards on the centre of mass.
+// A pendulum under a constant force is one in gravity: force m g downwards on the centre of mass.
 TEST(AppliedForces, AForceOnALinkIsItsWeight) {
   const std::string link =
       R"("axis": [0, 0, 1], "mass": 2, "center": [0.5, 0, 0], "inertia": [0.1, 0.2, 0.2])";

@@ -71,7 +71,7 @@ std::pair<double, double> reduced(int loops, double seconds) {
 TEST(ArticulationLoops, FourBarsFollowTheirOneCoordinate) {
   const auto [theta, omega] = reduced(1, 5);
   const End end = run_bars(1, 1e-3, 5);
-  // All bars lie in one line twice a turn, where the loop has no unique force.
+  // All bars are collinear twice per revolution, where the forces in the loop are not unique.
   EXPECT_NEAR(end.theta, theta, 1e-6);
   EXPECT_NEAR(end.omega, omega, 1e-5);
   EXPECT_LT(end.gap, 1e-12);
@@ -88,8 +88,9 @@ TEST(ArticulationLoops, FortyLoopsFollowThePublishedCase) {
   EXPECT_LT(end.gap, 1e-12);
 }
 
-/// Five rods of 1 m along the edges of a cube, from corner to corner, and the ground as the sixth; every
-/// hinge across its two edges. Counting joints says that nothing can move, and yet it does.
+/// Five rods of 1 m along the edges of a cube, from corner to corner, with the ground as the sixth; every
+/// hinge is perpendicular to its two edges. By the count of degrees of freedom nothing should move, and yet
+/// it does.
 ArticulationDef bricard() {
   ArticulationDef d;
   const Vec3 edges[5] = {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, 1, 0}};

@@ -87,7 +87,7 @@ TEST(ArticulationReference, FreeTop) {
   EXPECT_LT(errors("rk4", 1e-2).first, 1e-8);
   EXPECT_LT(errors("rk4", 1e-2).second, 1e-8);
   EXPECT_LT(errors("dop853", 1e-2).second, 1e-11);
-  // Control: first order misses it by what game engines do.
+  // Control: first order misses it, as game engines do.
   EXPECT_GT(errors("symplectic_euler", 1e-2).first, 1e-3);
 }
 
@@ -129,7 +129,7 @@ TEST(ArticulationReference, HeavyTopOfBruelsAndCardona) {
 
 TEST(ArticulationReference, SteadyPrecessionOfAHeavyTop) {
   constexpr double kTilt = std::numbers::pi / 6, kSpin = 100, kAbout = 0.02 - 0.1 * 0.1;
-  // Angle that the axis turns about the vertical in 1 s, and the largest change of its tilt.
+  // Angle by which the axis precesses about the vertical in 1 s, and the largest change of its tilt.
   const auto precession = [&](double rate) {
     ArticulationDef d = top(1, {0, 0, 0.1}, {kAbout, kAbout, 0.005}, {0, rate * std::sin(kTilt), kSpin});
     d.links[0].q = {std::cos(kTilt / 2), std::sin(kTilt / 2), 0, 0};
@@ -150,12 +150,13 @@ TEST(ArticulationReference, SteadyPrecessionOfAHeavyTop) {
     const auto [angle, nods] = precession(rate);
     EXPECT_NEAR(angle, rate, 1e-7 * rate);
     EXPECT_LT(nods, 1e-7);
-    // Control: started a hundredth too fast, the top nods.
+    // Control: started a hundredth too fast, the top nutates.
     EXPECT_GT(precession(1.01 * rate).second, 1e-5);
   }
 }
 
-/// A turning shaft along z, two rods with balls of 5 kg, a slider that stiff springs tie to their middles.
+/// A rotating shaft along z, two rods with balls of 5 kg, and a slider tied to the rods' middles by stiff
+/// springs.
 ArticulationDef governor(double ball) {
   ArticulationDef d;
   const auto add = [&](const char* id, const char* parent) -> LinkDef& {

@@ -1,4 +1,4 @@
-// Trees of links against conservation laws, closed forms and the orders of the rows that step them.
+// Trees of links against conservation laws, closed forms and the orders of the integrator rows.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -65,7 +65,7 @@ TEST(Articulation, AFloatingTreeKeepsItsMomentaAndItsEnergy) {
   for (size_t i = 0; i < std::size(kKept); ++i) {
     EXPECT_NEAR(observed(*system, state, kKept[i]), before[i], 1e-8) << kKept[i];
   }
-  // An impulse adds itself to the momentum, wherever it hits.
+  // An impulse adds to the momentum, wherever it hits.
   const double px = observed(*system, state, "momentum.x"), pz = observed(*system, state, "momentum.z");
   Command hit;
   hit.kind = CommandKind::impulse, hit.index = 2, hit.vector = {3, 0, -1};
@@ -91,7 +91,7 @@ TEST(Articulation, RowsHaveTheirOrder) {
   };
   EXPECT_NEAR(std::log2(error("rk4", 0.5 / 256) / error("rk4", 0.5 / 512)), 4, 0.15);
   EXPECT_NEAR(std::log2(error("dopri5", 0.5 / 128) / error("dopri5", 0.5 / 256)), 5, 0.3);
-  // Every row that takes a force whose acceleration depends on velocity ends at the same place.
+  // Every row that supports velocity-dependent forces ends at the same place.
   size_t served = 0;
   for (const Integrator& m : integrators()) {
     if (refusal(m, field)) continue;
@@ -101,7 +101,7 @@ TEST(Articulation, RowsHaveTheirOrder) {
     for (size_t i = 0; i < exact.size(); ++i)
       worst = std::max(worst, std::abs(run.state.f64(0)[i] - exact[i]));
     const int promised = m.order_with_velocity;
-    // 1 ms of first order leaves some 1e-2 of motions of 1; higher orders much less.
+    // 1 ms at first order leaves some 1e-2 in motions of order 1; higher orders much less.
     EXPECT_LT(worst, promised == 1 ? 5e-2 : promised <= 3 ? 1e-3 : 1e-6) << m.name;
     ++served;
   }
@@ -122,14 +122,15 @@ ArticulationDef level_chain(int64_t links) {
 
 TEST(Articulation, ALevelChainOfTenKeepsItsEnergyAtSixtyHertz) {
   const auto field = field_of(level_chain(10));
-  // Share of the fall to hanging straight (5 m on average) that ten seconds take away.
+  // Fraction of the energy between the start and hanging straight (5 m on average) that is lost in ten
+  // seconds.
   const auto drift = [&](const char* method, double h, double tolerance) {
     SteppedField run(field, *find_integrator(method), h, {.tolerance = tolerance, .relative_tolerance = 0});
     const double before = run.energy();
     run.steps(static_cast<uint64_t>(std::lround(10 / h)));
     return std::abs(run.energy() - before) / (9.81 * 50);
   };
-  // Peers that keep joints by corrections lose a third to a half at 60 Hz.
+  // Peers that maintain joints by corrections lose a third to a half at 60 Hz.
   EXPECT_LT(drift("dop853", 1.0 / 60, 1e-6), 1e-6);
   EXPECT_LT(drift("dopri5", 1.0 / 60, 1e-6), 1e-4);
   EXPECT_LT(drift("rk4", 1.0 / 480, 0), 1e-3);
@@ -194,9 +195,9 @@ TEST(Articulation, SoftLimitsHoldAndKeepEnergy) {
   // 9.81 cos(0.5) J of fall into 1/2 k s^2: s = 0.0415 at most.
   EXPECT_LT(lowest, -0.54);
   EXPECT_GT(lowest, -0.542);
-  // The force has a kink at the limit, which a fixed step passes with an error of k v^2 h^2 a time.
+  // The force has a kink at the limit, which a fixed step passes with an error of k v^2 h^2 each time.
   EXPECT_NEAR(gained, 0, 2e-4);
-  // A damper beyond the limit takes energy.
+  // A damper beyond the limit removes energy.
   EXPECT_LT(bounce(20).second, -1);
 }
 

@@ -1,4 +1,4 @@
-// Trees of links to try: pendulums and tops.
+// Trees of links for tests: pendulums and tops.
 #pragma once
 #include "engine/systems/articulation/articulation.h"
 #include "tests/validation/stepping.h"

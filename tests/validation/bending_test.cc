@@ -1,5 +1,5 @@
 // Bending stiffness in physical units, and the forces in pins: cantilevers against Euler and Bernoulli, a
-// plate's stiffness in every direction, the weight that pins carry.
+// plate's stiffness in every direction, the weight carried by pins.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -32,8 +32,8 @@ struct Rest {
   WorldState state;
 };
 
-// Points 0 and 1 are held; the curvature at point 1 stands for what is half a link to both sides of it, so
-// the clamp is half a link before it. w L^4 / (8 EI) for a load w per length.
+// Points 0 and 1 are held; the curvature at point 1 represents half a link on either side of it, so the clamp
+// is half a link before it. w L^4 / (8 EI) for a load w per length.
 TEST(Bending, ARopeUnderItsWeightBendsLikeACantilever) {
   constexpr double kStiffness = 0.5, kDensity = 0.02, kGravity = 9.81;
   constexpr int kLinks = 40;
@@ -47,7 +47,7 @@ TEST(Bending, ARopeUnderItsWeightBendsLikeACantilever) {
   // Forces: the pins carry the whole weight. Their moment is in the difference of the two.
   EXPECT_NEAR(rest.observed("reaction.y"), kDensity * kGravity, 1e-6);
   EXPECT_NEAR(rest.observed("reaction.x"), 0, 1e-3);
-  // The control: skip springs of any stiffness hold a straight rope hardly at all against slight bends.
+  // The control: skip springs of any stiffness hardly resist slight bends of a straight rope.
   const Rest loose(
       R"("rope": {"from": [0, 0, 0], "to": [1, 0, 0], "links": 40}, "density": 0.02, "stiffness": 1e6,
     "bending_stiffness": 1e3, "pins": [0, 1], "damping": 0.01)",
@@ -55,9 +55,9 @@ TEST(Bending, ARopeUnderItsWeightBendsLikeACantilever) {
   EXPECT_GT(-loose.at(kLinks).y, 5 * expected);
 }
 
-// A strip wide against its length bends like a plate, with D per width; its free sides let it curl, which a
-// beam of E I = D (1 - nu^2) per width does wholly. The truth lies between (nu = 1/3: 1 and 1.125 times the
-// deflection).
+// A strip that is wide relative to its length bends like a plate, with D per width; its free sides let it
+// curl, as a beam of E I = D (1 - nu^2) per width does completely. The truth lies in between (nu = 1/3: 1 and
+// 1.125 times the deflection).
 TEST(Bending, AClothUnderItsWeightBendsLikeAPlate) {
   constexpr double kRigidity = 5, kDensity = 0.1, kGravity = 9.81;
   constexpr int n = 13;
@@ -77,7 +77,7 @@ TEST(Bending, AClothUnderItsWeightBendsLikeAPlate) {
   EXPECT_LT(middle, 1.15 * plate);
 }
 
-// D/2 kappa^2 per area, whichever way the cloth is rolled up.
+// D/2 kappa^2 per area, in whichever direction the cloth is rolled up.
 TEST(Bending, APlateIsAsStiffInEveryDirection) {
   constexpr int n = 41;
   constexpr double kRigidity = 2, kRadius = 5;
@@ -104,7 +104,7 @@ TEST(Bending, APlateIsAsStiffInEveryDirection) {
       Evaluation e{workspace, arena};
       const double energy = *field.potential({0, s.f64(0), s.f64(1), s}, e);
       const double expected = 0.5 * kRigidity / (kRadius * kRadius) * v;
-      // Half a cell along the free sides bends without resistance: two of 40 cells to both sides.
+      // Half a cell along the free sides bends without resistance: two of 40 cells, counting both sides.
       EXPECT_NEAR(energy, expected, 0.1 * expected) << angle << ' ' << v;
       EXPECT_LT(energy, expected);
     }
@@ -133,7 +133,7 @@ TEST(Bending, TheStableStepIsOfTheRightSize) {
     }
     return std::abs(load3(s.systems[0].f64(0).data(), 20).y) < 1.5;
   };
-  // The step that is said is of the right size: half of it holds, and twice (the control) does not.
+  // The reported step has the right size: half of it is stable, and twice (the control) is not.
   EXPECT_TRUE(survives(0.5 * stable));
   EXPECT_FALSE(survives(2 * stable));
 }

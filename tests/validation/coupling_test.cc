@@ -90,7 +90,7 @@ TEST(CouplingValidation, BallHitsAMassOnASpring) {
     after1 = run.observe("ball.velocity.x");
     after2 = run.observe("m.velocity.x");
     EXPECT_NEAR(after1, (m1 - e * m2) * v / (m1 + m2), 1e-12) << e;
-    // The spring has acted for a part of a step: omega^2 x h with x = v h.
+    // The spring has acted for part of a step: omega^2 x h with x = v h.
     const double impact = m1 * (1 + e) * v / (m1 + m2);
     EXPECT_NEAR(after2, impact, omega * omega * impact * 1e-6) << e;
     EXPECT_NEAR(run.observe("c.impulse.x"), m2 * impact, 1e-12) << e;
@@ -104,12 +104,13 @@ TEST(CouplingValidation, BallHitsAMassOnASpring) {
       farthest = std::max(farthest, run.observe("m.position.x"));
     }
     EXPECT_NEAR(farthest, impact / omega, 2e-3 * farthest);
-    // The control: a wall in the mass's place would have sent the ball back with its whole speed.
+    // The control: a wall in the mass's place would have sent the ball back at its full speed.
     EXPECT_GT(std::abs(after1 + v), 0.5);
   }
 }
 
-// Balls that bounce on each other under gravity keep their energy: each touch is answered at its own time.
+// Balls that bounce on each other under gravity conserve their energy: each touch is answered at its own
+// time.
 TEST(CouplingValidation, ElasticBouncesUnderGravityKeepTheEnergy) {
   SceneRun run(R"({"time": {"dt": 0.01}, "systems": [
       {"type": "mass_spring", "id": "floor", "mesh": {"vertices": [[-5, 0, -5], [5, 0, -5], [0, 0, 5]],
@@ -122,8 +123,8 @@ TEST(CouplingValidation, ElasticBouncesUnderGravityKeepTheEnergy) {
     run.session.step(1);
     worst = std::max(worst, std::abs(run.observe("ball.energy.total") - before));
   }
-  // Some 22 bounces on parabolas that are exact; the place of a touch is known to a thousandth of the radii,
-  // 1e-4 m, either way.
+  // Some 22 bounces on exact parabolas; the position of a touch is known to a thousandth of the radii, 1e-4
+  // m, either way.
   EXPECT_LT(worst, 22 * 1e-4 * 9.81);
 }
 

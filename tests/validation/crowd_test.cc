@@ -1,5 +1,5 @@
-// Crowds beside what is published of them: people who change places on a circle, lanes of opposite streams,
-// and a room that is left by one door (Helbing, Farkas, Vicsek 2000, Nature 407:487).
+// Crowds against published results: people who change places on a circle, lanes of opposite streams, and a
+// room that is left through one door (Helbing, Farkas, Vicsek 2000, Nature 407:487).
 #include <cmath>
 
 #include "tests/unit/crowd_rig.h"
@@ -15,7 +15,7 @@ struct Swap {
   double smallest = HUGE_VAL, arrived = 0;
 };
 
-/// A hundred on a circle of 12 m who make for the opposite place.
+/// A hundred people on a circle of 12 m who head for the opposite point.
 Swap swap_places(const CrowdDef& model, double seconds) {
   CrowdDef d = model;
   d.groups.resize(1);
@@ -42,7 +42,7 @@ TEST(CrowdValidation, AHundredChangePlacesAndNobodyTouchesAnybody) {
   EXPECT_EQ(s.arrived, 100);
   // Nobody takes more than half of a gap in a step: what remains is rounding of velocities (1e-10 m/s).
   EXPECT_GT(s.smallest, -1e-9);
-  // Control: social forces let those in the middle press each other.
+  // Control: social forces let people in the middle be compressed.
   d.model = Model::social_force;
   EXPECT_LT(swap_places(d, 30).smallest, -1e-3);
 }
@@ -60,7 +60,7 @@ TEST(CrowdValidation, NobodyOverlapsByAgreementWhateverTheStep) {
       run.step(), smallest = std::min(smallest, run.observe("separation.smallest"));
     }
     EXPECT_GT(smallest, -1e-9) << h;
-    // They do come together: the bound is reached.
+    // They do come close: the bound is reached.
     EXPECT_LT(smallest, 1e-3) << h;
   }
 }
@@ -91,13 +91,13 @@ std::array<double, 2> lanes(const CrowdDef& d) {
 
 TEST(CrowdValidation, OppositeStreamsFormLanes) {
   const auto [start, end] = lanes(corridor());
-  // At random each strip of 0.8 m of the 7.2 m holds 13 of 120: the mean square of the share that goes one
-  // way more often is 1 / 13 = 0.08, and the mean over 360 people, of some 27 strips, has a standard error of
-  // 0.02.
+  // In a random arrangement each strip of 0.8 m of the 7.2 m holds 13 of 120 people: the mean square of the
+  // excess fraction in one direction is 1 / 13 = 0.08, and the mean over 360 people, of some 27 strips, has a
+  // standard error of 0.02.
   EXPECT_NEAR(start, 0.08, 0.06);
-  // Lanes of people of one direction alone would give 1; those beside another lane see some of it.
+  // Perfect lanes would give 1; people beside another lane see some of it.
   EXPECT_GT(end, 0.7);
-  // Control: who feels nobody mixes for ever.
+  // Control: people who do not react to each other mix forever.
   CrowdDef ghosts = corridor();
   ghosts.repulsion = ghosts.body_stiffness = ghosts.sliding_friction = 0;
   EXPECT_NEAR(lanes(ghosts)[1], 0.08, 0.06);
@@ -119,7 +119,7 @@ CrowdDef room(double speed) {
   return d;
 }
 
-/// People a second through the door until `most` have left.
+/// People per second through the door until `most` have left.
 double flow(const CrowdDef& d, double most) {
   CrowdRun run(d);
   for (int k = 0; k < 60 * 330 && run.state.f64(Columns::doors)[0] < most; ++k) run.step();
@@ -127,9 +127,9 @@ double flow(const CrowdDef& d, double most) {
 }
 
 TEST(CrowdValidation, TheFlowThroughADoorAtEase) {
-  // Published: 0.73 people a second at 0.8 m/s through a door that is effectively 1 m wide, to which the
-  // parameters were fitted. Starts of other seeds differ by 3 % (0.79 to 0.82); what "effectively" takes off
-  // the width is not said, and a clear width that is 0.1 m less is worth a quarter of the flow.
+  // Published: 0.73 people per second at 0.8 m/s through a door that is effectively 1 m wide, to which the
+  // parameters were fitted. Starts with other seeds differ by 3 % (0.79 to 0.82); what "effectively"
+  // subtracts from the width is not stated, and a clear width smaller by 0.1 m changes the flow by a quarter.
   EXPECT_NEAR(flow(room(0.8), 199), 0.73, 0.2 * 0.73);
   // Control: a door twice as wide.
   CrowdDef wide = room(0.8);
@@ -146,11 +146,11 @@ TEST(CrowdValidation, ThoseWhoAgreeLeaveTooAndNobodyIsTouched) {
     run.step();
     if (k % 10 == 0) smallest = std::min(smallest, run.observe("separation.smallest"));
   }
-  // Discs without friction come through about as fast as people with it: three starts give 1.1 to 1.3 a
-  // second.
+  // Discs without friction pass about as fast as people with it: three starts give 1.1 to 1.3 per second.
   EXPECT_GT(run.observe("door.exit.flow"), 0.8);
   EXPECT_GT(smallest, -1e-9);
-  // Control: who looks ahead for everybody around and stays off walls by half a second blocks the door.
+  // Control: with anticipation of everybody around, and half a second's distance from walls, they block the
+  // door.
   d.max_neighbours = 24, d.wall_horizon = 0.5;
   CrowdRun stuck(d);
   stuck.step(60 * 40);
@@ -159,10 +159,10 @@ TEST(CrowdValidation, ThoseWhoAgreeLeaveTooAndNobodyIsTouched) {
 
 TEST(CrowdValidation, FasterIsSlowerAtADoor) {
   const double calm = flow(room(0.8), 60), best = flow(room(1.5), 60), hasty = flow(room(4), 60);
-  // Figure 1 c: those who want to walk at 1.5 m/s are out first, faster ones press and rub.
+  // Figure 1 c: those who want to walk at 1.5 m/s are out first; faster ones press and rub.
   EXPECT_GT(best, 1.1 * calm);
   EXPECT_GT(best, 1.2 * hasty);
-  // Control: without friction whoever pushes harder is out sooner.
+  // Control: without friction those who push harder are out sooner.
   CrowdDef smooth = room(4);
   smooth.sliding_friction = 0;
   EXPECT_GT(flow(smooth, 60), best);

@@ -1,5 +1,5 @@
-// Channels of an animation that set whole lists of parameters and move bodies: every kind of interpolation,
-// component by component, and turns by slerp.
+// Animation channels that set whole lists of parameters and move bodies: every kind of interpolation,
+// component by component, and rotations by slerp.
 #include <cmath>
 
 #include "engine/core/body_port.h"
@@ -17,8 +17,7 @@ std::string swinging(const std::string& channels, const std::string& coupling) {
 }
 
 TEST(Drive, AVectorSetsNumbersAndVectorsByEveryInterpolation) {
-  // Five numbers through three keys, into a number, a vector and a number; each as a control of its own would
-  // be.
+  // Five numbers through three keys, into a number, a vector and a number; each also as a control of its own.
   const double times[] = {0, 0.4, 1};
   const double values[3][5] = {{0.1, 1, -2, 3, 0.5}, {0.9, -1, 4, 0, 0.2}, {0.3, 2, 0, -5, 0.8}};
   std::string list;
@@ -43,7 +42,7 @@ TEST(Drive, AVectorSetsNumbersAndVectorsByEveryInterpolation) {
       run.session.step(1);
       if (step % 17 != 0) continue;
       for (int k = 0; k < 5; ++k) {
-        // The coupling has the values at the step's start; the controls are those of then.
+        // The coupling has the values at the step's start; the controls are compared at that time.
         const WorldState before = run.session.state_at(static_cast<uint64_t>(step - 1));
         const State& keys = before.systems[0];
         ASSERT_NEAR(run.observe("d.value." + std::to_string(k)),
@@ -67,7 +66,7 @@ TEST(Drive, APathSetsAVectorAndExpressionsSeeVectors) {
   EXPECT_NEAR(run.observe("d.value.1"), -7, 1e-12);
   EXPECT_NEAR(run.observe("d.value.2"), 3, 1e-12);
   EXPECT_NEAR(run.observe("keys.control.both"), 11 + 12 * 0.51, 1e-12);
-  // It falls in what it is told: v = integral of g, by sums at the steps' starts.
+  // It falls under the prescribed gravity: v = integral of g, by sums at the steps' starts.
   double vx = 0, vy = 0;
   for (int k = 0; k < 51; ++k) vx += 0.01 * 2 * 0.01 * k, vy += 0.01 * (-10 + 6 * 0.01 * k);
   const State& dust = run.session.state().systems[1];
@@ -101,7 +100,7 @@ TEST(Drive, APathAndATurnMoveABody) {
       run.session.step(1);
       const double t = 0.005 * k, angle = 1.5707963267948966 * t;
       const BodyMotion now = body();
-      // Half a metre above the frame's origin, turning with it: closed form of a linear path and a slerp.
+      // Half a metre above the frame's origin, rotating with it: closed form of a linear path and a slerp.
       const Vec3 want = Vec3{2 * t, 1 + 2 * t, 0} + Vec3{-0.5 * std::sin(angle), 0.5 * std::cos(angle), 0};
       ASSERT_LT(norm(now.place - want), 1e-12) << motion << k;
       const Quat turned = normalized(now.orientation * animation::conjugate(start.orientation));

@@ -10,7 +10,7 @@ namespace {
 
 using testing_rig::FemRun;
 
-// A stiff block that rests on a floor while gravity leans by an angle.
+// A stiff block that rests on a floor under gravity tilted by an angle.
 FemDef block(double friction) {
   FemDef d;
   d.block = SoftBlockShape{{-0.2, 2e-4, -0.2}, {0.4, 0.1, 0.4}, 4, 1, 4};
@@ -35,12 +35,13 @@ TEST(FemBarrierFriction, ABlockOnASlopeSticksOrSlides) {
   for (const double degrees : {20.0, 35.0}) {
     const double a = degrees * 3.14159265358979 / 180;
     FemRun run(block(kMu), kDt, {kG * std::sin(a), -kG * std::cos(a), 0});
-    // It is let go a little above its rest, and has come to it by then.
+    // It is released slightly above its rest, and has reached it by then.
     run.seconds(0.3);
     const double v = speed(run), x = middle(run);
     run.seconds(0.3);
     const double gain = 0.3 * std::max(0.0, kG * (std::sin(a) - kMu * std::cos(a)));
-    // What sticks creeps by at most the slip that friction is smooth over, 1e-3 of the body's size a second.
+    // A sticking block creeps at most at the slip speed of the smoothed friction, 1e-3 of the body's size per
+    // second.
     EXPECT_NEAR(speed(run) - v, gain, 0.005 * gain + 1e-3 * 0.58) << degrees;
     EXPECT_NEAR(gain == 0 ? middle(run) - x : 0, 0, 1e-3 * 0.58 * 0.3);
   }
@@ -53,8 +54,8 @@ TEST(FemBarrierFriction, ABlockOnASlopeSticksOrSlides) {
   EXPECT_NEAR(speed(ice) - v, 0.3 * kG * std::sin(a), 1e-6);
 }
 
-// Two cubes collide in empty space, with friction: what one loses the other gets. What is left out of balance
-// when Newton's method ends is all that can differ.
+// Two cubes collide in empty space, with friction: what one loses the other gains. Only the imbalance left by
+// Newton's method can differ.
 TEST(FemBarrierFriction, BodiesThatCollideKeepTheirMomentum) {
   FemDef d;
   d.block = SoftBlockShape{{-0.1, -0.1, -0.1}, {0.2, 0.2, 0.2}, 2, 2, 2};
@@ -71,11 +72,12 @@ TEST(FemBarrierFriction, BodiesThatCollideKeepTheirMomentum) {
   EXPECT_NEAR(run.observe("momentum.x"), before, 1e-6 * before);
   EXPECT_NEAR(run.observe("momentum.y"), 0, 1e-6 * before);
   EXPECT_NEAR(run.observe("momentum.z"), 0, 1e-6 * before);
-  // And they did meet: a cube that flew on would have kept its energy.
+  // And they did collide: a cube that flew on would have kept its energy.
   EXPECT_LT(run.observe("energy.kinetic"), 0.9 * kinetic);
 }
 
-// The weight of a block on the floor is what the barrier carries: gravity over the reaction's elastic rest.
+// The weight of a block on the floor is carried by the barrier: gravity against the elastic remainder of the
+// reaction.
 TEST(FemBarrierFriction, WhatRestsIsCarried) {
   FemDef d = block(0.5);
   d.damping = 20;
@@ -84,7 +86,7 @@ TEST(FemBarrierFriction, WhatRestsIsCarried) {
   EXPECT_LT(run.observe("energy.kinetic"), 1e-9);
   EXPECT_GT(run.observe("contact.gap"), 0);
   EXPECT_LT(run.observe("contact.gap"), 5e-4);
-  // It neither hangs in the air nor has it sunk in: all nodes of the bottom are within the reach.
+  // It neither hovers nor has it sunk in: all nodes of the bottom are within reach.
   EXPECT_GE(run.observe("contact.pairs"), 25);
 }
 

@@ -1,5 +1,5 @@
-// Incompatible modes of hex8 and quad4 (kernels/fem/relaxed_cell.h): forces are slopes of the energy, affine
-// maps leave the modes alone whatever the element's form (the patch test), beams bend. Costs 1 s.
+// Incompatible modes of hex8 and quad4 (kernels/fem/relaxed_cell.h): forces are gradients of the energy,
+// affine maps leave the modes at zero whatever the element's shape (the patch test), beams bend. Costs 1 s.
 #include <cmath>
 
 #include "engine/kernels/fem/cell.h"
@@ -11,7 +11,7 @@ namespace {
 using namespace fem;
 using testing_rig::FemRun;
 
-/// One element with every corner moved.
+/// One element with every corner displaced.
 FemDef crooked(Cell cell, Law law, Incompatible modes) {
   FemDef d;
   d.mesh = CellsShape{};
@@ -98,7 +98,7 @@ TEST(FemIncompatible, AffineMapsLeaveTheModesAlone) {
       EXPECT_NEAR(with.forces(f), without.forces(g), 1e-12 * 100);
       for (size_t a = 0; a < f.size(); ++a)
         EXPECT_LT(norm(f[a] - g[a]), 1e-11 * 100) << static_cast<int>(law);
-      // Control: bent, it gives way.
+      // Control: bent, the modes are active.
       for (Vec3& p : with.x) p.y += 0.2 * p.x * p.y;
       without.x = with.x;
       EXPECT_LT(with.forces(f), 0.999 * without.forces(g));
@@ -119,8 +119,8 @@ double tip(Cell cell, Incompatible modes, int across) {
 }
 
 TEST(FemIncompatible, ABeamBendsAsMuchAsItShould) {
-  // P L^3 / 3 E I + P L / k G A with k = 10 (1 + nu) / (12 + 11 nu); its clamped end, where sections may not
-  // swell, is stiffer by some thousandths. Bounds were set after a run (1.3 % with two cells across).
+  // P L^3 / 3 E I + P L / k G A with k = 10 (1 + nu) / (12 + 11 nu); its clamped end, where sections cannot
+  // expand, is stiffer by some thousandths. Bounds were set after a run (1.3 % with two cells across).
   const double bend = 100 * 1000 / (3 * 1e7 / 12), k = 13.0 / 15.3, shear = 100 * 10 / (k * 1e7 / 2.6),
                way = bend + shear;
   EXPECT_NEAR(tip(Cell::hex8, Incompatible::wilson, 1), way, 0.03 * way);

@@ -1,5 +1,4 @@
-// Moving bodies of finite elements: frequencies, conservation, recovery of what was crushed or turned inside
-// out.
+// Moving finite element bodies: frequencies, conservation, recovery of crushed or inverted elements.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -44,7 +43,7 @@ TEST(FemMotion, AStripHasTheFrequenciesOfABeam) {
   EXPECT_GT(std::abs(free[3] / held[0] - 1), 1);
 }
 
-// What is observed as a frequency is what the body swings with.
+// The frequency observed is the one with which the body oscillates.
 TEST(FemMotion, ABarSwingsWithItsFrequency) {
   FemDef d;
   d.block = SoftBlockShape{.size = {1, 0.2, 0.2}, .cells_x = 10, .cells_y = 2, .cells_z = 2};
@@ -52,7 +51,7 @@ TEST(FemMotion, ABarSwingsWithItsFrequency) {
   d.pinned = {"x0"}, d.modes = 1, d.integrator = "newmark";
   FemRun run(d, 5e-3);
   const double f = run.system->frequencies()[0];
-  // A small push along the first mode: the static shape of a tip load is near it.
+  // A small push along the first mode, which the static shape under a tip load approximates.
   for (size_t i = 0; i < run.system->body().mesh.x.size(); ++i) {
     const double x = run.system->body().mesh.x[i].x;
     run.state.f64(FemColumns::velocity)[3 * i + 1] = 1e-3 * x * x * (3 - x);
@@ -69,12 +68,13 @@ TEST(FemMotion, ABarSwingsWithItsFrequency) {
   }
   ASSERT_GE(crossings.size(), 3u);
   const double period = (crossings.back() - crossings.front()) / static_cast<double>(crossings.size() - 1);
-  // Newmark's period error is (omega h)^2 / 12, 2e-4 here; other modes move a crossing by their share of 1 %.
+  // Newmark's period error is (omega h)^2 / 12, 2e-4 here; other modes shift a crossing by their share of 1
+  // %.
   EXPECT_NEAR(1 / period, f, 0.01 * f);
 }
 
-// Crushed to 5 % of its height, and let go: every law but St. Venant and Kirchhoff's, which has no strength
-// there, brings it back, whatever the element.
+// Crushed to 5 % of its height and released: every law except St. Venant-Kirchhoff's, which has no strength
+// there, restores it, whatever the element.
 TEST(FemMotion, ACrushedCubeReturnsToItsShape) {
   for (const Law law : {Law::corotated, Law::neo_hookean, Law::stable_neo_hookean, Law::mooney_rivlin}) {
     for (const Cell cell : {Cell::tet4, Cell::hex8, Cell::tet10}) {
@@ -108,15 +108,15 @@ TEST(FemMotion, ACubeFallsAndRestsOnThePlane) {
   }
   EXPECT_GT(lowest, 0.01 - 1e-9);
   EXPECT_LT(run.observe("energy.kinetic"), 1e-3);
-  // It stands, and not in the air.
+  // It stands, and does not hover.
   double bottom = 1;
   for (size_t i = 0; i < run.system->body().mesh.x.size(); ++i) bottom = std::min(bottom, run.position(i).y);
   EXPECT_NEAR(bottom, 0.01, 1e-6);
 }
 
-// Nothing from outside acts on a body that is thrown turning: its momenta stay, by central differences
-// (velocity Verlet) and the midpoint rule to rounding; the energy stays by the midpoint rule within its
-// swing, and implicit Euler only loses it.
+// No external forces act on a body thrown with a spin: its momenta are conserved to rounding by central
+// differences (velocity Verlet) and the midpoint rule; the energy is conserved by the midpoint rule within
+// its oscillation, and implicit Euler only loses it.
 TEST(FemMotion, AFreeBodyKeepsItsMomenta) {
   for (const char* method : {"velocity_verlet", "implicit_midpoint", "implicit_euler"}) {
     FemDef d = cube(Law::stable_neo_hookean, 2, Cell::hex8);
@@ -138,7 +138,7 @@ TEST(FemMotion, AFreeBodyKeepsItsMomenta) {
     const bool euler = std::string_view(method) == "implicit_euler";
     for (int k = 0; k < 3; ++k) {
       EXPECT_NEAR(run.observe(std::string("momentum.") + axes[k]), linear[k], 1e-8 * 1000) << method;
-      // Implicit Euler turns with the velocity of the step's end: first order.
+      // Implicit Euler rotates with the velocity at the step's end: first order.
       EXPECT_NEAR(run.observe(std::string("angular_momentum.") + axes[k]), angular[k],
                   (euler ? 0.05 : 1e-8) * 1000)
           << method;
@@ -148,7 +148,7 @@ TEST(FemMotion, AFreeBodyKeepsItsMomenta) {
   }
 }
 
-// A side that is moved by an expression is where it says at every step, whatever moves the rest.
+// A side moved by an expression is where the expression says at every step, whatever moves the rest.
 TEST(FemMotion, AMovedSideIsWhereItsExpressionSays) {
   FemDef d = cube(Law::corotated, 3, Cell::hex8);
   d.pinned = {"bottom"};
@@ -163,7 +163,7 @@ TEST(FemMotion, AMovedSideIsWhereItsExpressionSays) {
     EXPECT_EQ(run.displacement(run.node_at({0, 0, 0})), Vec3{});
     reach = std::max(reach, run.displacement(middle).x);
   }
-  // The rest follows: about two thirds of the side's way, and in its direction.
+  // The rest follows: about two thirds of the side's displacement, and in its direction.
   EXPECT_GT(reach, 0.05);
   EXPECT_LT(reach, 0.1);
 }

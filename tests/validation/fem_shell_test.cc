@@ -26,7 +26,7 @@ double rigidity(const FemDef& d) {
 /// Deflection of a square plate's middle over q a^4 / D.
 double plate(int cells, bool clamped, double skew) {
   FemDef d = shell(0.01, 0.3);
-  // Cells that differ: the middle stays, so that a node is there.
+  // Unequal cells: the middle stays in place, so that a node is there.
   d.quad = QuadShape{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, cells, cells};
   if (skew > 0) {
     d.quad.reset();
@@ -35,7 +35,7 @@ double plate(int cells, bool clamped, double skew) {
     for (int j = 0; j <= cells; ++j) {
       for (int i = 0; i <= cells; ++i) {
         const double u = static_cast<double>(i) / cells, v = static_cast<double>(j) / cells;
-        // As far of a cell on every mesh.
+        // The same fraction of a cell on every mesh.
         const double bump = skew * 8 / cells * u * (1 - u) * v * (1 - v) * (i % 2 == j % 3 % 2 ? 1 : -1);
         const bool middle = 2 * i == cells && 2 * j == cells;
         d.mesh->vertices.push_back({u + (middle ? 0 : bump), v - (middle ? 0 : bump), 0});
@@ -49,8 +49,8 @@ double plate(int cells, bool clamped, double skew) {
     }
   }
   (clamped ? d.clamped : d.pinned) = {"border"};
-  // Pa: the plate moves by some thousandths of its thickness, which makes it stiffer by the square of that,
-  // and far enough for its forces to stand out of the rounding of its stiffness in the plane.
+  // Pa: the plate deflects by some thousandths of its thickness, which stiffens it by the square of that, and
+  // far enough for its forces to exceed the rounding of its in-plane stiffness.
   constexpr double kLoad = 1;
   LoadDef load;
   load.on = "all", load.z = "1";
@@ -93,8 +93,9 @@ TEST(FemShell, AStripIsAnElastica) {
 }
 
 TEST(FemShell, TheRoofOfScordelisAndLo) {
-  // R = L / 2 = 25, 40 degrees to either side, t = 0.25, E = 4.32e8, nu = 0, 90 an area; the middle of the
-  // free side sinks by 0.3024 (MacNeal, Harder 1985). A thousandth of the load, so that it stays linear.
+  // R = L / 2 = 25, 40 degrees to either side, t = 0.25, E = 4.32e8, nu = 0, a load of 90 per area; the
+  // middle of the free side sinks by 0.3024 (MacNeal, Harder 1985). A thousandth of the load, so that it
+  // stays linear.
   constexpr int kCells = 16;
   FemDef d = shell(0.25, 0);
   d.youngs_modulus = 4.32e8;

@@ -1,5 +1,5 @@
-// Bodies of finite elements in equilibrium against closed forms and reference values of the literature. Each
-// tolerance is that of the discretisation at hand, unless said otherwise.
+// Finite element bodies in equilibrium against closed forms and reference values of the literature. Each
+// tolerance is that of the discretization at hand, unless stated otherwise.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,7 +22,7 @@ FemDef still(Law law, double e, double nu) {
 constexpr Cell kPlaneCells[] = {Cell::tri3, Cell::tri6, Cell::quad4, Cell::quad9};
 constexpr Cell kSolidCells[] = {Cell::tet4, Cell::tet10, Cell::hex8, Cell::hex27};
 
-// A lattice whose inner corners are shaken, as a mesh.
+// A lattice with displaced inner corners, as a mesh.
 CellsShape shaken(Cell cell) {
   FemDef d;
   const bool plane = element_of(kind_of(cell)).dimension == 2;
@@ -46,7 +46,8 @@ CellsShape shaken(Cell cell) {
   return out;
 }
 
-// fem.patch: what is affine on the border is affine inside, for any element, any law, any mesh.
+// fem.patch: displacements that are affine on the boundary are affine inside, for any element, any law, any
+// mesh.
 TEST(FemStatic, AffineDisplacementsAreExactOnIrregularMeshes) {
   for (const auto& cells : {kPlaneCells, kSolidCells}) {
     for (size_t c = 0; c < 4; ++c) {
@@ -67,7 +68,8 @@ TEST(FemStatic, AffineDisplacementsAreExactOnIrregularMeshes) {
           worst = std::max(worst, norm(run.displacement(i) - want));
         }
         EXPECT_LT(worst, 1e-10) << element_of(kind_of(cell)).name << ' ' << static_cast<int>(law);
-        // The control: a quadratic one is not, where sums of the border's values are not what is inside.
+        // The control: quadratic ones are not, where interpolating boundary values does not give the
+        // interior.
         d.holds[0].x = "0.5*X*X*Y";
         FemRun other(d);
         other.step();
@@ -172,8 +174,8 @@ TEST(FemStatic, CooksMembraneOfRubberIsThatOfTheLiterature) {
   EXPECT_GT(std::abs(control.displacement_at({48, 60, 0}).y - 6.10023), 0.05);
 }
 
-// Nearly incompressible, nu = 0.4999: with the mean volume linear elements converge, without they are far too
-// stiff at every number of cells.
+// Nearly incompressible, nu = 0.4999: with the mean volume linear elements converge; without it they are far
+// too stiff for any number of cells.
 TEST(FemStatic, NearlyIncompressibleBodiesDoNotLock) {
   const auto tip = [](Cell cell, Volume volume, int cells) {
     FemDef d = cook(Law::neo_hookean, 240.565, 0.4999, 100, cells, cell);
@@ -192,8 +194,8 @@ TEST(FemStatic, NearlyIncompressibleBodiesDoNotLock) {
   EXPECT_LT(tip(Cell::quad4, Volume::pointwise, 16), 0.8 * fine);
 }
 
-// fem.timoshenko: P = 1000, L = 48, D = 12, E = 3e7, nu = 0.3; root displaced and end loaded as the solution
-// says, which quadratic elements then approach to 0.1 %.
+// fem.timoshenko: P = 1000, L = 48, D = 12, E = 3e7, nu = 0.3; root displaced and end loaded as in the
+// solution, which quadratic elements then approximate to 0.1 %.
 TEST(FemStatic, TimoshenkosCantileverBendsAsItsSolution) {
   FemDef d = still(Law::linear, 3e7, 0.3);
   d.quad = QuadShape{{{0, -6, 0}, {48, -6, 0}, {48, 6, 0}, {0, 6, 0}}, 24, 6};
@@ -250,7 +252,7 @@ TEST(FemStatic, TureksBarBendsAsPublished) {
   }
 }
 
-// fem.torsion: a square bar whose ends turn in their planes and warp freely; torque from the energy.
+// fem.torsion: a square bar whose ends rotate in their planes and warp freely; torque from the energy.
 TEST(FemStatic, ASquareBarTwistsAsSaintVenantSays) {
   FemDef d = still(Law::linear, 2.6, 0.3);  // G = 1
   d.block =
@@ -270,8 +272,8 @@ TEST(FemStatic, ASquareBarTwistsAsSaintVenantSays) {
   EXPECT_GT(control.observe("energy.elastic") * 4 / 1e-4, 0.1405 * 1.02);
 }
 
-// fem.bisshopp_drucker: the elastica under a dead load at its tip. A strip of length 100 times its height
-// lengthens and shears little: by (h/L)^2 = 1e-4 times the order of 1.
+// fem.bisshopp_drucker: the elastica under a dead load at its tip. A strip 100 times as long as high has
+// little extension and shear: (h/L)^2 = 1e-4 times the order of 1.
 TEST(FemStatic, ASlenderStripIsTheElastica) {
   constexpr double kH = 0.01, kE = 1.2e7;  // E I = 1 for a thickness of 1
   for (const auto& [alpha, down, across] : {std::array{1., 0.3017207737998135, 0.05643323628337688},

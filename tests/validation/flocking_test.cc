@@ -1,5 +1,5 @@
-// Flocks beside closed forms: Cucker and Smale with constant influence (reference case
-// particles.cucker_smale_const), and Vicsek's order parameter where everybody sees everybody.
+// Flocks against closed forms: Cucker and Smale with constant influence (reference case
+// particles.cucker_smale_const), and Vicsek's order parameter when everybody sees everybody.
 #include <cmath>
 
 #include "tests/unit/flocking_rig.h"
@@ -94,9 +94,9 @@ double order_at_density_4(int64_t n, double noise) {
 }
 
 TEST(FlockingValidation, VicseksTransitionDependsOnTheNumberAsPublished) {
-  // Below the transition (published: at a noise of 2.9 +- 0.05 for many) the order is that of 1,000s and of
-  // 40 alike, close below the s of aligned headings, from which slow waves of direction take a little: at
-  // most a hundredth here.
+  // Below the transition (published: at a noise of 2.9 +- 0.05 for many) the order is the same for thousands
+  // and for 40, slightly below the s of aligned headings, from which slow waves of direction subtract a
+  // little: at most a hundredth here.
   const double s = std::sin(0.5) / 0.5, few = order_at_density_4(40, 1), many = order_at_density_4(400, 1);
   EXPECT_LT(few, s);
   EXPECT_GT(few, s - 0.01);
@@ -110,9 +110,9 @@ TEST(FlockingValidation, VicseksTransitionDependsOnTheNumberAsPublished) {
 }
 
 TEST(FlockingValidation, CuckerSmalesTwoBodiesHaveAnIntegral) {
-  // Two on a line: v' = -K v / (1 + (r / sigma)^2) with beta = 1, so that v + K sigma atan(r / sigma) stays,
-  // and they come to one velocity just when v(0) is below K sigma (pi / 2 - atan(r(0) / sigma)) (Cucker,
-  // Smale 2007: beyond beta = 1/2 it depends on the start).
+  // Two on a line: v' = -K v / (1 + (r / sigma)^2) with beta = 1, so that v + K sigma atan(r / sigma) is
+  // conserved, and they reach a common velocity exactly if v(0) is below K sigma (pi / 2 - atan(r(0) /
+  // sigma)) (Cucker, Smale 2007: beyond beta = 1/2 it depends on the start).
   const double range = 0.8, r0 = 0.5, k = 1,
                critical = k * range * (1.570796326794897 - std::atan(r0 / range));
   for (const double share : {0.5, 1.25}) {
@@ -133,7 +133,7 @@ TEST(FlockingValidation, CuckerSmalesTwoBodiesHaveAnIntegral) {
       // At rest the rate is K / (1 + tan(0.51)^-2) = 0.24: exp(-47) after 200 s.
       EXPECT_LT(std::abs(v), 1e-9);
     } else {
-      // What is left beyond K sigma times the angle still to go, about sigma / r.
+      // The excess over K sigma times the remaining angle, about sigma / r.
       EXPECT_NEAR(v, (share - 1) * critical, k * range * range / (run.position(1).x - run.position(0).x));
     }
   }
@@ -157,7 +157,7 @@ TEST(FlockingValidation, CuckerSmaleFlocksAtARateBetweenItsBounds) {
   const double least = 0.7 * std::pow(1 + widest * widest, -0.4);
   EXPECT_GT(rate, least);
   EXPECT_LT(rate, 0.7);
-  // Control: the bounds are apart from what another coupling gives.
+  // Control: the bounds exclude another coupling.
   d.coupling = 0.7 * least / rate * 0.9;
   FlockRun slower(d, 0.02);
   slower.step(500);

@@ -1,5 +1,5 @@
-// Flows on a staggered grid against exact and published solutions: the cavity's spectral columns, Taylor and
-// Green's eddies, Kovasznay's flow, channels that start, a multigrid solve.
+// Flows on a staggered grid against exact and published solutions: the spectral columns of the lid-driven
+// cavity, Taylor-Green vortices, Kovasznay's flow, start-up of channels, a multigrid solve.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -46,7 +46,7 @@ TEST(GridFluid, CavityAtReynolds1000IsTheSpectralOne) {
   run.steps(500);
   const double rms = cavity_rms(run);
   std::printf("  rms %.5f\n", rms);
-  // Second order: 0.011 at 64 cells, 0.0032 at 128; what time has not settled yet is 0.0005 at 50 s.
+  // Second order: 0.011 at 64 cells, 0.0032 at 128; the transient left at 50 s is 0.0005.
   EXPECT_LT(rms, 0.013);
   EXPECT_LT(run.observed("divergence.max"), 1e-10);
   // Control: half the viscosity is another flow.
@@ -110,7 +110,7 @@ TEST(GridFluid, TaylorAndGreensEddiesDecayWithSecondOrder) {
   EXPECT_GT(error(32, GridFluidDef::Stepping::rk3, GridFluidDef::Viscous::explicit_, 0.012), 0.01);
 }
 
-// Carried along at (1, 1/2) m/s, so that convection counts; and in a box that lets slide.
+// Advected at (1, 1/2) m/s, so that convection matters; and in a box with slip walls.
 TEST(GridFluid, DifferencesOfFourthOrderHaveIt) {
   for (const bool slides : {false, true}) {
     const auto error = [&](int64_t cells, GridFluidDef::Order order) {
@@ -177,7 +177,7 @@ TEST(GridFluid, KovasznaysFlowIsOfSecondOrder) {
   EXPECT_GT(error(32, "-0.9"), 5 * b);
 }
 
-// Morris, Fox, Zhu 1997: channels of 1 mm that start, viscosity 1e-6, in mm and units of 1e-5 m/s.
+// Morris, Fox, Zhu 1997: start-up flow in channels of 1 mm, viscosity 1e-6, in mm and units of 1e-5 m/s.
 TEST(GridFluid, ChannelsStartAsTheirSeriesSay) {
   const double times[] = {0.0225, 0.045, 0.1125, 0.225};
   const double couette[] = {2.30276568155e-7, 1.19475164053e-6, 3.62844098707e-6, 5.38628727324e-6};
@@ -199,7 +199,7 @@ TEST(GridFluid, ChannelsStartAsTheirSeriesSay) {
       run.steps(static_cast<uint64_t>(std::lround(times[k] / 0.00225)) - run.done);
       const double u = run.velocity(0, 5e-5, 5e-4), exact = lid ? couette[k] : poiseuille[k];
       std::printf("  %g s: %.4e, exact %.4e\n", times[k], u, exact);
-      // A hundredth of the case's tolerance of 2 % is what 33 cells and ten steps to the first time leave.
+      // 33 cells and ten steps to the first time have an error of a hundredth of the case's tolerance of 2 %.
       EXPECT_NEAR(u, exact, 0.005 * 1.25e-5);
       // Control: the steady value does not pass.
       EXPECT_GT(std::abs((lid ? 6.25e-6 : 1.25e-5) - exact), 0.005 * 1.25e-5);
@@ -224,7 +224,7 @@ TEST(GridFluid, MultigridSolvesCutCellsInEightIterations) {
       const auto out = poisson.solve(b.data(), 1e-6, arena);
       std::printf("  %zu-D, %lld cells: %d iterations, %zu levels\n", dimensions,
                   static_cast<long long>(cells), out.iterations, poisson.levels());
-      // 6 to 7, whatever the number of cells; coarse levels that are too soft beside solids take 10 at 64^3.
+      // 6 to 7 for any number of cells; coarse levels that are too soft beside solids take 10 at 64^3.
       EXPECT_LE(out.iterations, 8);
       EXPECT_LE(out.residual, 1e-6);
     }
@@ -243,12 +243,12 @@ TEST(GridFluid, PathsOfSecondOrderKeepMoreThanThoseOfFirst) {
     return run.observed("energy.kinetic") / 0.25;
   };
   using A = GridFluidDef::Advection;
-  // Nothing takes energy from the exact flow. Central differences keep it to the third order in time.
+  // The exact flow has no dissipation. Central differences conserve its energy to third order in time.
   EXPECT_NEAR(energy(A::central), 1, 1e-3);
   const double first = energy(A::semi_lagrangian), maccormack = energy(A::maccormack),
                bfecc = energy(A::bfecc);
   std::printf("  kept: semi-Lagrangian %.4f, MacCormack %.4f, bfecc %.4f\n", first, maccormack, bfecc);
-  // Projecting after advecting takes h^2 |grad p|^2 / 2 of the energy in every step (Zehnder, Narain,
+  // Projecting after advection removes h^2 |grad p|^2 / 2 of the energy in every step (Zehnder, Narain,
   // Thomaszewski 2018, "An advection-reflection solver for detail-preserving fluid simulation"): exp(-0.1)
   // here.
   EXPECT_LT(first, 0.75);

@@ -1,4 +1,4 @@
-// Obstacles in a flow on a grid: walls of second order, and obstacles that the scene moves.
+// Obstacles in a flow on a grid: second-order walls, and obstacles moved by the scene.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -10,8 +10,8 @@ namespace {
 
 using namespace grid_fluid;
 
-// A cylinder in a stream through a periodic box, and the same cylinder drawn through fluid at rest: drag is
-// the same in every frame that moves evenly.
+// A cylinder in a stream through a periodic box, and the same cylinder dragged through fluid at rest: drag is
+// Galilean invariant.
 double drag_in_periodic_box(int64_t cells, bool moves) {
   GridFluidDef d;
   d.cells = {cells, cells};
@@ -43,7 +43,7 @@ TEST(GridFluidWalls, AMovingObstacleIsAMovingFrame) {
   EXPECT_GT(std::abs(coarse), 2 * std::abs(moved - still)) << "control: the difference is that of the grid";
 }
 
-// A body shaken in a closed box pushes fluid out of its way and none through the walls.
+// A body shaken in a closed box displaces fluid and pushes none through the walls.
 TEST(GridFluidWalls, ABodyShakenInAClosedBoxLeavesNoDivergence) {
   using A = GridFluidDef::Advection;
   for (const A advection : {A::central, A::maccormack}) {

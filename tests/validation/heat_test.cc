@@ -1,5 +1,5 @@
 // Heat conduction against exact solutions: separated modes, manufactured solutions with sides of every kind,
-// the heat kernel; observed order in space and time; what an insulated box keeps.
+// the heat kernel; observed order in space and time; and conservation in an insulated box.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -18,8 +18,8 @@ using lattice::LatticeDef;
 using lattice::SideKind;
 constexpr double kPi = std::numbers::pi;
 
-// Slopes of log error over halvings of the spacing. The next term of the error, h^2 smaller, leaves some
-// hundredths at these spacings; corners between sides of different kinds converge from further away.
+// Slopes of log error over halvings of the spacing. The next term of the error, smaller by h^2, leaves some
+// hundredths at these spacings; corners between sides of different kinds converge later.
 double observed_order(const std::function<double(int cells)>& error, int first) {
   const double a = error(first), b = error(2 * first), c = error(4 * first);
   std::printf("  errors %.3e %.3e %.3e, order %.2f %.2f\n", a, b, c, std::log2(a / b), std::log2(b / c));
@@ -208,7 +208,8 @@ TEST(Heat, TolerancesAreKept) {
       if (first == 0) first = last;
       std::printf("%-10s tolerance %.0e error %.2e, %g evaluations\n", method, tolerance, last,
                   run.observed("integrator.rates"));
-      // Steps h with an error of h^(p + 1) = tolerance each add up to tolerance / h; CVODE's order varies.
+      // Steps h with an error of h^(p + 1) = tolerance each accumulate to tolerance / h; CVODE's order
+      // varies.
       EXPECT_LT(last, 10 * std::max(tolerance, 0.1 * std::pow(tolerance, order / (order + 1)))) << method;
     }
     EXPECT_LT(last, first / 30) << method;
@@ -271,7 +272,7 @@ TEST(Heat, AnInsulatedBoxKeepsItsHeat) {
       FieldRun run(d, 2e-4);
       const double before = run.observed("energy.thermal");
       run.steps(50);
-      // Multigrid leaves 1e-10 of the residual; all others round.
+      // Multigrid leaves 1e-10 of the residual; all others only round.
       EXPECT_NEAR(run.observed("energy.thermal") / before, 1, 1e-11) << method;
       EXPECT_LT(run.observed("value.max"), 0.99);
     }

@@ -41,7 +41,7 @@ TEST(HeightfieldWave, StandingWavesSwingAtTheLinearPeriodWithSecondOrder) {
 struct Stoker {
   double left = 1, right = 0.1, middle = 0, speed = 0, bore = 0;
   Stoker() {
-    // The bore's jump gives the speed behind it, the fan the depth that belongs to that.
+    // The bore's jump condition gives the speed behind it, the fan the depth for that speed.
     const auto behind = [&](double h) {
       return (h - right) * std::sqrt(0.5 * kG * (h + right) / (h * right));
     };
@@ -90,7 +90,7 @@ TEST(HeightfieldWave, ADamBreaksAsStokerAndRitterSay) {
   const double a = dam_error(100, 0.1, wet, nullptr), b = dam_error(400, 0.1, wet, nullptr);
   std::printf("  Stoker: middle %.4f m, bore %.4f m/s, mean error %.2e %.2e, order %.2f\n", stoker.middle,
               stoker.bore, a, b, 0.5 * std::log2(a / b));
-  // A bore lies across one or two cells: 0.3 m high, 25 mm a cell in 10 m, and the fan's corners.
+  // A bore is one or two cells wide: 0.3 m high, 25 mm per cell in 10 m, plus the fan's corners.
   EXPECT_LT(b, 2e-3);
   EXPECT_NEAR(0.5 * std::log2(a / b), 1, 0.25);
   // Control: the same water with a bore that is 2 % too slow.
@@ -113,7 +113,7 @@ TEST(HeightfieldWave, ADamBreaksAsStokerAndRitterSay) {
 }
 
 // Thacker 1981, "Some exact solutions to the nonlinear shallow-water wave equations", section 4: a plane
-// surface turns round in the bowl z = 0.1 (r^2 - 1) with w^2 = 2 g 0.1; the shore runs over dry ground.
+// surface rotates in the bowl z = 0.1 (r^2 - 1) with w^2 = 2 g 0.1; the shoreline runs over dry ground.
 TEST(HeightfieldWave, APlaneSurfaceTurnsRoundInThackersBowl) {
   const double w = std::sqrt(2 * kG * 0.1), period = 2 * kPi / w;
   const auto run_of = [&](int64_t cells, const char* swing) {
@@ -143,7 +143,7 @@ TEST(HeightfieldWave, APlaneSurfaceTurnsRoundInThackersBowl) {
   std::printf("  mean error %.2e %.2e m, order %.2f\n", a, b, std::log2(a / b));
   EXPECT_LT(b, 2e-4);  // of a depth of 0.1 m; the shore's cells are of first order
   EXPECT_GT(std::log2(a / b), 1);
-  // Control: turned two hundredths further.
+  // Control: rotated by two hundredths more.
   EXPECT_GT(run_of(100, "1.02"), 2e-4);
 }
 

@@ -1,4 +1,4 @@
-// A box that is held in still water, given as a box and as a mesh of triangles: the same pressure on it.
+// A box held in still water, given as a box and as a mesh of triangles: the pressure on both is the same.
 #include <cmath>
 
 #include "engine/geometry/solid.h"
@@ -18,8 +18,7 @@ Solid mesh_of_box(const Vec3& half) {
                         2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5});
 }
 
-/// N, mean over half a second of what still water lifts a box of a tenth of a metre with that is held
-/// in it.
+/// N, mean buoyancy over half a second of a box of a tenth of a metre held in still water.
 double lift(const Solid& solid) {
   sph::SphDef d;
   d.high = {0.4, 0.4, 0.4}, d.spacing = 0.025;
@@ -35,8 +34,8 @@ double lift(const Solid& solid) {
   return sum / (30 * run.h);
 }
 
-// Case fluid.hydrostatic on a body: its 2 % of the weight of the water that the box displaces, and meshes
-// within 1 % of the box, whose particles have other neighbours' rounding after a second.
+// Case fluid.hydrostatic on a body: the case's 2 % of the weight of the displaced water, and meshes within 1
+// % of the box, whose particles see other rounding after a second.
 TEST(ImmersionMesh, StillWaterPressesOnAMeshAsOnABox) {
   const Vec3 half{0.05, 0.05, 0.05};
   const double weight = 9.81 * 1000 * 1e-3;

@@ -1,4 +1,4 @@
-// Bodies in water against Archimedes, the added mass of a ball, and the sums that both share.
+// Bodies in water against Archimedes, the added mass of a ball, and the totals that both share.
 #include <cmath>
 
 #include "tests/support/immersed_scenes.h"
@@ -8,7 +8,7 @@ namespace {
 
 using namespace testing_coupled;
 
-/// m, how deep a crate 0.12 m high of this density lies in the water after 2 s, mean over the last one.
+/// m, draft of a crate 0.12 m high of this density after 2 s, mean over the last one.
 double draft(double density, const std::string& solver) {
   Bath bath;
   bath.body =
@@ -22,15 +22,15 @@ double draft(double density, const std::string& solver) {
     run.session.step(1);
     if (k >= 60) height += body_height(run) / 60;
   }
-  // The water keeps its volume: what the crate takes up lifts the level.
+  // The water conserves its volume: what the crate displaces raises the level.
   const double area = 0.36, water = run.observe("water.mass") / 1000;
   // level area - footprint (level - bottom) = water
   const double bottom = height - 0.06, level = (water - 0.04 * bottom) / (area - 0.04);
   return level - bottom;
 }
 
-// Archimedes: the weight of the water it displaces is its own. The water's surface and the body's sides are
-// known to a part of the 25 mm between particles: a fifth is allowed.
+// Archimedes: the weight of the displaced water equals the crate's. The water's surface and the body's sides
+// are known to a fraction of the 25 mm between particles: a fifth is allowed.
 TEST(ImmersionValidation, ACrateFloatsAtItsDepth) {
   for (const char* solver : {"dfsph", "wcsph"}) {
     EXPECT_NEAR(draft(500, solver), 0.06, 0.005) << solver;
@@ -38,7 +38,7 @@ TEST(ImmersionValidation, ACrateFloatsAtItsDepth) {
   EXPECT_GT(std::abs(draft(400, "dfsph") - 0.06), 0.007) << "control: a lighter one";
 }
 
-// The same at 4.8 spacings of draft, to 2 % of it: what is a tenth of a spacing above counts for less.
+// The same at a draft of 4.8 spacings, to 2 % of it: a tenth of a spacing matters less.
 TEST(ImmersionValidation, ALargeCrateFloatsAtItsDepthToTwoPercent) {
   const auto draft_of = [](double density) {
     Bath bath;
@@ -60,9 +60,9 @@ TEST(ImmersionValidation, ALargeCrateFloatsAtItsDepthToTwoPercent) {
 }
 
 // A ball that starts from rest in still water moves half of its displaced water with it (Lamb, Hydrodynamics,
-// section 92); in a concentric shell b times as wide 1/2 (b^3 + 2) / (b^3 - 1) of it. The walls are 3.5 to 4
-// radii away, which is 1.05 to 1.07 of the free ball's. Into the ball pressure goes on with its acceleration
-// along the surface, but across it by weight alone: 15 % at four spacings a radius.
+// section 92); in a concentric shell b times as wide, 1/2 (b^3 + 2) / (b^3 - 1) of it. The walls are 3.5 to 4
+// radii away, which is 1.05 to 1.07 of the free ball's. Into the ball, pressure is extrapolated with the
+// ball's acceleration along the surface, but across it by weight alone: 15 % at four spacings per radius.
 TEST(ImmersionValidation, ABallMovesItsAddedMass) {
   Bath bath;
   bath.size = {0.8, 0.8, 0.8}, bath.depth = 0.8, bath.dt = 1e-3;
@@ -78,7 +78,7 @@ TEST(ImmersionValidation, ABallMovesItsAddedMass) {
   EXPECT_GT(std::abs(moved - 0), 300) << "control: without the water that it moves";
 }
 
-// Every pressure acts on both: across the bath nothing else does.
+// Every pressure acts on both: no other force acts across the bath.
 TEST(ImmersionValidation, WaterAndBodyKeepTheirMomentum) {
   Bath bath;
   bath.size = {0.4, 0.5, 0.4}, bath.depth = 0.2;
@@ -94,7 +94,7 @@ TEST(ImmersionValidation, WaterAndBodyKeepTheirMomentum) {
     };
     const double x = across('x'), z = across('z'), body = run.observe("crates.momentum.x");
     run.session.step(30);
-    // Rounding; of pbf pairs that stand on the kernel's edge at the start, which are in one list of two.
+    // Rounding; for pbf, pairs on the kernel's edge at the start, which are in only one of two lists.
     const double allowed = (std::string(solver) == "pbf" ? 1e-8 : 1e-13) * std::abs(body);
     EXPECT_NEAR(across('x'), x, allowed) << solver;
     EXPECT_NEAR(across('z'), z, allowed) << solver;

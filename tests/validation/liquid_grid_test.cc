@@ -11,7 +11,7 @@ using namespace grid_fluid;
 using A = GridFluidDef::Advection;
 constexpr double kGravity = 9.81;
 
-// A pool whose surface lies anywhere between two centres: the case asks for 1 % of sqrt(g H) and 2 % of the
+// A pool with its surface anywhere between two cell centres: the case demands 1 % of sqrt(g H) and 2 % of the
 // pressure for 60 s.
 TEST(LiquidGrid, AStillPoolStaysStillAndWeighsWhatItDoes) {
   for (const A advection : {A::flip, A::apic}) {
@@ -41,8 +41,8 @@ TEST(LiquidGrid, AStillPoolStaysStillAndWeighsWhatItDoes) {
   EXPECT_NEAR(falling.observed("speed.max"), 0.1 * kGravity, 0.02) << "free fall";
 }
 
-// The first time at which the middle of the water, pushed by the linear wave's velocity, comes back to rest:
-// a quarter of the period (Airy; wavelength 2, depth 1, walls at half a wavelength).
+// The first time at which the middle of the water, started with the linear wave's velocity, comes to rest: a
+// quarter of the period (Airy; wavelength 2, depth 1, walls half a wavelength apart).
 double quarter_period(A advection, int64_t cells) {
   const double spacing = 1.0 / static_cast<double>(cells);
   GridFluidDef d = water(advection, {cells, cells + cells / 2}, spacing);
@@ -69,7 +69,7 @@ TEST(LiquidGrid, AStandingWaveHasItsPeriod) {
   }
 }
 
-// A film on an incline: u = g sin(a) (2 H y - y^2) / (2 nu), by particles on steps of a sixteenth of their
+// A film on an incline: u = g sin(a) (2 H y - y^2) / (2 nu), by particles in steps of a sixteenth of their
 // box.
 double film_flow(double viscosity, double assumed) {
   constexpr double kDepth = 0.5, kAlong = 0.5;
@@ -79,7 +79,7 @@ double film_flow(double viscosity, double assumed) {
   d.sides.y_min = FlowSideDef{SideKind::wall, {}};
   d.bodies = {box_of_liquid({-1, 0, -1}, {2, kDepth, 1})};
   LiquidRun run(d, 0.02, 1, {kAlong, -0.866, 0});
-  // The slowest part of the start, exp(-pi^2 nu t / 4 H^2), is below a thousandth.
+  // The slowest part of the transient, exp(-pi^2 nu t / 4 H^2), is below a thousandth.
   run.steps(static_cast<uint64_t>(3 * kDepth * kDepth / viscosity / 0.02));
   double sum = 0, exact = 0;
   for (size_t i = 0; i < run.places().size() / 3; ++i) {
@@ -91,7 +91,7 @@ double film_flow(double viscosity, double assumed) {
 
 TEST(LiquidGrid, AViscousFilmRunsDownAsFastAsItMust) {
   const double ratio = film_flow(0.05, 0.05);
-  // A third of what a tenth more viscosity makes; set after seeing 6e-4.
+  // A third of the effect of a tenth more viscosity; set after seeing 6e-4.
   EXPECT_NEAR(ratio, 1, 0.03);
   EXPECT_GT(std::abs(film_flow(0.05, 0.055) - 1), 0.03) << "control: a tenth more viscosity";
 }
@@ -115,8 +115,8 @@ TEST(LiquidGrid, ADamBreakRunsAsMeasured) {
       EXPECT_LT(run.observed("energy.total"), 1.001 * last) << "the floor gives nothing";
       last = run.observed("energy.total");
     }
-    // The front of all methods of this house, whatever the resolution, leads the experiment (whose gate takes
-    // its time and whose floor holds water back) by half a width: 0.6 was set after seeing those of sph.
+    // With all methods here, at any resolution, the front leads the experiment (whose gate takes time to open
+    // and whose floor retards the water) by half a width: 0.6 was set after seeing that of sph.
     EXPECT_LT(std::sqrt(squares / 8), 0.6);
     EXPECT_GT(std::sqrt(still / 8), 2) << "control: water that stays";
     EXPECT_EQ(run.observed("mass"), mass);

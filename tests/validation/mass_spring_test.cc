@@ -123,8 +123,8 @@ TEST(MassSpringValidation, HangingChainHasLaguerreFrequencies) {
   }
 }
 
-// The same chain let go: its first swing, excited alone, in time. k = 1e6 stretches it by 3e-6 and a swing of
-// 1e-3 rad lengthens the period by 1e-7; the case asks for 1e-3.
+// The same chain released: its first mode, excited alone, in time. k = 1e6 stretches it by 3e-6 and a swing
+// of 1e-3 rad lengthens the period by 1e-7; the case demands 1e-3.
 TEST(MassSpringValidation, HangingChainSwings) {
   MassSpringDef def;
   def.rope = RopeShape{.from = {0, 0, 0}, .to = {0, -1, 0}, .links = 5};
@@ -187,7 +187,7 @@ TEST(MassSpringValidation, ElasticStretchDoesNotDependOnTheStep) {
   EXPECT_GT(std::abs(static_stretch("rk4", 0.005, 990) / 0.053955 - 1), 5e-3);
 }
 
-// Implicit methods at steps far beyond what explicit ones hold: omega h = 2 at the first, 10 at the second.
+// Implicit methods at steps far beyond explicit ones' limits: omega h = 2 at the first, 10 at the second.
 TEST(MassSpringValidation, ImplicitStretchDoesNotDependOnTheStep) {
   for (const char* method : {"linear_implicit_euler", "implicit_euler"}) {
     for (const double h : {1.0 / 60, 0.1}) {
@@ -233,8 +233,9 @@ void spin_and_stretch(SpringRun& run) {
   }
 }
 
-// Free cloth: momentum to rounding; energy falls with either damping and stays without (rk4 loses
-// (omega h)^5 / 144 per step). Internal damping keeps the momentum, viscous damping - the control - does not.
+// Free cloth: momentum is conserved to rounding; energy falls with either damping and is conserved without
+// (rk4 loses (omega h)^5 / 144 per step). Internal damping conserves the momentum; viscous damping, the
+// control, does not.
 TEST(MassSpringValidation, DampingTakesEnergyAndOnlyViscousTakesMomentum) {
   for (const auto& [viscous, internal] : {std::pair(0.0, 0.0), {0.0, 0.1}, {0.01, 0.0}}) {
     MassSpringDef def = free_cloth();

@@ -1,4 +1,4 @@
-// Thermostats and barostat beside the distributions that they are to give.
+// Thermostats and barostat against the distributions that they should produce.
 #include <cmath>
 
 #include "tests/unit/molecular_rig.h"
@@ -43,7 +43,8 @@ TEST(MolecularBaths, KineticEnergyHasItsMeanAndVariance) {
   EXPECT_TRUE(holds(a)) << a.mean << " " << a.variance;
   EXPECT_TRUE(holds(b)) << b.mean << " " << b.variance;
   EXPECT_TRUE(holds(c)) << c.mean << " " << c.variance;
-  // Control: a thermostat so slow that the energy stays has the variance of constant energy, about half.
+  // Control: a thermostat so slow that the energy is constant has the variance of constant energy, about
+  // half.
   const Kinetics none = kinetics(Method::velocity_rescaling, 1e9, kH, 500, 40, 321);
   EXPECT_LT(none.variance, 0.8);
 }
@@ -61,10 +62,9 @@ TEST(MolecularBaths, ConservedEnergyStays) {
       run.step(static_cast<uint64_t>(std::llround(8 / h)));
       return std::abs(run.observe("energy.conserved") - start) / 108;
     };
-    // What a step of 0.002 leaves is h^2 of 0.8 (kT per atom) times a few, and much less than what went
-    // through.
+    // A step of 0.002 leaves h^2 of 0.8 (kT per atom) times a few, much less than the energy exchanged.
     EXPECT_LT(drift(0.002), 2e-3) << static_cast<int>(method);
-    // Control: four times the step, sixteen times the fault.
+    // Control: four times the step, sixteen times the error.
     EXPECT_GT(drift(0.016), drift(0.002)) << static_cast<int>(method);
   }
 }

@@ -1,5 +1,5 @@
 // Charges and rigid water: Madelung's constant of rock salt, forces as gradients, what rigid molecules
-// conserve, and where friction and noise leave a spring.
+// conserve, and the equilibrium of a spring under friction and noise.
 #include <cmath>
 
 #include "tests/unit/molecular_rig.h"
@@ -38,7 +38,7 @@ TEST(MolecularCharges, MadelungConstantOfRockSalt) {
   MolecularDef mesh = salt(6, 1e-7);
   mesh.ewald_method = EwaldMethod::mesh;
   EXPECT_NEAR(per_pair(mesh), kMadelung, 1e-6);
-  // Control: ends at 1e-4 are not good for that.
+  // Control: cut-offs at 1e-4 are not accurate enough for that.
   EXPECT_GT(std::abs(per_pair(salt(4, 1e-4)) - kMadelung), 1e-8);
 }
 
@@ -64,7 +64,7 @@ TEST(MolecularCharges, ForcesAreGradients) {
   for (const Coulomb method : {Coulomb::ewald, Coulomb::shifted, Coulomb::reaction_field}) {
     MolecularDef d = salt(4, 1e-10);
     d.coulomb = method;
-    // Some pairs that are left out, and the start is no crystal.
+    // Some excluded pairs, and a start that is not a crystal.
     d.bonds = {{.a = 0, .b = 1, .length = 1.2, .stiffness = 3}};
     AtomRun run(d, 1e-3);
     double* x = run.state.f64(Columns::position).data();
@@ -156,8 +156,8 @@ TEST(MolecularCharges, EnergyOfLiquidWater) {
 }
 
 TEST(MolecularCharges, FrictionAndNoiseLeaveASpringItsWidth) {
-  // Two atoms on a spring without length: <r^2> = 3 kT / k. The scheme's places are exact in a harmonic well,
-  // even at omega h = 1.
+  // Two atoms on a spring without rest length: <r^2> = 3 kT / k. The scheme's positions are exact in a
+  // harmonic well, even at omega h = 1.
   MolecularDef d = reduced();
   d.kinds[0].epsilon = 0, d.kinds[0].sigma = 0;
   d.sides = Sides::open, d.positions = {{0, 0, 0}, {1, 0, 0}};

@@ -1,4 +1,4 @@
-// Atoms beside reference numbers: NIST's Lennard-Jones configuration (reference case particles.lj_nist4),
+// Atoms against reference numbers: NIST's Lennard-Jones configuration (reference case particles.lj_nist4),
 // what the equations of motion conserve, and the pressure of the liquid.
 #include <cmath>
 
@@ -32,7 +32,7 @@ TEST(MolecularValidation, NistConfigurationFour) {
   double most = 0;
   for (const double c : a) most = std::max(most, std::abs(c));
   close(most, 7.173862237072643);
-  // Control: another cut-off is another energy.
+  // Control: another cut-off gives another energy.
   EXPECT_GT(std::abs(AtomRun(configuration4(3.01), 1e-3).observe("energy.potential") + 16.790321304625856),
             1e-3);
 }
@@ -70,7 +70,7 @@ double energy_spread(Truncation truncation, double h) {
 }
 
 TEST(MolecularValidation, EnergyFluctuatesWithTheSquareOfTheStep) {
-  // Velocity Verlet keeps an energy that is another one by terms of h^2, so that halving the step leaves a
+  // Velocity Verlet conserves an energy that differs by terms of h^2, so that halving the step leaves a
   // quarter. 200 correlated samples of two different trajectories: some 15 % each, 0.4 in the exponent.
   const double coarse = energy_spread(Truncation::switched, 0.004),
                fine = energy_spread(Truncation::switched, 0.002);
@@ -110,7 +110,7 @@ TEST(MolecularValidation, EnergyAndPressureOfTheLiquid) {
   EXPECT_NEAR(temperature, 0.85, 0.006);
   EXPECT_NEAR(energy, -5.7947, 0.008);
   EXPECT_NEAR(pressure, 0.55355, 0.06);
-  // Control: without the tail the pressure is another.
+  // Control: without the tail the pressure is different.
   EXPECT_GT(std::abs(bare - 0.55355), 0.1);
 }
 

@@ -1,4 +1,4 @@
-// The implicit step of the material point method: stiff solids at any step, beside closed forms and the
+// The implicit step of the material point method: stiff solids at any step, against closed forms and the
 // explicit step.
 #include <gtest/gtest.h>
 
@@ -36,7 +36,7 @@ double sag(double e, Integration integration, double dt, double seconds, double*
   return (run.observe("centre.y") - start) / (1000 * 9.81 / (3 * e));
 }
 
-// Waves of 316 and 1000 m/s cross 105 and 333 cells in a step. Backward Euler takes the swing away, and what
+// Waves of 316 and 1000 m/s cross 105 and 333 cells per step. Backward Euler damps the oscillation, and what
 // is left is the static deflection on this grid, the same for every modulus; the closed form holds to the
 // cells: the foot is held within one cell of twenty.
 TEST(MpmImplicit, AStiffBarHangsAsTheClosedFormSaysInStepsOfASixtieth) {
@@ -49,8 +49,8 @@ TEST(MpmImplicit, AStiffBarHangsAsTheClosedFormSaysInStepsOfASixtieth) {
   EXPECT_LT(most, 1e-3);
 }
 
-// What the explicit step swings about is where the implicit one rests: the mean over eight periods of 12.6
-// ms, whose ends may be off by a sixteenth of a period of a swing as large as the mean.
+// The mean about which the explicit step oscillates is where the implicit one rests: over eight periods of
+// 12.6 ms, whose ends may be off by a sixteenth of a period of an oscillation as large as the mean.
 TEST(MpmImplicit, RestsWhereTheExplicitStepSwingsAbout) {
   MpmRun run(hanging(1e8, Integration::explicit_steps), 2e-4, {0, 9.81, 0});
   const double start = run.observe("centre.y");
@@ -62,7 +62,7 @@ TEST(MpmImplicit, RestsWhereTheExplicitStepSwingsAbout) {
 }
 
 // Reference case fem.bar_gravity: the tip's displacement rho g L^2 / 2 E within 1e-3. The corotated law is
-// linear in the stretch of a bar of Poisson ratio 0, so that it holds at any load. The clamped end is the
+// linear in the stretch of a bar of Poisson ratio 0, so that it holds for any load. The clamped end is the
 // middle of a bar twice as long that is pulled at both halves: a sticky wall holds the first cell too softly
 // (docs/mpm.md). Implicit steps come to rest in 40.
 TEST(MpmImplicit, ABarUnderItsOwnWeightIsAsLongAsTheClosedForm) {

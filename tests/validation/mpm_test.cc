@@ -22,8 +22,8 @@ MpmDef spinning(Transfer transfer, int dimension) {
   return d;
 }
 
-// Reference case mpm.apic: Jiang et al. 2015 prove that affine transfers conserve both momenta; so rounding
-// of some hundred substeps. PIC, the control, loses what is turning.
+// Reference case mpm.apic: Jiang et al. 2015 prove that affine transfers conserve both momenta; hence
+// rounding of some hundred substeps. PIC, the control, loses angular momentum.
 TEST(MpmValidation, AffineTransfersConserveMomentumAndAngularMomentum) {
   for (const int dimension : {2, 3}) {
     for (const Splines splines : {Splines::quadratic, Splines::cubic}) {
@@ -82,8 +82,9 @@ TEST(MpmValidation, ABarVibratesInItsFirstMode) {
 }
 
 // Reference case mpm.disks: kinetic energy at the start, momentum 0, at most 5 % of the energy lost by FLIP,
-// which holds from 64 cells a metre (docs/mpm.md). The time of contact is NOT within the case's one cell over
-// the relative speed: quadratic splines reach 1.5 cells, so disks feel each other up to three cells early.
+// which is satisfied from 64 cells per metre on (docs/mpm.md). The time of contact is NOT within the case's
+// one cell over the relative speed: quadratic splines reach 1.5 cells, so the disks interact up to three
+// cells early.
 TEST(MpmValidation, TwoDisksMeetAndPart) {
   MpmDef d;
   d.precision = Precision::f64, d.cell = 1.0 / 64, d.transfer = Transfer::flip, d.flip = 1;
@@ -114,9 +115,9 @@ TEST(MpmValidation, TwoDisksMeetAndPart) {
   EXPECT_GT(run.velocity(0).y * -1, 0) << "the lower disk turns back";
 }
 
-// Reference case mpm.gvmms: a ring is turned through alpha(R, t) by a body force that is derived for it; half
-// a turn of the clock later it is back. Relative displacement at t = 0.5 within 2 %.
-// Cubic splines and sixteen particles a cell: strains of 6 tear gaps into coarser samplings.
+// Reference case mpm.gvmms: a manufactured body force rotates a ring through alpha(R, t) and back within a
+// period of 1. Relative displacement at t = 0.5 within 2 %. Cubic splines and sixteen particles per cell:
+// strains of 6 tear gaps into coarser samplings.
 MpmDef vortex(double cell) {
   MpmDef d;
   d.cell = cell, d.particles_per_axis = 4, d.splines = Splines::cubic;
@@ -153,7 +154,7 @@ double vortex_error(const MpmDef& d) {
 }
 
 // The case's 2 % are reached beyond the resolutions that a test has time for (docs/mpm.md): here the error
-// falls at least with the first power of the cell, a bound set after a run (0.095 and 0.037 of the
+// falls at least with the first power of the cell size, a bound set after a run (0.095 and 0.037 of the
 // displacement).
 TEST(MpmValidation, ARingIsTurnedByTheGeneralisedVortex) {
   const double coarse = vortex_error(vortex(1.0 / 20)), fine = vortex_error(vortex(1.0 / 40));
@@ -165,8 +166,8 @@ TEST(MpmValidation, ARingIsTurnedByTheGeneralisedVortex) {
   EXPECT_NEAR(vortex_error(without), 1, 1e-4);
 }
 
-// Two-way contact: what jelly loses a ball gets, and the other way, linear and angular, to rounding of some
-// hundred substeps.
+// Two-way contact: what the jelly loses the ball gains and vice versa, linear and angular, to rounding of
+// some hundred substeps.
 TEST(MpmValidation, JellyAndABallExchangeMomentumToRounding) {
   const Solid ball = sphere_solid(0.15);
   for (const Contact contact : {Contact::sticky, Contact::slip, Contact::separate}) {
@@ -198,8 +199,8 @@ TEST(MpmValidation, JellyAndABallExchangeMomentumToRounding) {
   }
 }
 
-// A ball that lies on jelly: after it has settled it weighs on it what it weighs. The mean over a second of
-// what swings on; a fiftieth.
+// A ball resting on jelly: after it has settled, it exerts its weight. The mean over a second of the residual
+// oscillation; a fiftieth.
 TEST(MpmValidation, AHeavyBallRestsOnWhatItLiesOn) {
   const Solid ball = sphere_solid(0.15);
   MpmDef d;
@@ -218,9 +219,9 @@ TEST(MpmValidation, AHeavyBallRestsOnWhatItLiesOn) {
   EXPECT_GT(bodies[0].place.y, 0.35) << "it has not sunk through";
 }
 
-// The bar of fem.bar_gravity under a load that comes at once: its centre swings about the static deflection,
-// rho g L^2 / 3 E on the mean over the bar. Not that case's 1e-3 on the tip, which needs a step to
-// equilibrium: 6 % is what twenty cells and a period of the linear theory leave of a strain of 5 %.
+// The bar of fem.bar_gravity under a sudden load: its centre oscillates about the static deflection, rho g
+// L^2 / 3 E averaged over the bar. Not that case's 1e-3 at the tip, which needs a step to equilibrium: 6 % is
+// the error of twenty cells and of the linear theory's period at a strain of 5 %.
 TEST(MpmValidation, ABarUnderItsOwnWeightIsAsShortAsTheClosedForm) {
   const double length = 1, e = 1e5, rho = 1000, g = 9.81;
   MpmDef d = bar(length, 0.2, e, rho, 0.05);

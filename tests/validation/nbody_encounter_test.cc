@@ -1,4 +1,4 @@
-// Close encounters of planets by mercurius, beside ias15, whose errors are rounding.
+// Close encounters of planets by mercurius against ias15, whose errors are rounding.
 #include "tests/support/nbody_run.h"
 
 namespace truestep::nbody {
@@ -9,7 +9,7 @@ using testing_rig::NbodyRun;
 constexpr double kG = 0.000295912208286, kJupiter = 9.54786104043e-4;  // AU^3/(Msun day^2), Msun
 
 /// The sun, a planet like Jupiter on a circle, and a comet that passes it at a tenth of its Hill radius after
-/// 600 days, 6.1 km/s fast at a distance: found by going back from there.
+/// 600 days, with 6.1 km/s at infinity: found by integrating backwards from there.
 NbodyDef comet() {
   const double a = 5.2, v = std::sqrt(kG * (1 + kJupiter) / a), hill = a * std::cbrt(kJupiter / 3);
   NbodyDef d;
@@ -26,7 +26,7 @@ NbodyDef comet() {
   return d;
 }
 
-/// AU, of the comet after the encounter.
+/// AU, error of the comet's position after the encounter.
 double comet_error(const char* method, double h) {
   NbodyDef d = comet();
   NbodyRun exact(d, 100);
@@ -38,12 +38,12 @@ double comet_error(const char* method, double h) {
 }
 
 TEST(NbodyEncounter, ACometIsTurnedByAPlanetAsByIas15) {
-  // A step of 20 days is a 216th of the planet's period: (2 pi/216)^2 = 8e-4 of what planets do to each other
-  // (1e-3) is 8e-7 of 5 AU; the encounter multiplies what the comet brings by some 2 GM/(b u^2) = 16.
+  // A step of 20 days is a 216th of the planet's period: (2 pi/216)^2 = 8e-4 of the planets' interaction
+  // (1e-3) is 8e-7 of 5 AU; the encounter amplifies the comet's error by some 2 GM/(b u^2) = 16.
   const double coarse = comet_error("mercurius", 20), fine = comet_error("mercurius", 10);
   EXPECT_LT(coarse, 5 * 8e-7 * 16);
   EXPECT_LT(fine, coarse / 2) << "order 2, but the steps begin elsewhere in the encounter";
-  // Control: the splitting that does not look for encounters sends it elsewhere.
+  // Control: the splitting that ignores encounters sends it elsewhere.
   EXPECT_GT(comet_error("wisdom_holman", 20), 0.05);
 }
 
@@ -72,7 +72,7 @@ TEST(NbodyEncounter, PlanetsThatMeetKeepTheEnergy) {
   // up.
   const double drift = crossing_drift("mercurius", 30);
   EXPECT_LT(drift, 2e-6);
-  // ias15 finds its steps: rounding of some thousand, whatever the session's is.
+  // ias15 chooses its steps: rounding of some thousand, whatever the session's step.
   EXPECT_LT(crossing_drift("ias15", 15), 1e-12);
   EXPECT_LT(crossing_drift("ias15", 30), 1e-12);
   // Control: the splitting that steps over encounters.

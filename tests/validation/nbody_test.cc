@@ -1,5 +1,5 @@
-// Bodies beside published and closed solutions: the figure-eight, the outer planets, Plummer's sphere and the
-// cold collapse of a ball (reference cases ode.figure8 and nbody.*).
+// Bodies against published and closed solutions: the figure-eight, the outer planets, Plummer's sphere and
+// the cold collapse of a ball (reference cases ode.figure8 and nbody.*).
 #include "tests/support/nbody_run.h"
 
 namespace truestep::nbody {
@@ -27,14 +27,14 @@ double closure(const char* method, double tolerance, uint64_t steps) {
 }
 
 TEST(NbodyValidation, TheFigureEightCloses) {
-  // The case: 1e-9 at a tolerance of 1e-12, good codes 1e-13.
+  // The case demands 1e-9 at a tolerance of 1e-12; good codes reach 1e-13.
   EXPECT_LT(closure("ias15", 0, 10), 1e-13);
   EXPECT_LT(closure("dop853", 1e-12, 10), 1e-9);
-  // Order 4 of Hermite's scheme in its steps, which are as the root of eta: eta^2.
+  // Hermite's scheme has order 4 in its steps, which go as the root of eta: eta^2.
   const double loose = closure("hermite", 1e-3, 10), tight = closure("hermite", 1e-4, 10);
   EXPECT_LT(tight, 1e-6);
   EXPECT_NEAR(std::log10(loose / tight), 2, 0.7) << "steps are powers of two";
-  // Control: leapfrog with 200 steps does not, its error goes as h^2.
+  // Control: leapfrog with 200 steps does not reach it; its error goes as h^2.
   const double coarse = closure("leapfrog", 0, 200), fine = closure("leapfrog", 0, 400);
   EXPECT_GT(coarse, 1e-5);
   EXPECT_NEAR(std::log2(coarse / fine), 2, 0.2);
@@ -75,7 +75,7 @@ TEST(NbodyValidation, TheOuterPlanetsAfter200000Days) {
     for (size_t i = 0; i < 6; ++i) worst = std::max(worst, norm(run.x(i) - reference[i]));
     return std::pair(worst, std::abs(run.observe("energy.total") / before - 1));
   };
-  // Six bodies: ias15 by itself. The case allows methods of its class 1e-10 AU.
+  // Six bodies: ias15 by itself. The case allows 1e-10 AU for methods of its class.
   const auto [position, energy] = fault(outer_planets(), 100);
   EXPECT_LT(position, 1e-10);
   EXPECT_LT(energy, 1e-14) << "2e-15 where rounding is a random walk";
@@ -117,7 +117,7 @@ TEST(NbodyValidation, WisdomAndHolmansSplittingOfTheOuterPlanets) {
   EXPECT_NEAR(coarse[1], 3.5e-8, 0.1e-8);
   EXPECT_LT(fine[0], 1e-6);
   EXPECT_NEAR(std::log10(coarse[0] / fine[0]), 2, 0.02);
-  // Nothing grows: on the way energy swings by the mass of the planets times (h/period)^2 = 1e-3 times 5e-6.
+  // Nothing grows: the energy oscillates by the mass of the planets times (h/period)^2 = 1e-3 times 5e-6.
   EXPECT_LT(fine[2], 1e-8);
   // Control: leapfrog with 10 days is worse than this with 100.
   EXPECT_GT(planets_by("leapfrog", 10)[2], 5 * coarse[2]);
@@ -144,13 +144,13 @@ double cluster_drift(const char* method, double setting) {
 }
 
 TEST(NbodyValidation, BlockTimeStepsFollowAClosePair) {
-  // A pair at 0.004 turns 90 times a unit of time, a star crosses the cluster in two. Aarseth's eta is the
-  // square of a step over the motion's time, and the scheme has order 4: eta^2.
+  // A pair at 0.004 revolves 90 times per unit of time, a star crosses the cluster in two. Aarseth's eta is
+  // the square of a step over the motion's time scale, and the scheme has order 4: eta^2.
   const double usual = cluster_drift("hermite", 0.01), fine = cluster_drift("hermite", 0.0025);
   EXPECT_LT(usual, 1e-4);
   EXPECT_LT(fine, usual / 8);
-  // Control: one step for all, 500 to the pair's turn like theirs, is a method of second order; 20 to the
-  // turn lose the pair.
+  // Control: a common step for all, with 500 per revolution of the pair like theirs, is a method of second
+  // order; 20 per revolution lose the pair.
   EXPECT_GT(cluster_drift("leapfrog", 1.0 / 2048), 10 * fine);
 }
 
@@ -194,7 +194,7 @@ TEST(NbodyValidation, PlummersSphereIsInBalance) {
   EXPECT_NEAR(e / -0.14726215563702155805, 1, 4 / std::sqrt(kN));
   EXPECT_NEAR(run.observe("virial_ratio"), 1, 4 / std::sqrt(kN));
   EXPECT_NEAR(run.observe("half_mass_radius"), 1.3047660265041067002, 0.03);
-  // Control: a ball of even density with the same mass and radius is none.
+  // Control: a ball of uniform density with the same mass and radius is not one.
   d.groups = {SphereDef{.count = static_cast<int64_t>(kN)}};
   EXPECT_GT(std::abs(NbodyRun(d, 0.01).observe("energy.potential") / -0.2945 - 1), 0.5);
 }
@@ -216,8 +216,8 @@ TEST(NbodyValidation, AColdBallFallsIntoItself) {
   const double b = 0.7853981633974483, t = kFree * (2 / 3.141592653589793) * (b + 0.5 * std::sin(2 * b));
   const double before = collapsed_to(0, 1e-3), half = collapsed_to(t, 1e-3);
   EXPECT_NEAR(before, std::pow(0.5, 1.0 / 3), 0.01);
-  // The case's 2 % of a time: of the radius at that moment dr/dt = 1.4/s times 0.02 t_ff = 0.03; softening
-  // and the grain of 20,000 bodies take less.
+  // The case's 2 % of a time: in radius at that moment dr/dt = 1.4/s times 0.02 t_ff = 0.03; softening and
+  // the graininess of 20,000 bodies take less.
   EXPECT_NEAR(half, 0.5 * before, 0.015);
 }
 

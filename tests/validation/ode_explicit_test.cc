@@ -1,6 +1,6 @@
-// Explicit methods on the initial value problems of the reference (ode.*, nbody.*): every row that can serve
-// a problem reaches the case's tolerance at its end with the solver tolerance that the case names or one
-// finer; the same run with a coarse tolerance does not, which is the control.
+// Explicit methods on the initial value problems of the reference (ode.*, nbody.*): every row that supports a
+// problem reaches the case's tolerance at its end with the solver tolerance named by the case or one finer;
+// the same run with a coarse tolerance does not, which is the control.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -37,7 +37,7 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
   return worst;
 }
 
-// Every adaptive explicit row that fits within `allowed` at tolerance `fine`, and not at `coarse`.
+// Every adaptive explicit row that is within `allowed` at tolerance `fine`, and not at `coarse`.
 void check(const char* name, const RightHandSide& f, const std::vector<double>& start, double t_end,
            const std::vector<double>& end, double allowed, double fine, double coarse) {
   int served = 0;
@@ -47,7 +47,7 @@ void check(const char* name, const RightHandSide& f, const std::vector<double>& 
     ++served;
     EXPECT_LT(largest_difference(run(m.name, f, start, t_end, {fine, fine}), end), allowed)
         << m.name << " on " << name;
-    // ias15 asks for more than it is told: its coarsest runs are already this good.
+    // ias15 is stricter than its tolerance: its coarsest runs are already this good.
     if (m.name == "ias15") continue;
     double control = HUGE_VAL;
     try {
@@ -84,7 +84,8 @@ TEST(OdeExplicit, DetestClassA) {
   for (const auto& c : cases) {
     const auto f = equations(1, [&](double t, const double* y, double* d) { d[0] = c.f(t, y[0]); });
     for (const char* method : {"rkf45", "dopri5", "tsit5", "dop853"}) {
-      // Relative 1e-7 at the end; A1 decays by nine orders, so nothing but a relative tolerance makes sense.
+      // Relative 1e-7 at the end; A1 decays by nine orders of magnitude, so that only a relative tolerance
+      // makes sense.
       const double allowed = 1e-7 * std::abs(c.end);
       EXPECT_NEAR(run(method, f, {c.start}, 20, {1e-9, 1e-19})[0], c.end, allowed) << c.name << " " << method;
       EXPECT_GT(std::abs(run(method, f, {c.start}, 20, {0.03, 1e-12})[0] - c.end), allowed)
@@ -173,8 +174,8 @@ TEST(OdeExplicit, OuterSolarSystem) {
                                         29.695174558793546,    -3.48399956191029737,   -2.16616668849387982,
                                         15.2375921155866617,   -27.9480520130401396,   -13.2994248502006895};
   check("outer solar system", f, start, 10000, at_10000, 1e-10, 1e-15, 1e-8);
-  // Relative energy: 1e-15 after 1e5 days (the end's own rounding is 2e-16); leapfrog at 10 days keeps 5e-6,
-  // its control is explicit Euler.
+  // Relative energy: 1e-15 after 1e5 days (the end's own rounding is 2e-16); leapfrog at 10 days conserves it
+  // to 5e-6, with explicit Euler as its control.
   const long double before = force.energy(start.data());
   const auto drift = [&](const std::vector<double>& y) {
     return static_cast<double>(std::abs(force.energy(y.data()) / before - 1));
@@ -185,8 +186,8 @@ TEST(OdeExplicit, OuterSolarSystem) {
   EXPECT_GT(drift(run("euler", f, start, 2e5, {}, 20000)), 5e-6) << "control";
 }
 
-// In pieces of 10 days, as a session steps: the sums' lower parts go from call to call in `memory`. Without
-// it every call rounds, and 10,000 roundings of 1e-16 make some 1e-14.
+// In pieces of 10 days, as a session steps: the low-order parts of the sums are passed from call to call in
+// `memory`. Without it every call rounds, and 10,000 roundings of 1e-16 make some 1e-14.
 TEST(OdeExplicit, OuterSolarSystemInPieces) {
   const GravityForce force = outer_solar_force();
   const auto f = motions(18, force);

@@ -45,7 +45,7 @@ TEST(StiffCases, SmallChemistryToTheCasesTolerance) {
     // Control: at a tolerance of 1e-3 the same check fails.
     EXPECT_GT(relative_error(method, Hires(), Hires::published(), 1e-3), 1e-6) << method;
   }
-  // A method of order 2 gets within its own means: proportional to tol^(2/3).
+  // A method of order 2 with its own accuracy: proportional to tol^(2/3).
   EXPECT_LT(relative_error("tr_bdf2", Hires(), Hires::published(), 1e-8), 1e-4);
 }
 
@@ -122,8 +122,8 @@ double prothero_robinson(const char* method, double lambda, size_t steps) {
 }
 
 TEST(StiffCases, ProtheroRobinson) {
-  // Order between h = 1/16 and 1/64 with lambda = -1e3, where lambda h is large and moderate at once: what
-  // order reduction leaves of the classical orders 2, 4 and 5 (stage orders 1, 1, 3; Rodas5P's further
+  // Order between h = 1/16 and 1/64 with lambda = -1e3, where lambda h is both large and moderate: what order
+  // reduction leaves of the classical orders 2, 4 and 5 (stage orders 1, 1, 3; Rodas5P's additional
   // conditions make its error small instead).
   struct Stated {
     const char* method;

@@ -22,7 +22,7 @@ struct Case {
   double tolerance;
 };
 
-/// The values, and a control: a parameter of every case, p, changed by a thousandth misses them.
+/// The values; and as a control, changing a parameter p of every case by a thousandth misses them.
 void expect(const Case& c) {
   OdeRun run(c.system + R"s(, "parameters": {"p": 1})s" + kFine, c.dt);
   run.steps(c.steps);

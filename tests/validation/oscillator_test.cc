@@ -16,7 +16,7 @@ TEST(OscillatorReference, ExactSolutionIsThePublishedOne) {
   d.stiffness = 100, d.damping = 2;
   // Four roundings of numbers near 1.
   EXPECT_NEAR(oscillator_exact(d, 1).x, kDampedX1, 1e-15);
-  // Critical and creeping motion join the oscillating one continuously.
+  // Critical and overdamped motion join the underdamped one continuously.
   d.damping = 20;
   const double critical = oscillator_exact(d, 0.3).x;
   d.damping = 20 + 1e-7;

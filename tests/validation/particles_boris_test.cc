@@ -33,8 +33,8 @@ ExpressionDef force(const char* fx, const char* fy, const char* fz) {
 }
 
 TEST(ParticlesBoris, GyratesExactlyForAThousandTurns) {
-  // omega = 2 about z, radius 0.5, ten steps a turn; v along z is kept. Rounding only: 1e4 steps of 1e-16
-  // each way, at random; the period's own rounding times 1000 turns is 6e-13 in the phase.
+  // omega = 2 about z, radius 0.5, ten steps per turn; v along z is conserved. Rounding only: 1e4 steps of
+  // 1e-16 each way, at random; the period's own rounding times 1000 turns is 6e-13 in the phase.
   ParticlesDef d = charged({0, 0.5, 0}, {1, 0, 0.25});
   d.magnetic_field = {0, 0, 1};
   ParticlesRun r(d, kTurns / 2 / 10);
@@ -47,7 +47,7 @@ TEST(ParticlesBoris, GyratesExactlyForAThousandTurns) {
   r.run(1);
   EXPECT_NEAR(r.x(0).x, 0.5 * std::sin(kTurns / 10), 2e-12);
   EXPECT_NEAR(r.x(0).y, 0.5 * std::cos(kTurns / 10), 2e-12);
-  // Control: the tangent taken for its angle, as in Boris's first form, would be 2 atan(0.314) per step,
+  // Control: the tangent in place of its angle, as in Boris's first form, would give 2 atan(0.314) per step,
   // 3 % slow.
   EXPECT_GT(std::fabs(2 * std::atan(kTurns / 20) - kTurns / 10), 0.01);
 }
@@ -65,7 +65,8 @@ TEST(ParticlesBoris, DriftsAcrossFieldsExactly) {
   const Vec3 expected = drift * t + Vec3{0, -0.2 * t + 0.5 * 2 * 0.125 * t * t, 0};
   EXPECT_LT(norm(r.x(0) - expected), 1e-11 * norm(expected));  // rounding of 350 steps of lengths up to 800
   EXPECT_LT(norm(r.v(0) - Vec3{0.3, -0.2 + 0.25 * t, 0.1}), 1e-11);
-  // Control: kicks by E around an exact turn, their size not corrected, drift by (theta/2)/tan(theta/2).
+  // Control: kicks by E around an exact rotation, without correcting their size, drift by
+  // (theta/2)/tan(theta/2).
   const double half = kTurns / 14;
   EXPECT_GT(std::fabs(half / std::tan(half) - 1), 0.05);
 }

@@ -1,5 +1,6 @@
-// The gallery's turning box against a calculation of its own: points that fly in steps of half a millisecond,
-// each crossing of a wall reflected by Newton's restitution and Coulomb's friction in the wall's frame.
+// The gallery's rotating box against an independent calculation: points that fly in steps of half a
+// millisecond, with each crossing of a wall reflected by Newton's restitution and Coulomb's friction in the
+// wall's frame.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -24,7 +25,7 @@ struct Energies {
 
 constexpr double kSpin = 0.9, kDuration = 6;
 
-/// Of 20 kg of points after kDuration, the box's axes turning about z.
+/// Energies of 20 kg of points after kDuration, with the box's axes rotating about z.
 Energies reflected(const Law& law) {
   constexpr int kPoints = 6000, kSteps = 12000;
   constexpr double kStep = kDuration / kSteps;
@@ -66,7 +67,7 @@ Energies reflected(const Law& law) {
   return {20 * kinetic / kPoints, 20 * law.gravity * height / kPoints};
 }
 
-/// Of the scene after kDuration, in steps of its dt / parts.
+/// Energies of the scene after kDuration, in steps of its dt / parts.
 Energies simulated(int parts) {
   std::ifstream file(std::string(TRUESTEP_SOURCE_DIR) + "/scenes/box_of_particles.json");
   std::stringstream text;
@@ -94,13 +95,13 @@ TEST(ParticlesBox, EnergiesAreThoseOfReflectedPoints) {
   const Energies apart = reflected({});
   EXPECT_TRUE(agree(engine, apart)) << engine.kinetic << ' ' << apart.kinetic << "; " << engine.potential
                                     << ' ' << apart.potential;
-  // What rests on turning walls is carried to second order: halving the step changes 0.01 J, bounces that
-  // come out otherwise by chance included. Carried in the world's frame, whose velocities are a step late, it
-  // was 0.8 J and its half for every halving.
+  // Points at rest on rotating walls are carried to second order: halving the step changes 0.01 J, including
+  // bounces that differ by chance. When carried in the world's frame, with velocities a step late, it was 0.8
+  // J, and half of that for every halving.
   const Energies half = simulated(2);
   EXPECT_NEAR(half.kinetic, engine.kinetic, 0.1);
   EXPECT_NEAR(half.potential, engine.potential, 0.2);
-  // The controls: any other law is seen.
+  // The controls: any other law is detected.
   EXPECT_FALSE(agree(engine, reflected({.restitution = 0.7})));
   EXPECT_FALSE(agree(engine, reflected({.restitution = 0.9})));
   EXPECT_FALSE(agree(engine, reflected({.friction = 0.3})));

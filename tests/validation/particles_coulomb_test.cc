@@ -1,4 +1,4 @@
-// Electrostatics between particles against a double loop, a closed orbit and the books.
+// Electrostatics between particles against a double loop, a closed orbit and the energy balance.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -104,7 +104,7 @@ TEST(ParticlesCoulomb, ATreeOfEitherSignKeepsToTheErrorAskedFor) {
   for (const ParticlesDef& d : {both, like}) {
     EXPECT_LT(tree_error(d, 1e-3), 1e-3);
     EXPECT_LT(tree_error(d, 1e-4), 1e-4);
-    // Control: it is a tree.
+    // Control: a tree is in use.
     EXPECT_GT(tree_error(d, 3e-2), 1e-3);
   }
 }

@@ -33,7 +33,7 @@ TEST(ParticlesLife, RateAndLifetimeSetTheCount) {
 }
 
 TEST(ParticlesLife, NoBandsBetweenSteps) {
-  // Without forces a straight stream has equal gaps v / rate, whatever the step: births fall between steps.
+  // Without forces a straight stream has equal gaps v / rate, for any step: births fall between steps.
   ParticlesDef d;
   d.gravity = Vec3{};
   d.emitters = {stream(70)};

@@ -1,4 +1,4 @@
-// The leapfrog in one pass has the bits of the general one, which pair forces of strength 0 bring back.
+// The leapfrog in one pass has the bits of the general one, which pair forces of strength 0 force to be used.
 #include <gtest/gtest.h>
 
 #include "tests/support/particles_run.h"

@@ -1,4 +1,4 @@
-// Points on turning walls: what they do there is of second order in the step.
+// Points on rotating walls: their motion there is of second order in the step.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -36,8 +36,8 @@ End after(const ParticlesDef& d, double time, int steps) {
 }
 
 TEST(ParticlesTurningWall, WhatSticksHasTheWallsVelocity) {
-  // Friction holds up to a slope of atan 5: after 1 s the place and the velocity are the wall's, up to a
-  // slop of 1e-9 m that each of 120 steps may add.
+  // Friction holds up to a slope of atan 5: after 1 s position and velocity are the wall's, up to a slop of
+  // 1e-9 m that each of 120 steps may add.
   const End e = after(on_turning_ground(5), 1, 120);
   const Vec3 place = Vec3{std::cos(kSpin), std::sin(kSpin), 0} * 1.5;
   EXPECT_LT(norm(e.x - place), 3e-7);

@@ -1,7 +1,8 @@
 // A skeleton of a ball, a pin, a slider and another ball hands over to links of an articulation with joints
-// of the same kinds: what the joints can do goes on to rounding, momenta go on in any case, a pin's and a
-// slider's limits hold, and every phase restores to the bit. Bones' velocities are means over a step, so that
-// three of them in a turning chain do not quite fit together: by a b^2 h / 2 (a: arm, b: turn per second).
+// of the same kinds: motions that the joints allow continue to rounding, momenta continue in any case, limits
+// of pin and slider hold, and every phase restores to the bit. Bones' velocities are means over a step, so
+// that three of them in a rotating chain are not quite consistent: by a b^2 h / 2 (a: arm, b: angular
+// velocity).
 #include <cmath>
 
 #include "engine/core/rig_port.h"
@@ -78,7 +79,7 @@ struct Sides {
     }
     return {v, w};
   }
-  /// kg m/s and kg m^2/s about the origin, of links of the same masses that move as the bones do.
+  /// kg m/s and kg m^2/s about the origin, of links of the same masses that move like the bones.
   std::pair<Vec3, Vec3> momenta_of_bones() const {
     Vec3 p, l;
     for (size_t k = 0; k < 4; ++k) {
@@ -98,8 +99,8 @@ TEST(RagdollLinks, AreCarriedWithTheBonesMomenta) {
     run.session.step(1);
     const Sides s(run);
     const auto [p, l] = s.momenta_of_bones();
-    // Every joint can be where its bone is, and a free root takes what momentum there is: rounding of sums of
-    // some 5 kg m/s and of poses of 2 m.
+    // Every joint can be where its bone is, and a free root takes the momentum: rounding of sums of some 5 kg
+    // m/s and of poses of 2 m.
     ASSERT_LT(s.apart(), 1e-12) << k;
     ASSERT_LT(norm(run.observe3("doll.momentum") - p), 1e-12) << k;
     ASSERT_LT(norm(run.observe3("doll.angular_momentum") - l), 1e-11) << k;
@@ -110,8 +111,8 @@ TEST(RagdollLinks, AreCarriedWithTheBonesMomenta) {
 }
 
 TEST(RagdollLinks, WhatJointsCanDoGoesOnToRounding) {
-  // A travel, a slide at even speed: means over a step are the velocities. Bones begin where the links are
-  // (a pair keeps the offset that it has at t = 0).
+  // A translation, a slide at constant speed: means over a step equal the velocities. Bones begin where the
+  // links are (a pair keeps its offset at t = 0).
   testing_coupled::SceneRun run(arm({.coupling = R"("at": 30)",
                                      .turn_a = R"("0", "0", "0")",
                                      .pin = "0",
@@ -126,7 +127,8 @@ TEST(RagdollLinks, WhatJointsCanDoGoesOnToRounding) {
 }
 
 TEST(RagdollLinks, ATurningChainDiffersByTheMeansAlone) {
-  // Turns about one axis: halved steps halve the difference, which is that of chords and tangents.
+  // Rotations about one axis: halving the step halves the difference, which is that between chords and
+  // tangents.
   double v[2], w[2];
   for (int k = 0; k < 2; ++k) {
     testing_coupled::SceneRun run(arm({.coupling = R"("at": 30)",
@@ -168,13 +170,13 @@ TEST(RagdollLinks, MomentaGoOnAtTheHandOver) {
   const Vec3 moment = cross(place * t + p * (0.5 * t * t), g);
   EXPECT_LT(norm(run.observe3("doll.angular_momentum") - l - moment), 1e-4);
   EXPECT_GT(norm(moment), 1) << "the control";
-  // A tree cannot come apart: the skeleton lies in its links, slider and all.
+  // A tree cannot come apart: the skeleton coincides with its links, slider included.
   EXPECT_LT(Sides(run).apart(), 1e-12);
   EXPECT_LT(run.observe("r.apart"), 1e-12);
 }
 
 TEST(RagdollLinks, LimitsOfPinAndSliderHoldWhereItFalls) {
-  // Let go as pin and slider run towards their limits, 4 rad/s and 0.8 m/s.
+  // Released as pin and slider run towards their limits, at 4 rad/s and 0.8 m/s.
   const Told told{.coupling = R"("at": 0.1)",
                   .turn_a = R"("0", "0", "0")",
                   .pin = "4*t",
@@ -187,7 +189,7 @@ TEST(RagdollLinks, LimitsOfPinAndSliderHoldWhereItFalls) {
     const auto& q = run.session.state().systems[1].f64(0);  // 3 + 4 of the root, pin, slider
     pin = std::max(pin, q[7]), slide = std::max(slide, q[8]);
   }
-  // Springs of 1000 N m/rad and N/m hold no more energy than there is: E = k x^2 / 2 at most.
+  // Springs of 1000 N m/rad and N/m hold no more than the available energy: E = k x^2 / 2 at most.
   const double beyond = std::sqrt(2 * run.observe("doll.energy.total") / 1000) + 1e-3;
   EXPECT_GT(pin, 0.5);
   EXPECT_LT(pin, 0.5 + beyond);
@@ -197,7 +199,7 @@ TEST(RagdollLinks, LimitsOfPinAndSliderHoldWhereItFalls) {
 }
 
 TEST(RagdollLinks, ConeAndTwistOfABallHoldWhereItFalls) {
-  // Let go while it swings at 4 rad/s and twists at 3: a cone of 0.4 rad about x and 0.3 rad of twist.
+  // Released while it swings at 4 rad/s and twists at 3: a cone of 0.4 rad about x and 0.3 rad of twist.
   std::string scene = arm({.coupling = R"("at": 0.05)",
                            .turn_a = R"("0", "0", "0")",
                            .pin = "0",
@@ -215,7 +217,7 @@ TEST(RagdollLinks, ConeAndTwistOfABallHoldWhereItFalls) {
     const auto [s, t] = animation::swing_twist({q[9], q[10], q[11], q[12]}, {1, 0, 0});
     swing = std::max(swing, norm(free_rotation::rotation_vector(s))), twist = std::max(twist, std::abs(t));
     if (k == 12) first = run.observe("doll.energy.total");
-    // Springs give back what they take: 1e-4 of some 3 J, the integrator's tolerance over two seconds.
+    // Springs return what they take: 1e-4 of some 3 J, the integrator's tolerance over two seconds.
     if (k > 12) {
       ASSERT_NEAR(run.observe("doll.energy.total"), first, 1e-3) << k;
     }
@@ -237,7 +239,7 @@ TEST(RagdollLinks, AnImpactLetsThemGoWithTheirMomentum) {
       .more_couplings =
           R"(, {"type": "contact", "id": "hit", "a": "ball", "b": "doll", "restitution": 0.5})"};
   std::string scene = arm(told);
-  // Something to hit.
+  // An obstacle to hit.
   const std::string center = R"("center": [0.250000, 0, 0])";
   scene.replace(scene.find(center), 0, R"("shapes": [{"type": "capsule", "radius": 0.05, "half_length": 0.25,
       "position": [0.25, 0, 0], "rotation": [0, 0, 1.5707963267948966]}], )");
@@ -252,7 +254,7 @@ TEST(RagdollLinks, AnImpactLetsThemGoWithTheirMomentum) {
   ASSERT_LT(steps, 200);
   EXPECT_GT(run.observe("r.impact"), 1);
   EXPECT_GT(norm(run.observe3("doll.momentum") - own), 3) << "the ball gave it momentum";
-  // The step's forces are within: the integrator's tolerance.
+  // Includes the step's forces: the integrator's tolerance.
   EXPECT_LT(norm(total() - before), 1e-5);
 }
 

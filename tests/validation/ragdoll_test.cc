@@ -1,5 +1,5 @@
-// A skeleton whose bones carry bodies until they are let go: velocities and momenta go on, what follows is
-// free fall, the skeleton lies in its bodies, and it finds back to its own motion.
+// A skeleton whose bones carry bodies until they are released: velocities and momenta continue, free fall
+// follows, the skeleton coincides with its bodies, and it returns to its own motion.
 #include <cmath>
 
 #include "engine/core/rig_port.h"
@@ -8,7 +8,7 @@
 namespace truestep {
 namespace {
 
-/// An arm of three bones that turns and travels, with a capsule on each bone.
+/// An arm of three bones that rotates and translates, with a capsule on each bone.
 std::string arm(const std::string& coupling, const std::string& more_bodies = "",
                 const std::string& gravity = "[0, -9.81, 0]") {
   return R"scene({"gravity": )scene" + gravity + R"scene(, "time": {"dt": 0.005}, "systems": [
@@ -63,7 +63,7 @@ TEST(Ragdoll, BodiesAreCarriedUntilTheyAreLetGo) {
   testing_coupled::SceneRun run(arm(R"("at": 0.3)"));
   for (int k = 0; k < 60; ++k) {
     run.session.step(1);
-    // Put where the bones are: rounding.
+    // Placed where the bones are: rounding.
     ASSERT_LT(farthest_bone(run), 1e-12) << k;
     ASSERT_LT(norm(motion_of(run, 3).momentum - momentum_of_bones(run)), 1e-12) << k;
   }
@@ -80,8 +80,8 @@ TEST(Ragdoll, MomentumGoesOnAtTheHandOver) {
   EXPECT_NEAR(run.observe("r.time"), 0.3, 1e-12);
   const Motion after = motion_of(run, 3);
   const Vec3 g{0, -9.81, 0};
-  // A step of free fall and forces between the bodies, which keep the sums: what is left is rounding of
-  // impulses that go both ways.
+  // A step of free fall and forces between the bodies, which conserve the totals: what is left is rounding of
+  // impulses in both directions.
   const double scale = norm(before.momentum);
   EXPECT_LT(norm(after.momentum - before.momentum - g * (before.mass * 0.005)), 1e-12 * scale);
   EXPECT_LT(norm(before.momentum - bones), 1e-12 * scale);
@@ -102,9 +102,9 @@ TEST(Ragdoll, ItsCentreFallsOnAParabola) {
   // Five substeps of 1 ms: the centre of mass of a symplectic method lags by g t h / 2 = 2 mm at most.
   EXPECT_LT(norm(end.place / end.mass - want), 0.5 * 9.81 * t * 0.001 * 1.05);
   const Vec3 after = end.spin - cross(end.place, end.momentum) / end.mass;
-  // Joints act through anchors of both bodies, which are apart by micrometres: 1e-3 of the spin.
+  // Joints act through anchors of both bodies, which are micrometres apart: 1e-3 of the spin.
   EXPECT_LT(norm(after - spin_about_centre), 1e-3 * norm(spin_about_centre));
-  // The skeleton lies in its bodies, to the gap of the joints.
+  // The skeleton coincides with its bodies, to the gap of the joints.
   EXPECT_LT(farthest_bone(run), 1e-3);
   EXPECT_LT(run.observe("r.apart"), 1e-3);
   // The control: its own motion would be elsewhere.
@@ -114,8 +114,8 @@ TEST(Ragdoll, ItsCentreFallsOnAParabola) {
 }
 
 TEST(Ragdoll, AnImpactLetsItGoWithItsMomentum) {
-  // A ball comes from above in weightlessness; before it hits, the arm's momentum is that of its motion, and
-  // the step in which it hits keeps the sum of both.
+  // A ball arrives from above in weightlessness; before it hits, the arm's momentum is that of its motion,
+  // and the step in which it hits conserves the total of both.
   const std::string ball =
       R"(, {"type": "sphere", "radius": 0.1, "mass": 3, "position": [0.35, 2.95, 0], "velocity": [0.8, -6, 0], "restitution": 0.5})";
   testing_coupled::SceneRun run(arm(R"("impact": 1, "impact_bodies": [0, 1, 2])", ball, "[0, 0, 0]"));
@@ -126,7 +126,7 @@ TEST(Ragdoll, AnImpactLetsItGoWithItsMomentum) {
     const Vec3 own = motion_of(run, 3).momentum;
     run.session.step(1), ++steps;
     if (run.observe("r.lead") == 0) {
-      // While it is carried its motion is its own, whatever leans on it.
+      // While it is carried, its motion is prescribed, whatever leans on it.
       ASSERT_LT(norm(motion_of(run, 3).momentum - momentum_of_bones(run)), 1e-12);
     } else {
       EXPECT_GT(norm(motion_of(run, 3).momentum - own), 3) << "the ball gave it momentum";
@@ -151,7 +151,7 @@ TEST(Ragdoll, ItGoesBackToItsOwnMotionWhereItLies) {
     for (const char* j : {"a", "b", "c"}) out.push_back(run.observe3(std::string("arm.joint.") + j));
     return out;
   };
-  // Nothing jumps: no joint is faster than the fastest that the arm or its fall is, 10 m/s.
+  // Nothing jumps: no joint is faster than the arm or its fall, 10 m/s.
   std::vector<Vec3> last = places();
   for (int k = 0; k < 100; ++k) {
     run.session.step(1);
@@ -159,7 +159,7 @@ TEST(Ragdoll, ItGoesBackToItsOwnMotionWhereItLies) {
     for (size_t j = 0; j < now.size(); ++j) ASSERT_LT(norm(now[j] - last[j]), 10 * 0.005) << k;
     last = now;
   }
-  // Back on its way: at the height of its own root again, and as stiff as its motion is.
+  // Back in its motion: at the height of its own root again, and as rigid as its motion is.
   EXPECT_NEAR(run.observe("arm.joint.a.y"), 2, 1e-9);
   EXPECT_LT(farthest_bone(run), 1e-12) << "and it carries its bodies again";
 }

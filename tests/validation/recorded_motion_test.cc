@@ -1,4 +1,4 @@
-// What is done to a recorded motion, against closed forms: sampled at other rates, smoothed, feet held.
+// Processing of a recorded motion against closed forms: resampling, smoothing, foot locking.
 #include <cmath>
 
 #include "tests/support/coupled.h"
@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kDegrees = 57.29577951308232;
 
-/// One joint, and one 1 m along x on it, with the turn about z (degrees) of every frame.
+/// One joint, and another 1 m along x on it, with the rotation about z (degrees) of every frame.
 std::string turning(double frame_time, size_t frames, auto&& angle, const std::string& more, double dt) {
   std::string lines;
   for (size_t f = 0; f < frames; ++f) {
@@ -28,7 +28,7 @@ double angle_of(const testing_coupled::SceneRun& run) {
 }
 
 TEST(RecordedMotion, IsSampledAtAnyRate) {
-  // 90 degrees a second at 40 frames a second, stepped at 24, 60 and 90: between frames it turns evenly.
+  // 90 degrees a second at 40 frames a second, stepped at 24, 60 and 90: between frames it rotates evenly.
   for (const double rate : {25.0, 62.5, 80.0}) {
     testing_coupled::SceneRun run(turning(
         0.025, 41, [](double t) { return 90 * t; }, "", 1 / rate));
@@ -40,8 +40,8 @@ TEST(RecordedMotion, IsSampledAtAnyRate) {
 }
 
 TEST(RecordedMotion, SmoothingTakesFromASineWhatAGaussianDoes) {
-  // exp(-(w s)^2 / 2) of a sine stays; w = 2 pi / 0.5 s, s = 0.08 s. Turns about one axis smooth as numbers
-  // do.
+  // exp(-(w s)^2 / 2) of a sine remains; w = 2 pi / 0.5 s, s = 0.08 s. Rotations about one axis smooth like
+  // numbers.
   const double w = 4 * M_PI, s = 0.08, left = std::exp(-0.5 * w * w * s * s);
   const auto sine = [&](double t) { return 20 * std::sin(w * t); };
   testing_coupled::SceneRun run(turning(0.0125, 241, sine, R"(, "smoothing": 0.08)", 0.0125)),
@@ -49,18 +49,18 @@ TEST(RecordedMotion, SmoothingTakesFromASineWhatAGaussianDoes) {
   double most = 0, off = 0;
   for (int k = 1; k <= 200; ++k) {
     run.session.step(1), plain.session.step(1);
-    if (k < 40) continue;  // half a second of an end knows no before
+    if (k < 40) continue;  // within half a second of an end the kernel is cut off
     most = std::max(most, std::abs(angle_of(plain)));
     off = std::max(off, std::abs(angle_of(run) - left * angle_of(plain)));
   }
   EXPECT_NEAR(most, 20, 0.1);
-  // Kernels end at three widths or so: 0.3 % of the amplitude.
+  // Kernels end at about three widths: 0.3 % of the amplitude.
   EXPECT_LT(off, 0.003 * 20);
   EXPECT_GT((1 - left) * 20, 5) << "the control: it does take something";
 }
 
 TEST(RecordedMotion, FeetThatStandAreHeld) {
-  // A crouched leg whose hips drift by 0.1 m/s: its foot is low and slow, and so it stands.
+  // A crouched leg whose hips drift by 0.1 m/s: its foot is low and slow, and therefore locked.
   const auto leg = [](const std::string& lock) {
     std::string lines;
     for (int f = 0; f < 61; ++f) lines += ", \"" + std::to_string(0.1 * f / 60) + " 0.8 0 20 -40\"";

@@ -1,4 +1,4 @@
-// Which sides of a chain hold, whatever the order of its points, and that nothing catches on its inner
+// Which sides of a chain are solid, whatever the order of its points, and that nothing catches on its inner
 // corners.
 #include <gtest/gtest.h>
 
@@ -11,7 +11,8 @@ namespace {
 constexpr const char* kBall = R"({"type": "circle", "radius": 0.1})";
 constexpr const char* kBox = R"({"type": "box", "half_extents": [0.2, 0.1, 0]})";
 
-/// A body 0.15 m above (or below, gravity reversed) the middle of a chain; where it is after a second.
+/// Height after a second of a body that starts 0.15 m above the middle of a chain (or below it, with gravity
+/// reversed).
 double height_after(const std::string& points, const std::string& sides, const char* shape, double side) {
   FlatTrial t(R"("sleeping": false, "gravity": [0, )" + FlatTrial::number(-9.81 * side) +
               R"(, 0], "bodies": [{"motion": "fixed", "shapes": [{"type": "chain", "points": )" + points +

@@ -1,4 +1,4 @@
-// Friction of discs in the plane against closed forms: a disc's rim stays where it is while the disc turns.
+// Friction of discs in the plane against closed forms: a disc's rim stays in place while the disc rotates.
 #include <gtest/gtest.h>
 
 #include "tests/support/rigid2d_run.h"
@@ -50,7 +50,7 @@ TEST(Rigid2dDisc, SpunInPlaceFeelsFrictionOfMuN) {
       double sunk = 0;
       for (int k = 0; k < steps; ++k) t.steps(1), sunk = std::max(sunk, std::abs(t.position(1).y - kRadius));
       const double direction = spin > 0 ? -1 : 1, time = steps * c.dt;
-      // In the first small step nothing presses yet when friction begins.
+      // In the first substep there is no normal force yet when friction is solved.
       const double late = 0.5 * c.dt / c.substeps / time;
       EXPECT_NEAR(direction * t.velocity(1).x / (kMu * kG * time), 1, 2e-3 + late) << said(c) << " " << spin;
       EXPECT_LT(sunk, c.substeps > 1 ? 1e-3 : 5e-3) << said(c) << " " << spin;
@@ -72,13 +72,13 @@ TEST(Rigid2dDisc, SlidingTurnsToRollingWhereItShould) {
     EXPECT_NEAR(rolls, kRolls, c.dt + 2e-3 * kRolls) << said(c);
     // x = v0 t - mu g t^2 / 2 while it slides.
     const double x = kSpeed * kRolls - 0.5 * kMu * kG * kRolls * kRolls + 2.0 / 3 * kSpeed * (1 - kRolls);
-    // Friction that begins half a small step late leaves a third of mu g h.
+    // Friction that begins half a substep late leaves a third of mu g h.
     EXPECT_NEAR(t.position(1).x, x, 3e-3 + kMu * kG * c.dt / c.substeps / 3) << said(c);
   }
 }
 
-/// Rounded boxes and capsules turn about their corners as discs do: they lie on an edge and a corner of
-/// theirs. The control: without its rounding the tip of a capsule would go under by r (1 - cos(w dt)).
+/// Rounded boxes and capsules turn about their corners as discs do: they rest on an edge and a corner. The
+/// control: without its rounding the tip of a capsule would dip by r (1 - cos(w dt)).
 TEST(Rigid2dDisc, ASpinningCapsuleStaysOutOfTheFloor) {
   Case c;
   c.shape = R"({"type": "capsule", "from": [-0.001, 0, 0], "to": [0.001, 0, 0], "radius": 0.5})";

@@ -27,15 +27,14 @@ TEST(Rigid2dValidation, PendulumFollowsItsClosedForm) {
   t.steps(9 * 240);
   EXPECT_NEAR(t.position(0).x, 0.27508746257611686, 1e-3);
   EXPECT_NEAR(t.position(0).y, -0.96141920509912506, 1e-3);
-  // The control: a fortieth of the small steps is not enough.
+  // The control: a fortieth of the substeps is not enough.
   Trial coarse(pendulum(1), 1.0 / 240);
   coarse.steps(2400);
   EXPECT_GT(std::abs(coarse.position(0).x - 0.27508746257611686), 1e-3);
 }
 
 TEST(Rigid2dValidation, DoublePendulumFollowsTheReference) {
-  // rigid.double_pendulum_90_90: both arms level, at rest; angles from downward. First order in the small
-  // step.
+  // rigid.double_pendulum_90_90: both arms level, at rest; angles from downward. First order in the substep.
   const auto run = [](int steps) {
     Trial t(
         R"("precision": "f64", "joint_damping_ratio": 5, "sleeping": false, "substeps": )" +
@@ -101,7 +100,7 @@ TEST(Rigid2dValidation, BallBouncesToTheSquareOfRestitution) {
     fell = fell || t.velocity(1).y > 0;
     if (fell) top = std::max(top, t.position(1).y - 0.1);
   }
-  // The impact is seen at the end of a step: a step's way, 4.4 m/s / 960, is lost.
+  // The impact shows at the end of a step: the motion of one step, 4.4 m/s / 960, is lost.
   EXPECT_NEAR(top, 0.64, 0.01);
 }
 
@@ -136,7 +135,7 @@ TEST(Rigid2dValidation, MomentumStaysInAClosedSystem) {
   t.steps(300);
   EXPECT_NEAR(t.observed("momentum.x"), px, 1e-9 * 1e5);
   EXPECT_NEAR(t.observed("momentum.y"), py, 1e-9 * 1e5);
-  // Impulses act at anchors that are a step old: a part in a thousand.
+  // Impulses act at anchors that are one step old: a part in a thousand.
   EXPECT_NEAR(t.observed("momentum.angular"), turning, 0.02 * std::abs(turning) + 500);
   EXPECT_LT(t.observed("energy.kinetic"), energy);
 }
@@ -172,7 +171,7 @@ TEST(Rigid2dValidation, GearsPulleysAndMotorsKeepTheirRatios) {
     "joints": [{"type": "prismatic", "a": -1, "b": 0, "axis": [1, 1, 0], "upper": 2, "motor_speed": 1, "max_motor": 100000}])",
                1.0 / 120);
   slider.steps(120);
-  // A hundredth of a second goes by until it moves at full speed.
+  // It takes a hundredth of a second until it moves at full speed.
   EXPECT_NEAR(slider.position(0).x, std::sqrt(0.5), 0.01);
   EXPECT_NEAR(slider.position(0).y, std::sqrt(0.5), 0.01);
   slider.steps(240);

@@ -1,6 +1,6 @@
-// Cylinders that turn about themselves. Their surface stays where it is then: the points that they are made
-// of come down towards the floor and go up again without ever meeting it, so that a cylinder rolls, and spins
-// in place, as smoothly as a ball.
+// Cylinders that rotate about their axis. Their surface stays in place then: the material points move towards
+// the floor and away from it without ever meeting it, so that a cylinder rolls, and spins in place, as
+// smoothly as a ball.
 #include <gtest/gtest.h>
 
 #include "tests/support/rigid3d_run.h"
@@ -58,7 +58,7 @@ Rigid3dDef lying(const Roller& r, double speed, double spin) {
   return d;
 }
 
-/// Largest distance (m) from the height at which it lies.
+/// Largest deviation (m) from its resting height.
 double hop(RigidRun& run, double height, double seconds) {
   double most = 0;
   const auto steps = static_cast<int>(seconds / run.h + 0.5);
@@ -74,7 +74,7 @@ TEST(Rigid3dCylinder, RollsAtTenMetresASecondWithoutHopping) {
           for (const double half_length : {0.05, 0.5}) {
             const Roller r{radius, half_length, shape, floor, precision};
             RigidRun run(lying(r, 10, -10 / radius));
-            // It gives way by g / (2 pi 60 Hz)^2 = 7e-5 m, twice where it has two points to balance on.
+            // It gives way by g / (2 pi 60 Hz)^2 = 7e-5 m, twice that where it balances on two points.
             EXPECT_LT(hop(run, radius, 3), 3e-4) << radius << " " << half_length;
             EXPECT_NEAR(run.v(1).x, 10, 1e-2) << radius << " " << half_length;
             EXPECT_NEAR(run.w(1).z * radius, -10, 1e-2) << radius << " " << half_length;
@@ -90,15 +90,15 @@ TEST(Rigid3dCylinder, SpunInPlaceFeelsFrictionOfMuNAndStaysDown) {
     for (const double spin : {30.0, 100.0, 300.0}) {
       RigidRun run(lying({.floor = floor}, 0, spin));
       EXPECT_LT(hop(run, 0.5, 0.5), 3e-4) << spin;
-      // It slides all the time: v = mu g t, and its spin loses 2 mu g t / r.
+      // It slides all the time: v = mu g t, and its spin decreases by 2 mu g t / r.
       EXPECT_NEAR(run.v(1).x, -0.5 * 9.81 * 0.5, 0.01) << spin;
       EXPECT_NEAR(run.w(1).z, spin - 2 * 0.5 * 9.81 * 0.5 / 0.5, 0.05) << spin;
     }
   }
 }
 
-/// The control: a prism of 48 sides is no cylinder. It loses 1 - cos(7.5 degrees) of two thirds of its motion
-/// at every edge and is down to half of it after 3 s.
+/// The control: a prism of 48 sides is not a cylinder. It loses 1 - cos(7.5 degrees) of two thirds of its
+/// motion at every edge and is down to half of it after 3 s.
 TEST(Rigid3dCylinder, APrismOfManySidesDoesNotRollLikeOne) {
   RigidRun run(lying({.shape = Shape::prism, .floor = Floor::box}, 3, -6));
   run.seconds(3);
@@ -113,7 +113,7 @@ TEST(Rigid3dCylinder, StandingItSpinsWithoutLeavingTheFloor) {
     RigidRun run(d);
     EXPECT_LT(hop(run, 0.5, 1), 3e-4);
     EXPECT_LT(run.w(1).y, 95);
-    // 5 m/s at the rim; what friction leaves of uneven corners.
+    // 5 m/s at the rim; what friction at uneven corners leaves.
     EXPECT_LT(std::hypot(run.v(1).x, run.v(1).z), 0.15);
   }
 }

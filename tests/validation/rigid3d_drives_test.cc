@@ -1,5 +1,5 @@
-// Limits, motors, gears of joints between rigid bodies in 3-D against closed forms, with controls that fail
-// them.
+// Limits, motors and gears of joints between rigid bodies in 3-D against closed forms, with controls that
+// fail them.
 #include "tests/validation/rigid3d_joints.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ TEST(Rigid3dDrives, AHingesLimitHoldsUnderLoadAndDoesNotBounce) {
   run.seconds(0.25);
   EXPECT_GT(run.observed("joint.j.angle"), -0.5);  // on its way
   run.seconds(0.3);
-  // It is there and stays: neither further than a milliradian nor back.
+  // It reaches the limit and stays there: within a milliradian.
   EXPECT_LT(worst(run, 120, [](const RigidRun& r) { return r.observed("joint.j.angle") + 0.5; }), 1e-3);
   EXPECT_LT(norm(run.w(0)), 1e-3);
   // Moment of the weight about the hinge: m g l cos(0.5).
@@ -53,7 +53,7 @@ TEST(Rigid3dDrives, AMotorReachesItsSpeedWhenItsTorqueSays) {
   EXPECT_LT(run.w(0).z, 3.85);
   run.seconds(0.1);
   EXPECT_NEAR(run.w(0).z, 4, 1e-3);
-  // The control: a tenth less torque is not there yet.
+  // The control: with a tenth less torque it has not arrived yet.
   j.max_motor = 0.9 * kRodMoment * 4;
   RigidRun weak(pendulum(j), 1.0 / 60, 1, kNoGravity);
   weak.seconds(1.05);
@@ -203,7 +203,7 @@ TEST(Rigid3dDrives, AMotorDrivesAPoseWithBoundedStrength) {
   run.apply(c);
   run.seconds(4);
   EXPECT_NEAR(run.x(0).x, -2, 1e-3);
-  // The control: less than its weight lets it fall, by what is missing of g.
+  // The control: a force below its weight lets it fall at the missing fraction of g.
   j.max_force = 0.5 * kG, j.move = {};
   d.joints = {j};
   RigidRun weak(d, 1.0 / 60);

@@ -15,8 +15,8 @@ using testing::box;
 using testing::ground;
 using testing::RigidRun;
 
-/// contact.cradle: five equal balls in a row with gaps of a millionth of a metre, the first comes in at 1
-/// m/s. Their velocities afterwards.
+/// contact.cradle: five equal balls in a row with gaps of a millionth of a metre; the first arrives at 1 m/s.
+/// Their velocities afterwards.
 std::vector<Vec3> cradle(double restitution, double gap) {
   Rigid3dDef d;
   d.precision = Rigid3dDef::Precision::f64;
@@ -37,7 +37,7 @@ TEST(Rigid3dImpact, ACradlePassesTheBlowOn) {
   double momentum = 0;
   for (size_t i = 0; i < 5; ++i) momentum += lossy[i].x;
   EXPECT_NEAR(momentum, 1, 1e-12);
-  // The control: without restitution all five go on together.
+  // The control: without restitution all five move on together.
   EXPECT_LT(cradle(0, 1e-6)[4].x, 0.3);
 }
 
@@ -48,14 +48,14 @@ TEST(Rigid3dImpact, ABoxThatFallsFlatBouncesFlat) {
   d.bodies.push_back(box({0.5, 0.1, 0.3}, {0, 0.6, 0}));
   RigidRun run(d, 1.0 / 240);
   double highest = 0, spin = 0;
-  // It lands after sqrt(2 * 0.5 / g) = 0.319 s and is up again after half that time.
+  // It lands after sqrt(2 * 0.5 / g) = 0.319 s and is at its peak again after half that time.
   for (int k = 0; k < 150; ++k) {
     run.run(1);
     if (run.t() > 0.33) highest = std::max(highest, run.x(1).y);
     spin = std::max(spin, norm(run.w(1)));
   }
   EXPECT_NEAR(highest - 0.1, 0.25 * 0.5, 0.02 * 0.125);
-  EXPECT_LT(spin, 1e-6);  // rad/s; corner after corner it would be some 3
+  EXPECT_LT(spin, 1e-6);  // rad/s; if corners hit one after the other it would be some 3
 }
 
 TEST(Rigid3dImpact, ASpinningBallIsThrownSidewaysByItsBounce) {

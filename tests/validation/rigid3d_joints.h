@@ -1,4 +1,4 @@
-// Bodies and joints of the tests of rigid3d's joints.
+// Bodies and joints for the tests of rigid3d's joints.
 #pragma once
 #include <cmath>
 #include <numbers>

@@ -56,7 +56,7 @@ TEST(Rigid3dJoints, ASliderThatTurnsKeepsTheAngularMomentum) {
   EXPECT_GT(norm(run.x(1) - run.x(0)), 2);  // it has slid far
   EXPECT_NEAR(run.observed("angular_momentum.z"), before, 1e-3 * before);
   EXPECT_NEAR(run.observed("momentum.x"), px, 1e-9);
-  // The control: with one end held the momentum is not its own.
+  // The control: with one end held its momentum is not conserved.
   j.a = -1;
   d.joints = {j};
   RigidRun held(d, 1.0 / 240, 1, kNoGravity);
@@ -64,7 +64,7 @@ TEST(Rigid3dJoints, ASliderThatTurnsKeepsTheAngularMomentum) {
   EXPECT_GT(std::abs(held.observed("angular_momentum.z") - before), 1e-2 * before);
 }
 
-/// A ball on a spring to the origin, at rest 1 m from where it wants to be.
+/// A ball on a spring to the origin, released 1 m beyond its rest length.
 Rigid3dDef oscillator(double stiffness, double damping) {
   Rigid3dDef d;
   d.bodies = {bob({3, 0, 0})};
@@ -83,7 +83,7 @@ TEST(Rigid3dJoints, ASpringSwingsAtItsFrequencyAndDiesAtItsRate) {
     RigidRun run(oscillator(stiffness, damping), 1.0 / 60, 1, kNoGravity);
     return worst(run, 600, [&](const RigidRun& r) { return r.x(0).x - 2 - exact(r.t()); });
   };
-  // Ten periods. Velocity and place are half a substep apart: w h / 2 = 0.0105 at 60 Hz and five substeps.
+  // Ten periods. Velocity and position are half a substep apart: w h / 2 = 0.0105 at 60 Hz and five substeps.
   EXPECT_LT(off(w * w), 0.015);
   // The control: a hundredth more stiffness is a third of a radian after ten periods.
   EXPECT_GT(off(1.01 * w * w), 0.1);
@@ -92,8 +92,8 @@ TEST(Rigid3dJoints, ASpringSwingsAtItsFrequencyAndDiesAtItsRate) {
 TEST(Rigid3dJoints, AnyStiffnessIsStable) {
   for (const double stiffness : {1e3, 1e5, 1e7, 1e9, 1e12}) {
     RigidRun run(oscillator(stiffness, 0), 1.0 / 60, 1, kNoGravity);
-    // No further out than where it began, but for the half substep between velocity and place, w h / 2; and
-    // a spring that no step resolves comes to rest.
+    // No farther out than at the start, except for the half substep between velocity and position, w h / 2;
+    // and a spring that no step resolves comes to rest.
     EXPECT_LT(worst(run, 300, [](const RigidRun& r) { return r.x(0).x - 2; }), 1.01) << stiffness;
     if (stiffness > 1e6) {
       EXPECT_NEAR(run.x(0).x, 2, 1e-3) << stiffness;
@@ -120,9 +120,9 @@ TEST(Rigid3dJoints, ARodOfFixedLengthSwingsAndARopeGoesTaut) {
     EXPECT_NEAR(run.observed("joint.j.length"), 1, 1e-4);
     return last;
   };
-  // Nine and a half half swings; half a substep is 4e-4 s.
+  // Nine and a half half-periods; half a substep is 4e-4 s.
   EXPECT_NEAR(crossings(d), 4.75 * period, 2e-3);
-  // A rope from the middle of the sky: free fall for 1 m, then it holds.
+  // A rope from a fixed point: free fall for 1 m, then it holds.
   DistanceJointDef rope = hung<DistanceJointDef>();
   rope.maximum = 2;
   d.bodies = {bob({0, -1, 0})}, d.joints = {rope};
@@ -131,7 +131,7 @@ TEST(Rigid3dJoints, ARodOfFixedLengthSwingsAndARopeGoesTaut) {
   EXPECT_NEAR(run.x(0).y, -1 - 0.5 * kG * 0.16, 0.01);
   run.seconds(2);
   EXPECT_NEAR(run.x(0).y, -2, 1e-3);
-  // And one that may not get shorter.
+  // And a strut with a minimum length.
   DistanceJointDef strut = hung<DistanceJointDef>();
   strut.minimum = 0.5;
   d.bodies = {bob({0, 1, 0})}, d.joints = {strut};
@@ -175,7 +175,7 @@ TEST(Rigid3dJoints, AUniversalJointsOutputRunsUnevenly) {
 }
 
 TEST(Rigid3dJoints, AConeAndATwistEndWhereTheyShould) {
-  // A rod that stands on its end falls over to the cone's edge.
+  // A rod standing on its end falls over to the cone's edge.
   Rigid3dDef d;
   BoxBodyDef b = box({0.05, 0.5, 0.05}, {0, 0.5, 0});
   b.mass = 10, b.angular_velocity = {0.05, 0, 0.1};
@@ -194,7 +194,7 @@ TEST(Rigid3dJoints, AConeAndATwistEndWhereTheyShould) {
   double lowest = 1;
   for (int k = 0; k < 180; ++k) loose.run(1), lowest = std::min(lowest, loose.x(0).y);
   EXPECT_LT(lowest, 0);
-  // A twist about the axis ends at its limit; the control goes on.
+  // A twist about the axis stops at its limit; the control continues.
   j.twist_upper = 2.5;
   b.angular_velocity = {0, 3, 0};
   d.bodies = {b}, d.joints = {j};

@@ -1,5 +1,5 @@
-// Bodies whose shape is a closed mesh and that forces move: they used to fall through planes, and still do
-// not meet other meshes, which is said before anything falls. Costs 0.1 s.
+// Dynamic bodies whose shape is a closed mesh: they used to fall through planes, and still do not collide
+// with other meshes, which is reported before anything falls. Costs 0.1 s.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -58,7 +58,7 @@ TEST(Rigid3dMeshBody, FallsOnAPlaneAndStaysOnIt) {
   d.bodies.push_back(box({0.3, 0.2, 0.4}, {3, 1, 0}));
   RigidRun run(d, 1.0 / 60);
   run.seconds(3);
-  // Beside a box that falls alike; it is within what soft contacts give under its weight.
+  // Like a box that falls beside it; within what soft contacts give under its weight.
   EXPECT_NEAR(run.x(1).y, 0.2, 2e-3);
   EXPECT_NEAR(run.x(1).y, run.x(2).y, 1e-4);
   EXPECT_LT(norm(run.v(1)), 1e-3);
@@ -78,7 +78,7 @@ TEST(Rigid3dMeshBody, SlidesDownASlopeAsABoxDoes) {
   RigidRun run(d, 1.0 / 480);
   const Vec3 start = run.x(1);
   run.seconds(1);
-  // As of the box, a thousandth.
+  // As for the box, to a thousandth.
   EXPECT_NEAR(norm(run.x(1) - start), 1.178143618331198531, 1e-3 * 1.178);
 }
 
@@ -111,7 +111,7 @@ TEST(Rigid3dMeshBody, OneThatWouldFallThroughAnotherSurfaceIsRefusedByName) {
   d.bodies.push_back(field);
   d.bodies.push_back(mesh_box({0.3, 0.2, 0.4}, {0, 1, 0}, 2));
   EXPECT_EQ(code(d), "/bodies/1 surfaces_do_not_meet");
-  // Controls: groups that do not ask for the pair; a hull's equal in place of the field.
+  // Controls: groups that exclude the pair; an equivalent hull in place of the field.
   std::get<MeshBodyDef>(d.bodies[1]).mask = 2;
   EXPECT_EQ(code(d), "");
   d.bodies[0] = ground();

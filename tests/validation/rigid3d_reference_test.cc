@@ -1,5 +1,5 @@
-// What joints between bodies, kept by constraints, reach of the reference cases that `articulation` solves to
-// many digits: errors fall with the step as first order does, and stay below the cases' low precision.
+// The accuracy of joints as constraints between bodies on the reference cases that `articulation` solves to
+// many digits: errors fall at first order with the step, and stay below the cases' low precision.
 #include <gtest/gtest.h>
 
 #include "tests/validation/rigid3d_joints.h"
@@ -79,10 +79,10 @@ TEST(Rigid3dReference, ATopOnABallJointPrecessesSteadily) {
   const double rate = 2.11729327930849314;
   const double coarse = std::abs(precession(1.0 / 240, rate) - rate),
                fine = std::abs(precession(1.0 / 960, rate) - rate);
-  // What is left is the joint's softness, which the gap of a spinning top shows at any step.
+  // What is left is the joint's softness, visible as the gap of a spinning top at any step.
   EXPECT_LT(coarse, 2e-3);
   EXPECT_LT(fine, 2e-3);
-  // The control: 3 % away from the steady rate it nods, and is not where steady precession would be.
+  // The control: 3 % away from the steady rate it nutates, and is not where steady precession would take it.
   EXPECT_GT(std::abs(precession(1.0 / 960, 1.03 * rate) - 1.03 * rate), 0.02);
 }
 

@@ -22,7 +22,7 @@ double angle_between(const Quat& a, const Quat& b) {
   return norm(free_rotation::rotation_vector(a * Quat{b.w, -b.x, -b.y, -b.z}));
 }
 
-/// Box 3 x 2 x 1 that turns about no axis of its own.
+/// A box 3 x 2 x 1 that rotates about none of its own axes.
 Rigid3dDef top() {
   Rigid3dDef d;
   BoxBodyDef b = box({1.5, 1, 0.5}, {});
@@ -39,7 +39,7 @@ TEST(Rigid3dFreeTop, SixtyStepsASecondFollowItToAMicroradian) {
   EXPECT_LT(angle_between(coarse.q(0), fine.q(0)), 1e-6);
   EXPECT_NEAR(coarse.observed("angular_momentum.x"), lx, 1e-11 * std::abs(lx));
   EXPECT_NEAR(coarse.observed("energy.kinetic"), energy, 1e-10 * energy);
-  // The control: one Euler step of w in the body's frame loses it.
+  // The control: one Euler step of w in the body's frame fails.
   Quat q;
   Vec3 w{1, 2, 3}, I{5, 10, 13};
   for (int k = 0; k < 600; ++k) {
@@ -51,8 +51,8 @@ TEST(Rigid3dFreeTop, SixtyStepsASecondFollowItToAMicroradian) {
 }
 
 TEST(Rigid3dFreeTop, HasFourthOrder) {
-  // Steps in which the body turns by less than one part of free_rotation (0.03 rad), so that halving the step
-  // halves what the method sees.
+  // Steps in which the body rotates by less than one part of free_rotation (0.03 rad), so that halving the
+  // step halves the method's own step.
   const auto state_after = [](double h) {
     free_rotation::Motion m{{}, {1, 2, 3}};
     for (int k = 0; k < std::lround(2.1 / h); ++k) m = free_rotation::advance(m, {5, 10, 13}, h);
@@ -85,7 +85,7 @@ TEST(Rigid3dFreeFall, IsExactAtAnyStep) {
   EXPECT_NEAR(run.x(0).y, 100 + 8 - 0.5 * kG * 4, 1e-12);
 }
 
-/// A block on a slope of 30 degrees: the plane is level, gravity is not.
+/// A block on a slope of 30 degrees: the plane is level and gravity is tilted.
 RigidRun slope(double friction, double h) {
   Rigid3dDef d;
   d.friction = friction, d.sleeping = false;
@@ -161,7 +161,7 @@ TEST(Rigid3dContact, ABouncingBallComesToRest) {
 }
 
 TEST(Rigid3dContact, ABallPassesNoThinWall) {
-  // 0.1 m across at 300 m/s: 5 m a step, against a wall of 1 cm, from many places and directions.
+  // 0.1 m across at 300 m/s: 5 m per step, against a wall of 1 cm, from many positions and directions.
   for (int k = 0; k < 50; ++k) {
     Rigid3dDef d;
     BoxBodyDef wall = box({0.005, 3, 3}, {});
@@ -191,7 +191,7 @@ TEST(Rigid3dStack, TwentyBoxesStandForAMinute) {
   EXPECT_LT(std::hypot(top.x, top.z), 1e-4);
   EXPECT_NEAR(top.y, 19.5, 1e-3);  // springs of 60 Hz alone: 28 mm lower
   EXPECT_LT(run.observed("penetration"), 1e-4);
-  // The control: a body that is pushed aside does not come back.
+  // The control: a body pushed aside does not return.
   Command c;
   c.kind = CommandKind::impulse, c.index = 20, c.vector = {6000, 0, 0};
   run.apply(c);

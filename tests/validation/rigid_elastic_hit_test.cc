@@ -1,6 +1,7 @@
-// A gap that closes exactly at a substep's end counted as closed at the next substep's start, when the solver
-// had stopped the approach: elastic hits of round numbers lost everything, in f32 most, and with them those
-// of very unequal masses. And rigid2d let nothing bounce that came at 1 m/s.
+// A gap that closed exactly at a substep's end used to count as closed at the next substep's start, when the
+// solver had already stopped the approach: elastic hits with round numbers lost everything, in f32 most of
+// them, and so did those of very unequal masses. And rigid2d did not let anything bounce that arrived at 1
+// m/s.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -96,7 +97,7 @@ TEST(RigidElasticHit, IsElasticHoweverSlow) {
   }
 }
 
-/// Height (m) that a ball with e = 1 reaches after it fell from `height`.
+/// Height (m) that a ball with e = 1 reaches after falling from `height`.
 double bounce(int dimensions, double height, const std::string& more) {
   const std::string floor =
       dimensions == 2
@@ -128,8 +129,8 @@ TEST(RigidElasticHit, BouncesUnderGravityUnlessTheHopIsShorterThanAStep) {
       const double lost = 9.81 / 480 * std::sqrt(8 * height / 9.81);
       EXPECT_NEAR(bounce(dimensions, height, ""), height, 1.1 * lost) << dimensions;
     }
-    // The control: from 0.2 mm it comes at 0.06 m/s; it stays down, and so does the fast one where it is
-    // told.
+    // The control: from 0.2 mm it arrives at 0.06 m/s and does not bounce; nor does the fast one if told not
+    // to.
     EXPECT_LT(bounce(dimensions, 2e-4, ""), 5e-5) << dimensions;
     EXPECT_LT(bounce(dimensions, 0.05, R"("restitution_speed": 1.1, )"), 1e-3) << dimensions;
   }

@@ -1,4 +1,5 @@
-// Robertson's reaction to 1e11 s in steps of 1e9 s: chemistry takes as long as it takes. Bodies do not.
+// Robertson's reaction to 1e11 s in steps of 1e9 s: chemistry may take arbitrarily long, unlike the motion of
+// bodies.
 #include <gtest/gtest.h>
 
 #include "engine/scene/json.h"

@@ -1,4 +1,4 @@
-// Chains of rods: what each of the three treatments of constraints promises, and where it breaks.
+// Chains of rods: what each of the three treatments of constraints promises, and where it fails.
 #include <gtest/gtest.h>
 
 #include "engine/base/errors.h"
@@ -52,7 +52,7 @@ RodChainDef chain(Treatment t, int64_t links = 10) {
 }
 
 TEST(RodChain, MultipliersAndProjectionLeaveAGapOfRounding) {
-  // Places of a metre are known to 1e-16; a handful of such roundings.
+  // Positions of a metre are known to 1e-16; a handful of such roundings.
   for (const Treatment t : {Treatment::lagrange, Treatment::projection}) {
     RodRun r(chain(t), 1.0 / 240);
     r.seconds(5);

@@ -1,6 +1,6 @@
-// A session's step is when it is looked at, not how it is computed: methods that live on their history
-// (CVODE's orders and steps, IAS15's predictions and the lower parts of compensated sums) give the same
-// accuracy whether an orbit is looked at six times or six hundred.
+// A session's step determines when the state is observed, not how it is computed: methods that rely on their
+// history (CVODE's orders and steps, IAS15's predictions and the low-order parts of compensated sums) give
+// the same accuracy whether an orbit is observed six times or six hundred.
 #include <cmath>
 #include <numbers>
 
@@ -10,8 +10,8 @@
 namespace truestep::test {
 namespace {
 
-// One period of Kepler's ellipse (e = 0.5, GM = 1, half axis 1) in `steps` session steps: how far from where
-// it began.
+// One period of a Kepler ellipse (e = 0.5, GM = 1, semi-axis 1) in `steps` session steps: distance from the
+// start.
 double error_after_an_orbit(const std::string& integrator, double tolerance, int steps) {
   OdeRun run(R"("states": {"x": 0.5, "y": 0}, "velocities": {"x": 0, "y": 1.7320508075688772},
     "second": {"x": "-x / (x^2 + y^2)^1.5", "y": "-y / (x^2 + y^2)^1.5"}, "integrator": ")" +
@@ -44,7 +44,7 @@ TEST(SessionSteps, CompensatedMethodsKeepTheirSums) {
   EXPECT_GT(error_after_an_orbit("tsit5", 1e-13, 628), 1e-13);
 }
 
-// Whatever the method: a session that looks often is not less accurate than one that looks seldom.
+// For any method: a session that observes often is not less accurate than one that observes seldom.
 TEST(SessionSteps, LookingOftenCostsNoAccuracy) {
   for (const Integrator& m : integrators()) {
     if (m.stepping != Integrator::Stepping::adaptive || !m.advance) continue;

@@ -1,4 +1,4 @@
-// Two liquids of different density by particles: still layers, and the growth of a wave between them.
+// Two liquids of different density by particles: layers at rest, and the growth of a wave between them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -36,7 +36,7 @@ double pressure_slope(const SphRun& run, double low, double high) {
   return (n * yq - y * q) / (n * yy - y * y);
 }
 
-// Heavy below light stays so: speeds under 1 % of sqrt(g H), as of a pool of one liquid, in each layer
+// Heavy below light stays so: speeds under 1 % of sqrt(g H), as in a pool of one liquid, and in each layer
 // pressure that grows by its weight.
 TEST(SphLayers, ATankOfTwoLayersRests) {
   for (const Precision precision : {Precision::f32, Precision::f64}) {
@@ -46,12 +46,12 @@ TEST(SphLayers, ATankOfTwoLayersRests) {
       EXPECT_LT(rms_speed(run), 0.01 * std::sqrt(9.81 * 0.6)) << heavy;
       double slope = 0;
       for (int k = 0; k < 30; ++k) run.step(), slope += pressure_slope(run, 0.08, 0.22) / 30;
-      // Case fluid.hydrostatic asks for 2 % of one layer. Sums of gradients over rows that came to rest in
-      // some disorder fall short, and the pressures that hold the weight are larger by that: up to 5.8 % in
-      // the first run, after which this bound was set. Control: the light one's weight would be half of it at
-      // most.
+      // Case fluid.hydrostatic demands 2 % for one layer. Sums of gradients over rows that came to rest in
+      // some disorder are too small, and the pressures that carry the weight correspondingly larger: up to
+      // 5.8 % in the first run, after which this bound was set. Control: the light layer's weight would be at
+      // most half of it.
       EXPECT_NEAR(slope, -9810 * heavy, 0.08 * 9810 * heavy) << heavy;
-      // Nothing has mixed: the heavy layer's particles are below the light one's but for a spacing.
+      // Nothing has mixed: the heavy layer's particles are below the light one's, to within a spacing.
       double highest = 0, lowest = 1;
       const size_t half = run.system.setting().rows / 2;
       for (size_t i = 0; i < half; ++i) highest = std::max(highest, run.position(i).y);
@@ -61,7 +61,7 @@ TEST(SphLayers, ATankOfTwoLayersRests) {
   }
 }
 
-// The control of the above: turned over it does not stay, and momentum across is that of nothing.
+// The control of the above: upside down it does not stay, and the horizontal momentum is zero.
 TEST(SphLayers, HeavyAboveLightFalls) {
   SphDef d = layers(10, Precision::f64);
   std::swap(d.bodies[0].density, d.bodies[1].density);
@@ -72,18 +72,18 @@ TEST(SphLayers, HeavyAboveLightFalls) {
 }
 
 // Case fluid.rayleigh_taylor: inviscid growth sqrt(A g k) of a small wave with A = 1/3, k = 2 pi. The tank is
-// half a wave wide, as deep as a wave on both sides, and full: a lid holds it. The amplitude is that of the
-// border's first mode, by the particles' moments.
+// half a wavelength wide, a wavelength deep on both sides, and full: a lid holds it. The amplitude is that of
+// the interface's first mode, from the particles' moments.
 double growth(double density) {
   constexpr double kSigma = 4.532771332692313;
   SphDef d;
   d.dimension = 2, d.low = {0, -1, 0}, d.high = {0.5, 1, 1}, d.spacing = 0.02, d.precision = Precision::f64;
-  // Under the cubic spline of two spacings a lattice buckles by its own weight before the wave has grown.
+  // With the cubic spline of two spacings a lattice buckles under its own weight before the wave has grown.
   d.kernel = Smoothing::wendland_c2, d.support = 3, d.density_error = 1e-5, d.xsph = 0, d.viscosity = 0;
   d.bodies = {{.center = {0.25, -0.5, 0}, .half_extents = {0.25, 0.5, 1}},
               {.center = {0.25, 0.5, 0}, .half_extents = {0.25, 0.5, 1}, .density = density}};
   SphRun run(d, 0.005, {0, -9.81, 0});
-  // Started from the linear theory's velocities with the border still flat: amplitude grows by sinh.
+  // Started from the linear theory's velocities with a flat interface: the amplitude grows as sinh.
   constexpr double kStart = 0.08, kK = 2 * kPi;
   RealColumn<double> v(run.state, columns::velocity);
   const size_t n = run.system.setting().rows;
@@ -116,8 +116,8 @@ double growth(double density) {
 }
 
 TEST(SphLayers, AWaveBetweenLayersGrows) {
-  // The case asks for 10 %, which is missed: 37 % too slow in the first run, after which this bound was set.
-  // Of three times as weak a drive the growth would be a third less than that.
+  // The case demands 10 %, which is missed: 37 % too slow in the first run, after which this bound was set.
+  // With a third of the driving density difference the growth would be a third smaller still.
   const double rate = growth(2000);
   EXPECT_GT(rate, 0.5);
   EXPECT_LT(rate, 1.1);

@@ -1,4 +1,4 @@
-// A square patch of water that turns freely is held together by tension alone (case sph.square_patch).
+// A freely rotating square patch of water is held together by tension alone (case sph.square_patch).
 #include <gtest/gtest.h>
 
 #include <cmath>

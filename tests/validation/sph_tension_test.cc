@@ -1,4 +1,4 @@
-// Surface tension: pressure in drops, and an edge that goes round.
+// Surface tension: pressure in drops, and a square that becomes round.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -36,10 +36,10 @@ double pressure_in(double radius, double tension) {
   return sum / count;
 }
 
-// Young and Laplace, in the plane: p = sigma / R. Cohesion alone presses everywhere alike (with 1,800 Pa
+// Young-Laplace in the plane: p = sigma / R. Cohesion alone adds the same pressure everywhere (1,800 Pa
 // here), so that only differences between drops count. 12 % too large in the first run, after which this
-// bound was set; between drops of 0.3 and 0.6 m alone, where 1 % of that pressure is all, it is wrong by 90
-// %.
+// bound was set; between drops of 0.3 and 0.6 m alone, where the difference is just 1 % of that pressure, it
+// is wrong by 90 %.
 TEST(SphTension, PressuresInDropsDifferAsLaplaceSays) {
   const double small = pressure_in(0.15, 10), large = pressure_in(0.6, 10);
   const double expected = 10 / 0.15 - 10 / 0.6;
@@ -47,7 +47,7 @@ TEST(SphTension, PressuresInDropsDifferAsLaplaceSays) {
   EXPECT_GT(pressure_in(0.15, 20) - pressure_in(0.6, 20), 1.3 * expected) << "control: twice the tension";
 }
 
-// A square drop becomes round: all corners come in, momentum stays.
+// A square drop becomes round: all corners move in, momentum is conserved.
 TEST(SphTension, ASquareGoesRound) {
   SphDef d = drop(0.3, 10);
   d.bodies = {{.shape = Shape::box, .half_extents = {0.3, 0.3, 1}}};

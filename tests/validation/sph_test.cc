@@ -23,8 +23,8 @@ double square_sum(const SphRun& run, int axis) {
   return sum;
 }
 
-// Monaghan 1994 (case sph.elliptical_drop): a disk that is pulled apart stays an ellipse; at 7.6 ms its half
-// axis is 1.94452. Read off the particles' second moment, which an affine flow scales by its square.
+// Monaghan 1994 (case sph.elliptical_drop): a disk that is stretched stays an ellipse; at 7.6 ms its
+// semi-axis is 1.94452. Taken from the particles' second moment, which an affine flow scales by its square.
 TEST(SphValidation, ADiskIsPulledToAnEllipse) {
   for (const Method solver : kEvery) {
     SphDef d;
@@ -43,8 +43,8 @@ TEST(SphValidation, ADiskIsPulledToAnEllipse) {
   }
 }
 
-// Cases sph.couette and sph.poiseuille, as published. Places that are corrected one by one (pbf) cannot be
-// told from a motion as slow as this.
+// Cases sph.couette and sph.poiseuille, as published. Corrections of single positions (pbf) cannot be
+// separated from a motion as slow as this.
 TEST(SphValidation, ALidDragsAChannelAlong) {
   constexpr double kTimes[] = {0.0225, 0.045, 0.1125, 0.225};
   constexpr double kSpeeds[] = {2.30276568155e-7, 1.19475164053e-6, 3.62844098707e-6, 5.38628727324e-6};
@@ -87,7 +87,7 @@ TEST(SphValidation, AForceDrivesAChannel) {
   EXPECT_GT(middle_speed(slip), 2e-5) << "control: walls that do not hold it";
 }
 
-// Case fluid.standing_wave: the first mode of a tank half a wave long. It is started from the velocities of
+// Case fluid.standing_wave: the first mode of a tank half a wavelength long. It starts with the velocities of
 // the linear theory, and crosses the middle after half a period.
 TEST(SphValidation, AStandingWaveKeepsItsPeriod) {
   constexpr double kOmega = 5.541131018081737392457494;
@@ -113,8 +113,8 @@ TEST(SphValidation, AStandingWaveKeepsItsPeriod) {
       }
       before = now;
     }
-    // The case asks for 1 % of the period of waves of no height. 40 particles of depth give 3 %, with few
-    // corrections of places 6 %.
+    // The case demands 1 % of the period of waves of infinitesimal height. 40 particles of depth give 3 %,
+    // with few position corrections 6 %.
     EXPECT_NEAR(crossed, kPi / kOmega, (solver == Method::pbf ? 0.06 : 0.03) * kPi / kOmega)
         << static_cast<int>(solver);
     EXPECT_GT(std::abs(crossed - kPi / std::sqrt(9.81)), 0.3) << "control: a wave as long as it is deep";
@@ -129,7 +129,7 @@ TEST(SphValidation, StillWaterPressesByItsWeight) {
     d.bodies = {{.center = {0.5, 0.5, 0}, .half_extents = {0.5, 0.5, 1}}};
     SphRun run(d, 1.0 / 120, {0, -9.81, 0});
     run.seconds(2);
-    // Pressure falls by a line with height: its value on the floor by least squares, over a quarter of a
+    // Pressure falls linearly with height: its value on the floor by least squares, over a quarter of a
     // second.
     double floor = 0;
     for (int k = 0; k < 30; ++k) {
@@ -169,8 +169,8 @@ TEST(SphValidation, ADamBreakRunsAsMeasured) {
       const double z = (run.observe("high.x") + 0.5 * d.spacing) / kA;
       squares += (z - where) * (z - where), still += (1 - where) * (1 - where);
     }
-    // Simulations lead the experiment, whose gate takes its time and whose floor holds water back, by 5 to
-    // 10 %: 0.2 to 0.4 of 4, and here the foremost of all particles counts.
+    // Simulations lead the experiment, whose gate takes time to open and whose floor retards the water, by 5
+    // to 10 %: 0.2 to 0.4 of 4, and here the foremost of all particles counts.
     EXPECT_LT(std::sqrt(squares / 8), 0.6) << static_cast<int>(solver);
     EXPECT_GT(std::sqrt(still / 8), 2) << "control: water that stays";
   }

@@ -1,4 +1,4 @@
-// Implicit viscosity: channels at steps far beyond what an explicit one holds, and what it conserves.
+// Implicit viscosity: channels at steps far beyond the explicit limit, and what it conserves.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -46,8 +46,8 @@ TEST(SphViscosity, AForceDrivesAChannelAtLongSteps) {
   EXPECT_NEAR(middle_speed(run), 1.25e-5, 0.02 * 1.25e-5) << "steady";
 }
 
-// A disk that turns like a rigid body has no friction in itself, and goes on turning however thick it is; one
-// that is strained loses its strain.
+// A disk in rigid rotation has no internal friction, and keeps rotating however viscous it is; a strained one
+// loses its strain.
 TEST(SphViscosity, ADiskGoesOnTurningHoweverThick) {
   for (const double spin : {1.0, 0.0}) {
     SphDef d;

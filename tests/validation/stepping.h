@@ -1,4 +1,4 @@
-// A force field under one integrator, stepped without a session around it.
+// A force field with one integrator, stepped without a session around it.
 #pragma once
 #include <array>
 #include <cmath>
@@ -56,7 +56,8 @@ inline std::unique_ptr<const ForceField> unit_oscillator(double stiffness, doubl
   return oscillator::make_oscillator_field(d);
 }
 
-/// The linear map (x, v) -> (x, v) of one step, {xx, xv, vx, vv}. Methods with a memory do their first step.
+/// The linear map (x, v) -> (x, v) of one step, {xx, xv, vx, vv}. Methods with a memory take their first
+/// step.
 inline std::array<double, 4> step_map(const Integrator& method, double stiffness, double damping, double h,
                                       const IntegratorOptions& options = kOneInternalStep) {
   std::array<double, 4> m;

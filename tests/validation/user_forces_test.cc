@@ -1,5 +1,5 @@
 // Pushes, impulses and drags that act at a point of a body, in the plane and in space: closed forms. Points
-// have no extent: they refuse a place.
+// have no extent: a command with a place is refused.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -90,8 +90,8 @@ TEST(UserForces, APushAtAnEdgeTurns) {
   }
 }
 
-// The corner that was taken hold of comes to the hand, and goes on to where the hand moves without being
-// named again.
+// The corner that was grabbed comes to the target, and follows where the target moves without being named
+// again.
 TEST(UserForces, ADraggedCornerFollowsTheHand) {
   for (const std::string& body : kBodies) {
     Hand hand(body);

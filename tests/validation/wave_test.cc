@@ -1,5 +1,5 @@
 // Waves against exact solutions: d'Alembert's on a string, standing waves in one to three dimensions and
-// order 2 and 4, a manufactured solution; the energy that symplectic methods keep and the watch over it.
+// orders 2 and 4, a manufactured solution; the energy conserved by symplectic methods and its monitoring.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -65,8 +65,8 @@ TEST(Wave, StandingWavesTurnAtTheirFrequency) {
 }
 
 TEST(Wave, DAlembertsHalvesComeBack) {
-  // A hump splits in two halves; each is turned over at a fixed end, so that after the time 1 / c the hump
-  // stands upside down at the mirrored place and after 2 / c where it began.
+  // A hump splits into two halves; each is inverted at a fixed end, so that after the time 1 / c the hump is
+  // upside down at the mirrored place and after 2 / c back where it began.
   const auto hump = [](double x) { return std::exp(-400 * (x - 0.3) * (x - 0.3)); };
   const auto error = [&](int cells, uint64_t steps) {
     WaveDef d = string(cells);
@@ -154,9 +154,8 @@ TEST(Wave, SymplecticMethodsKeepTheEnergy) {
       }
       std::printf("%-18s energy %.6f swings from %+.1e to %+.1e\n", method, before, lowest / before - 1,
                   highest / before - 1);
-      // (omega h)^2 / 12 of the frequencies that the hump has, some 20 / s: 0.4 %; none is lost in 2,000
-      // steps.
-      // The implicit midpoint rule keeps quadratic forms to the tolerance of its solutions.
+      // (omega h)^2 / 12 at the hump's frequencies, some 20 / s: 0.4 %; none is lost in 2,000 steps. The
+      // implicit midpoint rule conserves quadratic forms to the tolerance of its solves.
       const double most = method[0] == 'i' || method[0] == 't' ? 1e-8 : 0.01;
       EXPECT_LT(highest / before - 1, most) << method;
       EXPECT_GT(lowest / before - 1, -most) << method;

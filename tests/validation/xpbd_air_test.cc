@@ -1,5 +1,5 @@
-// Air on position-based cloth and ropes: terminal velocities, lift, and that it never gives energy to what
-// moves in still air, however light.
+// Air on position-based cloth and ropes: terminal velocities, lift, and that still air never adds energy to a
+// moving body, however light.
 #include <cmath>
 
 #include "tests/unit/xpbd_rig.h"
@@ -23,15 +23,15 @@ TEST(XpbdAir, FlatSheetFallsAtItsTerminalVelocity) {
   for (const Precision precision : {Precision::f64, Precision::f32}) {
     for (const double density : {0.2, 0.002}) {
       XpbdDef d = sheet(precision, density);
-      // A plate: what is free to bend flutters.
+      // A plate: a flexible sheet would flutter.
       d.flexural_rigidity = 10;
       XpbdRun run(d);
       run.seconds(1);
       double mean = 0;
       for (size_t i = 0; i < 121; ++i) mean += run.velocity(i).y / 121;
       // 1/2 rho C v^2 = sigma g; the fall has e-folding times of v / 2 g, 0.08 s at most. The force is
-      // lessened by what neighbours take alike, which those at the border do not: a share of what gravity
-      // adds in a substep of 1/600 s is left.
+      // reduced for what neighbours respond with in the same way, which those at the border lack: a fraction
+      // of what gravity adds in a substep of 1/600 s is left.
       const double v = std::sqrt(2 * density * 9.81 / (1.2 * 1.2));
       EXPECT_NEAR(mean, -v, 0.2 * 9.81 / 600) << density;
     }
@@ -83,7 +83,7 @@ TEST(XpbdAir, StillAirOnlySlowsWhateverTheWeightAndStep) {
         run.step();
         const double now = run.observe("energy.kinetic");
         ASSERT_LE(now, before) << density << " " << dt;
-        // Nor is it thrown back, but for what the border takes less.
+        // Nor is it thrown back, except for what the border responds less.
         ASSERT_LE(run.velocity(60).y, 0.01 * 20);
         before = now;
       }

@@ -1,6 +1,6 @@
 // Position-based cloth and ropes through the same ports as those of springs: a ball that comes to rest in a
-// cloth has got its weight times the time from it, a free cloth keeps the momentum that a marble brings, and
-// a body hangs on a rope by an attachment.
+// cloth has received its weight times the time, a free cloth keeps the momentum of a marble, and a body hangs
+// on a rope by an attachment.
 #include "tests/support/coupled.h"
 
 namespace truestep {
@@ -18,7 +18,7 @@ TEST(XpbdCoupling, ClothCarriesABall) {
                  "bodies": [{"type": "sphere", "radius": 0.15, "mass": 1, "position": [0, 1.2, 0]}]}],
     "couplings": [{"type": "contact", "id": "touch", "a": "cloth", "b": "ball", "restitution": 0}]})");
   run.session.step(240);
-  // 9.81 N for 4 s; what speed is left is below 0.1 m/s.
+  // 9.81 N for 4 s; the remaining speed is below 0.1 m/s.
   EXPECT_NEAR(std::abs(run.observe("touch.impulse.y")), 9.81 * 4, 0.1);
   EXPECT_LT(run.observe("touch.penetration"), 1e-5);
 }

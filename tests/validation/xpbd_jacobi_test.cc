@@ -1,5 +1,5 @@
-// Links that are all solved from the same places, by Jacobi's method and with Chebyshev's weights (Wang
-// 2015), beside Gauss and Seidel's: stiffness in N/m, convergence, bits. Costs 0.5 s.
+// Links all solved from the same positions, by Jacobi's method and with Chebyshev weights (Wang 2015),
+// against Gauss-Seidel: stiffness in N/m, convergence, bits. Costs 0.5 s.
 #include <cmath>
 
 #include "engine/base/errors.h"
@@ -13,7 +13,7 @@ namespace {
 using testing_rig::XpbdRun;
 
 TEST(XpbdJacobi, WeightsAreThoseOfTheSemiIterativeMethod) {
-  // What n iterations make of an eigenvalue mu: T_n(mu / rho) / T_n(1 / rho) (Golub, Varga 1961).
+  // The factor of n iterations on an eigenvalue mu: T_n(mu / rho) / T_n(1 / rho) (Golub, Varga 1961).
   for (const int n : {2, 5, 12}) {
     const double rho = chebyshev_radius(n);
     for (const double mu : {-0.9, 0.3, 0.8}) {
@@ -30,7 +30,7 @@ TEST(XpbdJacobi, WeightsAreThoseOfTheSemiIterativeMethod) {
       };
       EXPECT_NEAR(x, chebyshev(mu / rho) / chebyshev(1 / rho), 1e-12) << n << ' ' << mu;
     }
-    // As promised a tenth of what lies within the radius is left; of few iterations the series is short.
+    // As promised, a tenth of what lies within the radius is left; for few iterations the series is short.
     if (n > 2) {
       double a = 1, b = 1 / rho;
       for (int k = 1; k < n; ++k) a = std::exchange(b, 2 / rho * b - a);
@@ -56,7 +56,7 @@ TEST(XpbdJacobi, StretchOfARopeIsThatOfItsStiffness) {
       d.precision = precision;
       XpbdRun run(d);
       run.seconds(6);
-      // What is left of the motion and of iterations that begin anew in every substep.
+      // The residual motion, and iterations that start anew in every substep.
       EXPECT_NEAR(-1 - run.position(10).y, kStretch, 5e-3 * kStretch);
     }
   }
@@ -86,7 +86,7 @@ TEST(XpbdJacobi, ComesToWhatGaussAndSeidelComeToAndChebyshevComesFaster) {
   for (const int n : {40, 80}) {
     const double jacobi = error(Sweep::jacobi, n), chebyshev = error(Sweep::chebyshev, n),
                  links = error(Sweep::links, n);
-    // Wang's figure 6: with weights Jacobi's method overtakes Gauss and Seidel's, without it stays behind.
+    // Wang's figure 6: with weights Jacobi's method overtakes Gauss-Seidel, without them it falls behind.
     EXPECT_LT(chebyshev, 0.6 * jacobi) << n;
     EXPECT_LT(chebyshev, links) << n;
     EXPECT_GT(jacobi, links) << n;

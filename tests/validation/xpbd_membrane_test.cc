@@ -38,8 +38,8 @@ double stretch(const XpbdDef& d) {
   return -run.position(1).y;
 }
 
-/// Without Poisson's ratio a row of triangles bears E t b (l^3 - l) / 2 of all that hangs below, half a row
-/// at the end.
+/// Without Poisson's ratio a row of triangles carries E t b (l^3 - l) / 2 of everything that hangs below,
+/// half a row at the end.
 double expected_stretch(double weight, double modulus) {
   double sum = 0;
   for (int row = 0; row < kRows; ++row) {
@@ -57,11 +57,11 @@ TEST(XpbdMembranes, AStripStretchesAsItsMaterialSays) {
   const double usual = stretch(d);
   d.substeps = 80;
   const double fine = stretch(d);
-  // What sweeps leave falls with the substep (docs/deformables.md): bounds set after seeing 4 % and less of
+  // The error of sweeps falls with the substep (docs/deformables.md): bounds set after seeing 4 % and less of
   // it.
   EXPECT_NEAR(fine, expected, 0.01 * expected);
   EXPECT_LT(std::abs(fine - expected), std::abs(usual - expected));
-  // The controls: Hooke's law would give a fifth less, and a modulus that is a tenth off is seen.
+  // The controls: Hooke's law would give a fifth less, and a modulus that is off by a tenth is detected.
   d.youngs_modulus = 1.1 * modulus;
   EXPECT_GT(std::abs(stretch(d) - expected), 0.05 * expected);
   std::printf("stretch %.5f, with 80 substeps %.5f, expected %.5f\n", usual, fine, expected);
@@ -118,7 +118,7 @@ TEST(XpbdMembranes, SayWhatTheyCannotTake) {
   EXPECT_EQ(faults(d), Names{});
   d.tear = TearDef{.strain = 1};
   EXPECT_EQ(faults(d), Names{"/tear"});
-  // Stiff Neo-Hookean sheets of light points would need substeps without number.
+  // Stiff Neo-Hookean sheets of light points would need an unlimited number of substeps.
   d = strip(1, 1e12);
   d.membrane = Membrane::neo_hookean;
   EXPECT_THROW(XpbdRun{d}, Error);
@@ -138,7 +138,7 @@ TEST(XpbdMembranes, MeshesThatAreNoSurfaceAreNamed) {
   EXPECT_EQ(faults(d), Names{"/mesh/triangles/0"});
 }
 
-/// A hanging cloth whose links are far from solved by one iteration a step.
+/// A hanging cloth whose links are far from solved by one iteration per step.
 XpbdDef slack_cloth(std::optional<double> slack) {
   XpbdDef d;
   d.cloth_grid = ClothGridShape{.edge_u = {0.3, 0, 0}, .edge_v = {0, 0, 1}, .nx = 10, .ny = 31};

@@ -40,7 +40,7 @@ TEST(XpbdReference, AHeavyRodIsTheElasticaOfItsWeight) {
   }
 }
 
-/// Tip of the bend under `load` N out of its plane.
+/// Tip of the bend under a load of `load` N out of its plane.
 Vec3 bend45(double load, double torsion) {
   constexpr int kLinks = 32;
   XpbdDef d;
@@ -89,9 +89,9 @@ TEST(XpbdReference, TheBendOf45DegreesComesOutOfItsPlane) {
   }
 }
 
-/// Share of its energy of twist that a ring of a straight rod, 1 m around, has lost after 4 s when it was
-/// twisted by `share` of what Michell's instability needs, 2 pi sqrt(3) / (beta / alpha), before it was
-/// closed. Both ends are clamped at one place, which takes from a closed ring its rigid motions alone.
+/// Fraction of its twist energy that a ring made of a straight rod, 1 m around, has lost after 4 s if it was
+/// twisted by `share` of the threshold of Michell's instability, 2 pi sqrt(3) / (beta / alpha), before it was
+/// closed. Both ends are clamped at one place, which removes only the rigid motions of a closed ring.
 double twist_lost(double share) {
   constexpr int kLinks = 60;
   constexpr double kRatio = 1.3;  // alpha / beta = E I / G J = 1 + nu
@@ -115,10 +115,10 @@ double twist_lost(double share) {
 }
 
 TEST(XpbdReference, ATwistedRingLeavesItsPlaneAtMichellsTwist) {
-  // The case's own tolerance, 2 % of the twist, to both sides. Below, the ring is as it was, to what its
-  // links are shorter than the circle and its weight, a ten-thousandth of g, bends it; above, it turns over,
-  // and gives two turns of its twist back. The twist is the case's; which share lost tells the two apart was
-  // set after seeing both.
+  // The case's own tolerance, 2 % of the twist, on both sides. Below, the ring stays as it was, up to its
+  // links being shorter than the circle and the bending by its weight, at a ten-thousandth of g; above, it
+  // turns over, and releases two turns of its twist. The twist is the case's; which lost fraction separates
+  // the two was set after seeing both.
   EXPECT_LT(twist_lost(0.98), 0.05);
   EXPECT_GT(twist_lost(1.02), 0.5);
 }

@@ -25,12 +25,12 @@ XpbdDef straight(int links, std::vector<std::string> clamped) {
   return d;
 }
 
-/// Way (m) down and back of the end of a rod of 1 m under an end load of F L^2 / E I = `load`.
+/// Displacement (m) down and back of the end of a rod of 1 m under an end load of F L^2 / E I = `load`.
 Vec3 tip(double load, int links) {
   XpbdDef d = straight(links, {"first"});
   const double gravity = 10, mass = load * kE * kI / gravity;
   d.loads = {{links, mass}};
-  // Near what would be critical for the load by itself, a quarter of it in the mean over the rod.
+  // Near critical damping for the load alone, a quarter of it averaged over the rod.
   d.damping = 6 * std::sqrt(3 * kE * kI * mass) / links;
   XpbdRun run(d, 1.0 / 60, {0, -gravity, 0});
   run.seconds(12);
@@ -39,14 +39,15 @@ Vec3 tip(double load, int links) {
 }
 
 TEST(XpbdRods, SmallDeflectionsAreThoseOfEulerAndBernoulli) {
-  // F L^3 / 3 E I; the rod's own weight of 0.002 N adds 3/8 of that share. Joints lump bending by links:
-  // error (1 / n)^2 / 2, at 40 links 0.03 %; shear adds 3 E I / G A L^2 = 0.03 %; 1 % covers both and rest.
+  // F L^3 / 3 E I; the rod's own weight of 0.002 N adds 3/8 of that fraction. Joints lump bending by links:
+  // error (1 / n)^2 / 2, at 40 links 0.03 %; shear adds 3 E I / G A L^2 = 0.03 %; 1 % covers both and the
+  // residual motion.
   const double load = 0.03, force = load * kE * kI, own = 0.375 * 0.002 / force;
   const double expected = load / 3 * (1 + own);
   const Vec3 at = tip(load, 40);
   EXPECT_NEAR(at.y, expected, 0.01 * expected);
   EXPECT_NEAR(at.z, 0, 1e-9);
-  // Control: a thicker share of the load would be seen.
+  // Control: a load larger by 3 % would be detected.
   EXPECT_GT(std::abs(tip(1.03 * load, 40).y - expected), 0.02 * expected);
 }
 
@@ -55,7 +56,7 @@ TEST(XpbdRods, LargeDeflectionsAreThoseOfTheElastica) {
     double load, down, back;
   };
   // The rod's own weight of 0.002 N adds 3/8 of that to 0.785 N and more, 0.1 %; 40 links 0.05 % and as much
-  // shear: 0.3 % of the way down, twice that of the way back, which goes with its square.
+  // shear: 0.3 % of the displacement down, twice that of the displacement back, which goes with its square.
   for (const Case& c : {Case{1, 0.30172, 0.05643}, Case{2, 0.49346, 0.16064}, Case{5, 0.71379, 0.38763}}) {
     const Vec3 at = tip(c.load, 40);
     EXPECT_NEAR(at.y, c.down, 0.003 * c.down) << c.load;
@@ -102,7 +103,7 @@ TEST(XpbdRods, AHelicalSpringGivesWayByItsWiresTorsionAndBending) {
   EXPECT_NEAR(sag, expected, 0.15 * expected);
 }
 
-/// Largest way (m) off the line of a rod that is twisted by `share` of what buckles it.
+/// Largest distance (m) from the line of a rod twisted by `share` of its buckling twist.
 double off_line(double share) {
   XpbdDef d = straight(40, {"ends"});
   d.density = 0.3;

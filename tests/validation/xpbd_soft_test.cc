@@ -1,5 +1,5 @@
-// Soft bodies of the system xpbd: shape matching against what springs of one frequency do, and elastic blocks
-// against the equilibrium of the finite elements of the same mesh.
+// Soft bodies of the system xpbd: shape matching against springs of one frequency, and elastic blocks against
+// the equilibrium of finite elements on the same mesh.
 #include "engine/base/errors.h"
 #include "tests/unit/fem_rig.h"
 #include "tests/unit/xpbd_rig.h"
@@ -37,7 +37,7 @@ TEST(XpbdMatching, AStretchedBodySwingsWithItsFrequency) {
     if (now < 0.5) crossed = run.h * (static_cast<double>(run.steps) - (0.5 - now) / (before - now));
     before = now;
   }
-  // A quarter of half a second, later by what implicit Euler lags behind: about a step.
+  // A quarter of half a second, delayed by the lag of implicit Euler: about a step.
   EXPECT_NEAR(crossed, 0.125, 2 * run.h);
 }
 
@@ -45,7 +45,7 @@ TEST(XpbdMatching, KeepsMomenta) {
   for (const double linear : {0.0, 0.7}) {
     XpbdRun run(matched(5, linear), 1.0 / 60, {});
     throw_body(run, {1, 3, -2});
-    // Beside its turn it rings.
+    // It vibrates in addition to its rotation.
     run.state.f64(XpbdColumns::velocity)[3 * 7] += 5;
     const auto p = [&](const char* name) { return run.observe(name); };
     const double px = p("momentum.x");
@@ -53,8 +53,8 @@ TEST(XpbdMatching, KeepsMomenta) {
     run.seconds(1);
     EXPECT_NEAR(p("momentum.x"), px, 1e-12 * px);
     const Vec3 now{p("angular_momentum.x"), p("angular_momentum.y"), p("angular_momentum.z")};
-    // Goals exert no moment on the places they move; velocities from places keep it to first order: 600
-    // substeps that turn by 0.006 each, squared, 2 %.
+    // Goals exert no moment on the positions that they move; velocities from positions conserve it to first
+    // order: 600 substeps that rotate by 0.006 each, squared, 2 %.
     EXPECT_LT(norm(now - l), 0.03 * norm(l));
   }
 }
@@ -63,14 +63,14 @@ TEST(XpbdMatching, WithoutAFrequencyABodyIsRigid) {
   XpbdRun run(matched({}), 1.0 / 60, {});
   throw_body(run, {0, 3, 0});
   run.seconds(1);
-  // Points leave the arc of a substep of 0.005 rad by its square and are put back onto it, all but rounding.
+  // Points leave the arc of a substep of 0.005 rad by its square and are put back onto it, to rounding.
   EXPECT_LT(run.observe("strain.max"), 1e-12);
   EXPECT_NEAR(run.observe("volume"), 0.3, 1e-12);
-  // Turned about y by 3 rad, less by what the method damps: of a substep's turn a its square is lost, which
-  // in 600 of them is 1.5 % of the speed in the end and half of it on the way.
+  // Rotated about y by 3 rad, less the damping of the method: the square of a substep's rotation is lost,
+  // which in 600 of them is 1.5 % of the speed in the end and half of that on average.
   const Vec3 along = run.position(4) - run.position(0);
   EXPECT_NEAR(std::atan2(-along.z, along.x), 3 * (1 - 0.0075), 2e-3);
-  // Control: one that is drawn at 1 Hz is not.
+  // Control: one drawn to its goals at 1 Hz is not.
   XpbdRun soft(matched(1), 1.0 / 60, {});
   throw_body(soft, {0, 3, 0});
   soft.seconds(1);
@@ -87,9 +87,9 @@ TEST(XpbdMatching, LinearGoalsLetABodyShearAndKeepItsVolume) {
   };
   const auto [rigid, volume] = squashed(0);
   const auto [linear, kept] = squashed(0.8);
-  // g / omega^2 = 15.5 mm for rigid goals on the mean; linear ones give way by several times as much.
+  // g / omega^2 = 15.5 mm on average for rigid goals; linear ones give way by several times as much.
   EXPECT_LT(linear, rigid - 0.01);
-  // A share of 0.8 of goals has the volume at rest: less is lost for the way.
+  // A fraction of 0.8 of the goals preserves the rest volume: less is lost for the same displacement.
   EXPECT_LT((0.3 - kept) / (0.25 - linear), 0.7 * (0.3 - volume) / (0.25 - rigid));
 }
 
@@ -119,9 +119,9 @@ Vec3 element_tip(double youngs, double nu) {
 }
 
 TEST(XpbdElastic, ABeamBendsAsItsFiniteElements) {
-  // The same tetrahedra and lumped masses. The elements' energy has a logarithm beside, of third order in
-  // strains of some hundredths: 0.1 % of the way. One sweep a substep does not end in equilibrium, by what is
-  // left of the stiffness times h^2: with four times the substeps a sixteenth.
+  // The same tetrahedra and lumped masses. The elements' energy has an additional logarithm, of third order
+  // in strains of some hundredths: 0.1 % of the displacement. One sweep per substep does not end in
+  // equilibrium, by an error of the stiffness times h^2: with four times the substeps a sixteenth.
   for (const double nu : {0.3, 0.45}) {
     XpbdDef d = beam(1e6, nu);
     d.substeps = 40;

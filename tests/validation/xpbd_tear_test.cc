@@ -1,4 +1,5 @@
-// Cloth of the system xpbd that tears: where it does, what it keeps, and that it leaves what holds alone.
+// Cloth of the system xpbd that tears: where it does, what it conserves, and that it leaves intact cloth
+// alone.
 #include <algorithm>
 
 #include "engine/base/errors.h"
@@ -28,7 +29,7 @@ double total(const XpbdRun& run, std::string_view column) {
   return sum;
 }
 
-/// A free sheet, to be torn to pieces by its own points.
+/// A free sheet that is torn to pieces by its own velocities.
 XpbdDef bursting(Precision precision = Precision::f64) {
   XpbdDef d;
   d.cloth_grid = ClothGridShape{.origin = {-0.5, 0, -0.5}, .nx = 33, .ny = 29, .shear = ShearSprings::both};
@@ -62,8 +63,8 @@ TEST(XpbdTear, BelowItsLimitsNothingIsChangedToTheBit) {
 }
 
 TEST(XpbdTear, AHangingStripTearsWhereItBearsMost) {
-  // The five links at the top carry 20 x 0.01 x 9.81 N each in the mean and twice that at the lowest point of
-  // the bounce after being let go; those below carry a twentieth less from row to row.
+  // The five links at the top carry 20 x 0.01 x 9.81 N each on average and twice that at the lowest point of
+  // the bounce after the release; those below carry a twentieth less from row to row.
   const double load = 20 * 0.01 * 9.81;
   XpbdRun torn(strip(TearDef{.force = 1.2 * load}));
   double highest = 0;
@@ -72,11 +73,11 @@ TEST(XpbdTear, AHangingStripTearsWhereItBearsMost) {
     highest = std::max(highest, torn.observe("splits"));
   }
   EXPECT_GE(highest, 5);
-  // The held row cannot split: the row below it does, and first of all.
+  // The held row cannot split: the row below it does, before any other.
   const auto origin = torn.state.span<uint32_t>(torn.state.at("origin"));
   EXPECT_TRUE(
       std::all_of(origin.begin() + 105, origin.begin() + 110, [](uint32_t p) { return p / 5 >= 18; }));
-  // All below falls freely since: a second's fall but for the time until it tore.
+  // Everything below has been in free fall since: a second's fall, less the time until it tore.
   EXPECT_LT(torn.position(2).y, -1);
   // Control: a limit that the bounce does not reach.
   XpbdRun holds(strip(TearDef{.force = 3 * load}));
@@ -93,12 +94,12 @@ TEST(XpbdTear, MassAndMomentumStay) {
     const double ly = run.observe("angular_momentum.y");
     run.step(40);
     EXPECT_GT(run.observe("splits"), 50);
-    // Sums of a thousand numbers; in floats displacements and velocities are rounded at 6e-8, step by step.
+    // Sums of a thousand numbers; in floats, displacements and velocities are rounded at 6e-8 per step.
     const double rounding = precision == Precision::f64 ? 1e-12 : 1e-5;
     EXPECT_NEAR(total(run, "mass"), mass, 1e-13 * mass);
     EXPECT_NEAR(run.observe("momentum.x"), px, rounding * px);
     EXPECT_NEAR(run.observe("momentum.z"), pz, rounding * px);
-    // Kept to first order of the substep alone, as without tears.
+    // Conserved only to first order in the substep, as without tears.
     EXPECT_NEAR(run.observe("angular_momentum.y"), ly, 0.03 * std::abs(ly));
     EXPECT_TRUE(run.finite());
   }
@@ -123,7 +124,7 @@ TEST(XpbdTear, ASplitChangesNeitherEnergyNorMomenta) {
   tearing.run(surface, run.system->body(), {0.1, HUGE_VAL}, run.state, run.state.f64(XpbdColumns::stiffness));
   EXPECT_GT(run.observe("splits"), 50);
   const auto after = all();
-  // A diagonal across two triangles that part is gone, and only such: at most its share of the energy.
+  // Only diagonals across two triangles that separate are gone: at most their share of the energy.
   EXPECT_LE(after[1], before[1]);
   EXPECT_GT(after[1], 0.8 * before[1]);
   for (const size_t k : {0, 2, 3, 4, 5})
@@ -186,7 +187,7 @@ TEST(XpbdTear, TheWindPushesEveryPieceThatItHasTornOff) {
   spread(run);
   run.step(20);
   ASSERT_GT(run.observe("splits"), 20);
-  // Laid still where it is, the wind straight up: what a step gives is 1/2 rho C h sum A (n . u)^2 n over
+  // Laid still in place, with the wind straight up: a step gives 1/2 rho C h sum A (n . u)^2 n over
   // triangles.
   const auto v = run.state.f64(XpbdColumns::velocity), x = run.state.f64(XpbdColumns::position);
   std::fill(v.begin(), v.end(), 0.0);
@@ -203,7 +204,7 @@ TEST(XpbdTear, TheWindPushesEveryPieceThatItHasTornOff) {
   XpbdRun still(d, h, {});
   still.state = run.state;
   still.step();
-  // Links are stretched and push inside, which sums to rounding of 1e-16 of 100 N and 1e-6 s on 3 e-9 N s;
+  // Links are stretched and pull internally, which sums to rounding of 1e-16 of 100 N and 1e-6 s on 3e-9 N s;
   // the implicit factor is one within 1e-9.
   EXPECT_NEAR(still.observe("momentum.y"), expected, 1e-6 * expected);
   EXPECT_GT(expected, 0);
@@ -218,7 +219,7 @@ TEST(XpbdTear, WhatMayNotBeSaidIsNamed) {
   using Names = std::vector<std::string>;
   XpbdDef d = strip(TearDef{.strain = 0.1});
   EXPECT_EQ(faults(d), Names{});
-  // What tears meets itself too.
+  // Torn cloth collides with itself, too.
   d.self_collision = true, d.wind = Vec3{};
   EXPECT_EQ(faults(d), Names{});
   d = strip(TearDef{.force = 1});

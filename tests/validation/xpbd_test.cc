@@ -1,6 +1,6 @@
-// Position-based cloth, ropes and blocks against closed forms: the stretch of a hanging rope whatever step,
+// Position-based cloth, ropes and blocks against closed forms: the stretch of a hanging rope for any step,
 // substeps and iterations (reference case rope.elastic_stretch; Macklin, Mueller, Chentanez 2016), the
-// catenary (rope.catenary), strips pulled by their weight, and what a free body keeps.
+// catenary (rope.catenary), strips stretched by their weight, and what a free body conserves.
 #include <array>
 #include <cmath>
 #include <utility>
@@ -18,7 +18,7 @@ XpbdDef hanging_rope() {
   XpbdDef d;
   d.rope = RopeShape{.to = {0, -1, 0}, .links = 10};
   d.mass = 0.1, d.stiffness = 1000;
-  // Critical for the slowest of the motions along the rope, so that it rests within seconds.
+  // Critical damping of the slowest motion along the rope, so that it comes to rest within seconds.
   d.internal_damping = 60;
   d.pinned = {"first"};
   return d;
@@ -40,7 +40,7 @@ TEST(XpbdValidation, StretchOfARopeIsThatOfItsStiffness) {
                         Case{1.0 / 60, 40, 1}, Case{1.0 / 240, 2, 5}}) {
     XpbdDef d = hanging_rope();
     d.substeps = c.substeps, d.iterations = c.iterations;
-    // Air that slows the rope must not carry it.
+    // Air drag that slows the rope must not carry it.
     d.damping = 0.05;
     // A tenth of the reference's 1e-3; what is left of the motion after 8 s is 1e-5 of it.
     EXPECT_NEAR(stretch(d, c.dt), kStretch, 1e-4 * kStretch) << c.dt;
@@ -50,7 +50,7 @@ TEST(XpbdValidation, StretchOfARopeIsThatOfItsStiffness) {
 }
 
 TEST(XpbdValidation, StretchOfThePbdRopeIsThatOfStepAndIterations) {
-  // The control of the above: the textbook's projections know no stiffness.
+  // The control of the above: the textbook's projections have no stiffness.
   XpbdDef d = hanging_rope();
   d.scheme = Scheme::pbd, d.internal_damping = 0, d.damping = 0.5;
   d.iterations = 5;
@@ -62,8 +62,8 @@ TEST(XpbdValidation, StretchOfThePbdRopeIsThatOfStepAndIterations) {
 }
 
 TEST(XpbdValidation, LinksByThemselvesComeToTheSameStretch) {
-  // One by one a sweep leaves an error of (h omega)^2 of the stretch: 1.1 % of it in 40 substeps, and it goes
-  // with the square of h.
+  // Solved one by one, a sweep leaves an error of (h omega)^2 of the stretch: 1.1 % of it with 40 substeps,
+  // falling with the square of h.
   XpbdDef d = hanging_rope();
   d.sweep = Sweep::links, d.internal_damping = 10;
   d.substeps = 40;
@@ -114,10 +114,10 @@ TEST(XpbdValidation, YoungsModulusStretchesRopeAndStrip) {
     for (size_t i = 0; i < 9; ++i) low -= 1 + sheet.position(40 * 9 + i).y;
     return low / 9;
   };
-  // Lines and diagonals pull on the same points, which a sweep solves one after the other: what is left is a
+  // Lines and diagonals pull on the same points, which a sweep solves one after the other: the error is a
   // thousandth of the length, whatever the stretch.
   EXPECT_NEAR(sinks(), 9.81 / 2e3, 1e-3);
-  // Swept often it is the sheet's own. The clamp holds its width: 2 % of the stretch.
+  // With many sweeps it is the sheet's own. The clamp holds its width: 2 % of the stretch.
   strip.iterations = 20;
   EXPECT_NEAR(sinks(), 9.81 / 2e3, 0.02 * 9.81 / 2e3);
 }
@@ -161,9 +161,9 @@ TEST(XpbdValidation, FreeBodiesKeepTheirMomenta) {
     const auto [linear_fine, angular_fine] = lost(d, 80);
     // Rounding of ten thousand substeps with 400 points.
     EXPECT_LT(std::max(linear, linear_fine), 1e-10);
-    // Directions are those before a correction, velocities those after it, as in implicit Euler: the turning
-    // momentum is kept to first order of the substep. A sixteenth would be left by that alone; a cloth that
-    // buckles otherwise is not the same motion, so a quarter.
+    // Directions are those before a correction, velocities those after it, as in implicit Euler: angular
+    // momentum is conserved to first order in the substep. That alone would leave a sixteenth; a cloth that
+    // buckles differently does not follow the same motion, so a quarter.
     EXPECT_LT(angular_fine, angular / 4);
   }
 }

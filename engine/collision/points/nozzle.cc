@@ -16,7 +16,7 @@ Nozzle::Nozzle(const SourceDef& e, const Sizes& d)
       pause(d.spacing / e.speed) {
   const bool plane = d.dimension == 2;
   if (plane) mouth.z = 0;
-  // Two directions across the axis; in the plane one.
+  // Two directions perpendicular to the axis; one in the plane.
   const Vec3 up = std::abs(along.z) < 0.9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0};
   const Vec3 u = normalized(cross(up, along), {1, 0, 0}), w = cross(along, u);
   const double across = std::floor(std::min(2 * radius, d.widest) / d.spacing + 0.5);

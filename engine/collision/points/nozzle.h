@@ -1,6 +1,7 @@
-// A nozzle: layers of points a spacing apart, each a lattice over a disk across the axis (in the plane over a
-// line). They are born as deep behind its mouth as a kernel reaches and pushed out at its speed, whatever
-// presses against them: what is outside feels the column that comes, as it would of a pipe.
+// A nozzle: layers of points one spacing apart, each a lattice over a disk perpendicular to the axis (over a
+// line in the plane). Points are born behind the mouth at a depth of the kernel's reach and pushed out at the
+// nozzle's speed, whatever presses against them: the fluid outside feels the advancing column as it would at
+// a pipe.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -16,8 +17,8 @@
 namespace truestep {
 
 struct Nozzle {
-  /// What points stand and fall by: m, between them; how deep behind the mouth they are born; and the widest
-  /// that a layer may be (a definition's check comes here with any radius).
+  /// The sizes that depend on the system: m, between points; how deep behind the mouth they are born; and the
+  /// largest width of a layer (the check of a definition may come here with any radius).
   struct Sizes {
     int dimension;
     double spacing, depth, widest;
@@ -25,32 +26,32 @@ struct Nozzle {
   Nozzle(const SourceDef& e, const Sizes& sizes);
 
   Vec3 mouth, along;            ///< m; unit vector
-  double radius, reach, depth;  ///< m; reach: within which it holds what is in it
+  double radius, reach, depth;  ///< m; reach: radius within which the nozzle carries points
   double speed;                 ///< m/s
-  double start, stop, pause;    ///< s; the time from layer to layer
-  std::vector<Vec3> places;     ///< m, of a layer's points about the axis
+  double start, stop, pause;    ///< s; pause: time between layers
+  std::vector<Vec3> places;     ///< m, positions of a layer's points relative to the axis
 
   Vec3 velocity() const { return along * speed; }
   Vec3 back() const { return mouth - along * depth; }
-  /// s, when layer n is born; infinity where there is none.
+  /// s, time at which layer n is born; infinity if there is none.
   double birth(uint64_t n) const {
     const double t = start + static_cast<double>(n) * pause;
     return t < stop ? t : std::numeric_limits<double>::infinity();
   }
-  /// Points over all time, or infinity.
+  /// Number of points over all time, or infinity.
   double most() const {
     return (std::max(stop - start, 0.0) / pause + 1) * static_cast<double>(places.size());
   }
-  /// Whether what is at x at time t is pushed out of the nozzle; `more` m beyond its points.
+  /// Whether a point at x is carried by the nozzle at time t; `more` widens the nozzle by that many m.
   bool holds(const Vec3& x, double t, double more = 0) const {
     if (t < start || t > stop + depth / speed) return false;
     const Vec3 r = x - mouth;
     const double way = dot(r, along), wide = reach + more;
     return way < 0 && way > -1.5 * depth && norm2(r - along * way) < wide * wide;
   }
-  /// Visits the places, where they are by then, of the layers from `next` on that are born before t; places
-  /// that are within `room` m of a point there already are left out: what was in the nozzle is pushed out,
-  /// not doubled. `position` is the column of points, `add` may add rows to it.
+  /// Calls add(position) for the layers from `next` on that are born before t, at their positions at time t.
+  /// Positions closer than `room` (m) to an existing point are left out: material already in the nozzle is
+  /// pushed out, not doubled. `position` is the column of the points, to which `add` may append rows.
   template <class Add>
   void pour(const State& s, State::Column position, uint64_t& next, double t, double room,
             std::vector<Vec3>& near, const Add& add) const {
@@ -70,7 +71,8 @@ struct Nozzle {
   }
 };
 
-/// Flags the rows of `position` that are in kill regions; how many. `dead` must have its memory.
+/// Flags the rows of `position` that are in kill regions and returns their number. Does not allocate if
+/// `dead` has the capacity.
 uint64_t find_killed(const KillDefs& regions, const State& s, State::Column position,
                      const ThreadArena& arena, std::vector<uint8_t>& dead);
 

@@ -9,19 +9,20 @@ namespace truestep {
 
 namespace {
 
-/// Solutions of a step at most, of which the last ones only let go: what still enters waits for the next
-/// step, because a place that is forced on stiff springs is energy from nothing.
+/// Maximum number of solves per step, and after how many of them points are only released: a point that still
+/// enters then waits for the next step, because forcing positions on stiff springs creates energy.
 constexpr int kRounds = 16, kTakingRounds = 10;
-/// How often a point is let go in a step before it stays free.
+/// How often a point may be released in a step before it stays free.
 constexpr double kMostReleases = 2;
-/// Halvings of a step that has no solution.
+/// How often a step without a solution may be halved.
 constexpr int kHalvings = 5;
-/// Energy by which a step may rise, as a share of what moves and of what gravity sets in motion in a step.
+/// Energy that a step may gain, as a fraction of the kinetic energy and of what gravity adds to it in a step.
 constexpr double kRise = 0.01;
-/// m and share of a point's radius that it may be off its surface (which bends under it) until the next step.
+/// m, and fraction of a point's radius, by which a point may be off its surface (which bends under it) until
+/// the next step.
 constexpr double kOff = 1e-6, kOffRadius = 0.02;
-/// Share of a friction by which another one may differ, and of its weight by which a point may be pulled,
-/// until the next step.
+/// Relative change of friction, and tensile impulse as a fraction of the weight's, that are tolerated until
+/// the next step.
 constexpr double kSame = 0.25, kPulled = 0.05;
 
 }  // namespace
@@ -40,8 +41,8 @@ void SurfaceContacts::step(const ForceField& field, const Integrator& method,
   const EnergyBound bound = energy_bound(field, s, in, supply);
   divided(field, method, options, s, in, Friction::coulomb);
   if (bound.most == HUGE_VAL || energy(field, s, in.t + in.h, in) <= bound.most) return;
-  // Friction that is revised from solution to solution may run away where springs are stiff; without it
-  // points are only held back.
+  // Friction that is revised from solve to solve may diverge where springs are stiff; without it points are
+  // only held back.
   std::copy(x_begin.begin(), x_begin.end(), x.begin()), std::copy(v_begin.begin(), v_begin.end(), v.begin());
   for (size_t i = 0; i < n; ++i) {
     on.kind[i] = held[i] == double{RowContacts::kFree} ? RowContacts::kFree : RowContacts::kSlides;
@@ -50,7 +51,7 @@ void SurfaceContacts::step(const ForceField& field, const Integrator& method,
   divided(field, method, options, s, in, Friction::none);
   const double end = energy(field, s, in.t + in.h, in);
   if (end <= bound.most) return;
-  // What putting points on surfaces has given to the springs between them is taken from what moves.
+  // The energy that moving points onto surfaces has put into the springs is removed from the velocities.
   Evaluation e{in.workspace, in.arena};
   const double kinetic = field.kinetic({in.t + in.h, x, v, s}, e);
   const double left = std::max(0.0, kinetic - (end - bound.start));
@@ -89,7 +90,7 @@ double SurfaceContacts::energy(const ForceField& field, const State& s, double t
   return field.kinetic(at, e) + field.potential(at, e).value_or(0);
 }
 
-// Nothing but what moves, blows or pushes can bring any.
+// Only moving solids or an external supply can add energy.
 SurfaceContacts::EnergyBound SurfaceContacts::energy_bound(const ForceField& field, const State& s,
                                                            const StepInput& in, Supply supply) const {
   const bool moved =
@@ -146,7 +147,7 @@ void SurfaceContacts::hold(const RowContacts& on, size_t i, const Vec3& x0, cons
     on.kind[i] = RowContacts::kFree;
     return;
   }
-  // Sticking to what moves; along the normal to where the surface is.
+  // A sticking point moves with the surface, and along the normal to where the surface will be.
   const Vec3 to = (place - x0) / h;
   on.kind[i] = kind;
   store3(on.normal.data(), i, at.normal);
@@ -154,7 +155,7 @@ void SurfaceContacts::hold(const RowContacts& on, size_t i, const Vec3& x0, cons
   if (kind == RowContacts::kSticks) store3(on.drag.data(), i, Vec3{});
 }
 
-// What the last step held stays held where it still touches.
+// Points held in the last step are held again where they still touch.
 void SurfaceContacts::take_up(const State& s, const RowContacts& on, const Start& start,
                               const StepInput& in) const {
   const auto w = s.f64(columns_.inverse_mass);
@@ -173,7 +174,7 @@ void SurfaceContacts::take_up(const State& s, const RowContacts& on, const Start
   }
 }
 
-// Looks at a solution; says whether another one is needed.
+// Revises the contacts after a solve; true if another one is needed.
 bool SurfaceContacts::revise(State& s, const RowContacts& on, const Start& start, const StepInput& in,
                              int round, Friction friction) const {
   const auto x = s.f64(columns_.position), v = s.f64(columns_.velocity);
@@ -198,7 +199,7 @@ bool SurfaceContacts::revise(State& s, const RowContacts& on, const Start& start
   const double g = norm(load3(s.f64(columns_.gravity).data(), 0));
   bool again = false;
   if (round + 1 == kTakingRounds) {
-    // No end is in sight: without friction the points that are held only need letting go.
+    // The active set does not settle: without friction the held points only need to be released.
     for (size_t i = 0; i < on.kind.size(); ++i) {
       if (on.kind[i] != RowContacts::kFree) on.kind[i] = RowContacts::kSlides;
       store3(on.drag.data(), i, Vec3{});
@@ -214,10 +215,10 @@ bool SurfaceContacts::revise(State& s, const RowContacts& on, const Start& start
       const NearSurface at = colliders_.nearest(apart, t);
       if (at.collider == NearSurface::kNone) continue;
       const Vec3 place = apart - at.normal * (at.distance - radius_ - kContactSlop);
-      // Only what ends beyond the surface needs holding.
+      // Only points that end beyond the surface need to be held.
       const double depth = dot(at.normal, place - x1);
       if (depth <= 0) continue;
-      // Friction comes with the next solution, which knows its load.
+      // Friction starts with the next solve, which knows the normal load.
       hold(on, i, x0, at, place, RowContacts::kSlides, in.h);
       store3(on.drag.data(), i, Vec3{});
       again = again || depth > slack;
@@ -250,7 +251,7 @@ bool SurfaceContacts::revise(State& s, const RowContacts& on, const Start& start
     const Vec3 drag = load3(on.drag.data(), i), slip = load3(v.data(), i) - at.velocity;
     const Vec3 slides = slip - n * dot(n, slip);
     if (most > 0 && dot(drag, slides) > 0) {
-      // Friction does not drive: it sticks.
+      // Friction must not drive the point: it sticks instead.
       hold(on, i, x0, at, x1 - at.normal * off, RowContacts::kSticks, in.h);
       again = again || dot(drag, slides) > kPulled * weight * g * in.h;
       continue;

@@ -1,11 +1,11 @@
-// Contacts of springs and elements that a method solves implicitly: points that would end in a solid are held
-// to its surface within the solution (integrators/row_contacts.h), by an active set. A point is taken up
-// where it would enter, sticks while Coulomb's cone holds it, slides under mu N where not, and is let go
-// where it is pulled. What was held is tried first in the next step, so that what is at rest needs one
-// solution. Bounces follow the solution: a point that came at w leaves at e w. The search for that set may
-// end at another branch of stiff forces, far from where the step began. A step that ends with more energy
-// than it had, where nothing brings any, is made again without friction, and what is still too much is taken
-// from its velocities.
+// Contacts of points whose springs or elements are solved implicitly: points that would end in a solid are
+// held on its surface within the solve (integrators/implicit/row_contacts.h), by an active set. A point is
+// added where it would enter, sticks while its impulse is within Coulomb's cone, otherwise slides under mu N,
+// and is released where the surface would have to pull it. The contacts of the last step are tried first, so
+// that a system at rest needs one solve. Restitution follows the solve: a point that arrived at w leaves at e
+// w. The search for the active set may end on another branch of stiff forces, far from the start of the step.
+// A step that ends with more energy than it had, although nothing supplies any, is repeated without friction,
+// and the remaining excess is removed from its velocities.
 #pragma once
 #include <vector>
 
@@ -16,23 +16,22 @@
 
 namespace truestep {
 
-/// Of the state: positions, velocities and inverse masses per row, gravity (m/s^2) in one row.
+/// Columns of the state: positions, velocities and inverse masses per row, gravity (m/s^2) in one row.
 struct SurfaceColumns {
   State::Column position, velocity, inverse_mass, gravity;
 };
 
 class SurfaceContacts {
  public:
-  /// What brings energy besides the solids' own motion: nothing, so that no step may end with more, or
-  /// something.
+  /// Whether anything besides moving solids supplies energy; if not, no step may end with more.
   enum class Supply : uint8_t { none, some };
-  /// `fixed`: empty, or per row a bit for every component that is prescribed, which no surface moves.
+  /// `fixed`: empty, or one bit per prescribed component of every row, which no surface moves.
   SurfaceContacts(const ColliderSet& colliders, const std::vector<Surface>& surfaces, double radius,
                   const SurfaceColumns& columns, std::span<const uint8_t> fixed = {})
       : colliders_(colliders), surfaces_(surfaces), radius_(radius), columns_(columns), fixed_(fixed) {}
 
-  /// One step of the field with `method`, which must know RowContacts; the state has its columns. Where the
-  /// method finds no solution the step is divided.
+  /// One step of the field with `method`, which must support RowContacts and whose columns the state must
+  /// have. A step for which the method finds no solution is subdivided.
   void step(const ForceField& field, const Integrator& method, const IntegratorOptions& options, State& s,
             const StepInput& in, Supply supply) const;
 
@@ -44,12 +43,13 @@ class SurfaceContacts {
   void whole(const ForceField& field, const Integrator& method, const IntegratorOptions& options, State& s,
              const StepInput& in, Friction friction) const;
   double energy(const ForceField& field, const State& s, double t, const StepInput& in) const;
-  /// J at the start of a step, and at most at the end of a sound one; infinite where anything brings energy.
+  /// J, energy at the start of a step and the most that is accepted at its end; infinite where energy is
+  /// supplied.
   struct EnergyBound {
     double start, most;
   };
   EnergyBound energy_bound(const ForceField& field, const State& s, const StepInput& in, Supply supply) const;
-  /// The step, or its halves where it has no solution as a whole, and so on.
+  /// The whole step or, if that has no solution, its halves, and so on.
   void divided(const ForceField& field, const Integrator& method, const IntegratorOptions& options, State& s,
                const StepInput& in, Friction friction) const;
   void take_up(const State& s, const RowContacts& on, const Start& start, const StepInput& in) const;
@@ -57,9 +57,9 @@ class SurfaceContacts {
               Friction friction) const;
   void finish(State& s, const RowContacts& on, const Start& start, const StepInput& in,
               std::span<const double> held_before) const;
-  /// A surface's normal without components that are prescribed; 0 where little is left of it.
+  /// A surface's normal without the prescribed components; 0 if little of it is left.
   Vec3 free_normal(size_t i, const Vec3& normal) const;
-  /// The row stays on the surface at `place`.
+  /// Holds the row on the surface at `place`.
   void hold(const RowContacts& on, size_t i, const Vec3& x0, const NearSurface& surface, const Vec3& place,
             RowContacts::Kind kind, double h) const;
 

@@ -1,6 +1,6 @@
-// A body that a path and a turn move, by BodyPort: at the start of a substep it is where they are, with the
-// velocities (x1 - x0) / h and rotation_vector(q1 q0*) / h, at its end where they are then, whatever happened
-// to it in between.
+// A body moved by a path and a turn through its BodyPort: at the start of a substep it is placed where they
+// are, with the velocities (x1 - x0) / h and rotation_vector(q1 q0*) / h, and at the end where they are then,
+// whatever happened to it in between.
 #include "engine/animation/driver.h"
 #include "engine/core/body_carrier.h"
 #include "engine/couplings/drive/drive.h"
@@ -16,7 +16,7 @@ using animation::rotate;
 
 namespace {
 
-/// Where the channels' frame is.
+/// Pose of the channels' frame.
 struct Guide {
   const Driver& driver;
   std::optional<Driver::Channel> path, turn;
@@ -49,7 +49,7 @@ class BodyDrive final : public Coupling {
   std::vector<PlanRow> plan() const override { return {{PlanRow::Status::runs, "drive", what_}}; }
 
  private:
-  /// Where the body is at t, with the velocities that take it on in a substep.
+  /// Places the body at its pose at t, with the velocities that take it through the next substep.
   void put(const CoupledStates& s, const StepInput& in, double t) const {
     const ConstBodies bodies(s.b, port_);
     const auto row = bodies.row_of(body_);
@@ -101,7 +101,7 @@ std::unique_ptr<const Coupling> build_body_drive(const DriveDef& d, const Coupli
                  "a rigid3d or an articulation");
   }
   if (!bodies.dynamic(row)) {
-    // Kinematic ones take a velocity, fixed ones do not.
+    // Kinematic bodies accept a velocity, fixed ones do not.
     Command probe;
     probe.kind = CommandKind::set_parameter, probe.system = context.b.id, probe.name = "velocity";
     probe.index = *d.body;

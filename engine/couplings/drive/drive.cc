@@ -62,7 +62,7 @@ void refuse_drive(const std::string& member, const std::string& why, const std::
 
 namespace {
 
-/// Where numbers come from: a control, as the state has it, or a channel at a time.
+/// Source of the driving numbers: a control as held in the state, or a channel sampled at a time.
 class Source {
  public:
   Source(const System& a, FieldPlace values, size_t row) : a_(a), values_(values), row_(row) {}
@@ -155,7 +155,7 @@ Source control_of(const DriveDef& d, const CouplingContext& context) {
     refuse_drive("a", '"' + context.a.id + "\" has no controls", '"' + context.a.id + '"',
                  "a system of animation with controls");
   }
-  // The part's rows are the controls, in the order of their observables.
+  // The rows of the part are the controls, in the order of their observables.
   Observables seen;
   a.observe(context.a.state, 0, seen);
   std::string all;
@@ -183,7 +183,7 @@ Source channel_of(const DriveDef& d, const System& a) {
                driver.channel_names(kind));
 }
 
-/// Whether set_parameter looks at the vector: two that differ lead to two states.
+/// Whether set_parameter uses the vector: two different ones then lead to different states.
 bool takes_vector(const System& b, const State& state, Command c) {
   State one = state, other = state;
   b.apply(one, c);

@@ -52,7 +52,7 @@ const DefTable& ragdoll_table() {
 
 Cost ragdoll_cost(const void*, const Cost& a, const Cost& b) {
   const double bones = std::min(a.elements, b.elements);
-  // Elements of a include the vertices of its skin, which the bodies move once they lead.
+  // The elements of a include the vertices of its skin, which follow the bodies once those lead.
   return {.state_bytes = 160 * bones + 400,
           .workspace_bytes = 2048 + 600 * bones + 30 * a.elements,
           .elements = bones,
@@ -104,7 +104,7 @@ class Ragdoll final : public Coupling {
       look_for_impact(s);
       if (def_.impact && s.own.f64(kImpact)[0] > *def_.impact) {
         hand_over(s.own, after);
-        // In this step the skeleton moved by itself.
+        // The skeleton still moved by itself in this step.
         follow(s, in, 0);
       } else {
         carry(s, in);
@@ -144,7 +144,7 @@ class Ragdoll final : public Coupling {
     own.span<uint32_t>(kMode)[0] = static_cast<uint32_t>(Lead::bodies);
     own.f64(kTime)[0] = t;
   }
-  /// Where a bone has its body, and how fast.
+  /// Pose and velocities of a bone's body as carried by the bone.
   static BodyMotion carried(const ConstBodies& bones, const Pair& p) {
     const Pose bone{bones.place(p.bone), bones.orientation(p.bone)};
     const Vec3 arm = rotate(bone.orientation, p.offset.position);
@@ -161,7 +161,7 @@ class Ragdoll final : public Coupling {
     }
     truestep::carry(s.b, bodies_, wanted, in.workspace);
     if (bodies.free()) return;
-    // Joints may hold them back.
+    // Their joints may hold the bodies back.
     double most = 0;
     for (size_t row = 0; row < wanted.given.size(); ++row) {
       if (wanted.given[row]) most = std::max(most, norm(bodies.place(row) - wanted.motions[row].place));

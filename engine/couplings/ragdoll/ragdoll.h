@@ -1,10 +1,10 @@
-// The coupling type "ragdoll": bodies of b are carried by bones of a, a skeleton, in the place that they have
-// on them at t = 0, with the velocities of their bones (links of an articulation as near as their joints let
-// them, systems/articulation/carried_links.h). At a time, or when something hits a body so that its
-// velocity changes in a step by more than a threshold, they are let go with the velocities that they have
-// then, and the skeleton follows them. After a while it may move by itself again: from the pose that it was
-// left in, over a blend, on from the most alike pose of its own motion (Zordan, Majkowska, Chiu, Fast 2005,
-// "Dynamic response for motion capture animation", without their simulated way there).
+// The coupling type "ragdoll": the bones of a, a skeleton, carry the bodies of b at the poses that these have
+// on them at t = 0, with the velocities of the bones (links of an articulation as closely as their joints
+// allow, systems/articulation/carried_links.h). At a given time, or when an impact changes a body's velocity
+// in a step by more than a threshold, the bodies are released with their present velocities, and the skeleton
+// follows them. After a while it may move by itself again: from the pose in which it was left, over a blend,
+// into the most similar pose of its own motion (Zordan, Majkowska, Chiu, Fast 2005, "Dynamic response for
+// motion capture animation", without their simulated transition).
 #pragma once
 #include <memory>
 
@@ -25,8 +25,7 @@ struct RagdollDef {
 
 const DefTable& ragdoll_table();
 Cost ragdoll_cost(const void* def, const Cost& a, const Cost& b);
-/// Error "scene_invalid" when a is not a skeleton, b has no bodies in space, or a number is not one of
-/// theirs.
+/// Error "scene_invalid" if a is not a skeleton, b has no bodies in space, or an index does not exist.
 std::unique_ptr<const Coupling> build_ragdoll(const void* def, const CouplingContext& context);
 
 }  // namespace truestep::ragdoll

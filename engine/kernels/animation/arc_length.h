@@ -1,6 +1,6 @@
-// A curve in space run through at even speed. The length s(t) = integral |x'(t)| dt is tabulated by Gauss's
-// rule of five points on equal intervals; where a length lies is found by interpolating the table and
-// Newton's method on s(t) - s = 0, whose derivative is the speed.
+// Arc length of a curve in space, for motion along it at constant speed. The length s(t) = integral |x'(t)|
+// dt is tabulated by five-point Gauss quadrature on equal intervals; the time of a given length is found by
+// interpolating the table and by Newton's method on s(t) - s = 0, whose derivative is the speed.
 #pragma once
 #include <vector>
 
@@ -11,13 +11,13 @@ namespace truestep::animation {
 class ArcLength {
  public:
   ArcLength() = default;
-  /// Of a curve of width 3; `intervals` per pair of keys.
+  /// For a curve of width 3, with `intervals` per pair of keys.
   explicit ArcLength(const KeyCurve& curve, size_t intervals = 16);
-  /// m, of the whole curve.
+  /// m, length of the whole curve.
   double total() const { return lengths_.empty() ? 0 : lengths_.back(); }
   /// m, from the first key to time t (s) between the first and the last one.
   double length(const KeyCurve& curve, double t) const;
-  /// s, at which the way from the first key is `length`, which is clamped to [0, total].
+  /// s, time at which the distance from the first key is `length`, clamped to [0, total].
   double time_at(const KeyCurve& curve, double length) const;
 
  private:

@@ -1,6 +1,6 @@
-// Blend shapes: x = b + sum_k w_k d_k, linear in the weights; d_k = target_k - b is kept where it is not
-// zero. A corrective shape is one whose weight is a product of others': it repairs what two shapes spoil
-// together.
+// Blend shapes: x = b + sum_k w_k d_k, linear in the weights; d_k = target_k - b is stored only where it is
+// not zero. A corrective shape has the product of other shapes' weights as its own: it repairs what two
+// shapes spoil together.
 #pragma once
 #include <cstdint>
 #include <span>

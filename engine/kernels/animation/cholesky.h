@@ -1,4 +1,5 @@
-// a x = y by Cholesky's factors, for the small symmetric positive definite matrices of least squares.
+// Solution of a x = y by Cholesky factorization, for the small symmetric positive definite matrices of least
+// squares.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -6,8 +7,8 @@
 
 namespace truestep::animation {
 
-/// a: n x n, its lower half, which the factor replaces; y becomes x. What is not positive counts as next to
-/// nothing.
+/// a: n x n, of which the lower half is read and becomes the factor; y becomes x. A pivot that is not
+/// positive is replaced by a tiny one.
 inline void cholesky_solve(double* a, double* y, size_t n) {
   for (size_t r = 0; r < n; ++r) {
     for (size_t c = 0; c <= r; ++c) {

@@ -13,10 +13,10 @@ Vec3 end_of(const IkGoal& g, std::span<const Pose> poses) {
   return poses[g.joint].position + rotate(poses[g.joint].orientation, g.point);
 }
 
-/// Chains that lie on the line to their targets never leave it by themselves: they are bent by a hair.
+/// Slightly bends chains that lie on the line to their targets, which they would otherwise never leave.
 void unstraighten(std::span<const Joint> joints, const Pose& root, std::span<const IkGoal> goals,
                   std::span<JointMotion> motion, IkWork& w) {
-  constexpr double kStraight = 1e-7, kHair = 1e-3;  // of the way to the target; rad
+  constexpr double kStraight = 1e-7, kHair = 1e-3;  // fraction of the distance to the target; rad
   bool bent = false;
   for (const IkGoal& g : goals) {
     const Vec3 start = w.poses[g.base].position, line = g.target - start;
@@ -50,7 +50,7 @@ void unstraighten(std::span<const Joint> joints, const Pose& root, std::span<con
 IkResult ccd(std::span<const Joint> joints, const Pose& root, std::span<const IkGoal> goals,
              const IkOptions& options, std::span<JointMotion> motion, IkWork& w) {
   using enum IkResult::End;
-  constexpr double kProgress = 1e-7;  // of the error in an iteration; less is none
+  constexpr double kProgress = 1e-7;  // of the error; a smaller gain per iteration is none
   double error = error_of(goals, w.poses);
   if (error > options.tolerance) unstraighten(joints, root, goals, motion, w);
   int rests = 0;
@@ -108,7 +108,7 @@ class Fabrik {
     return joints_[j].parent < 0 || !w_.moves[static_cast<size_t>(joints_[j].parent)];
   }
 
-  /// One goal at the end of one chain of free balls, whose places then lie in a row.
+  /// One goal at the end of one chain of unlimited ball joints, whose positions then form a single row.
   bool single() const { return single_; }
 
   void read_places() {
@@ -120,7 +120,7 @@ class Fabrik {
     for (size_t g = 0; g < goals_.size(); ++g) e = std::max(e, norm(w_.places[end(g)] - goals_[g].target));
     return e;
   }
-  /// From the targets to the bases: each place as near to the one after it as the bone is long.
+  /// From the targets to the bases: every joint is placed at its bone's length from the next one.
   void backward() {
     for (const uint32_t j : w_.path) w_.counts[j] = 0, w_.proposals[j] = {};
     for (size_t g = 0; g < goals_.size(); ++g) {
@@ -137,7 +137,7 @@ class Fabrik {
       propose(p, at_length(w_.places[j], w_.places[p], w_.lengths[j]));
     }
   }
-  /// From the bases, which stay where they are, to the ends.
+  /// From the bases, which are fixed, to the ends.
   void forward() {
     for (const uint32_t j : w_.path) {
       if (is_base(j)) {
@@ -152,7 +152,7 @@ class Fabrik {
       w_.places[n_ + g] = at_length(joint, w_.places[n_ + g], w_.lengths[n_ + g]);
     }
   }
-  /// A chain that cannot reach its target points at it; false where it can.
+  /// Points a chain that cannot reach its target straight at it; false if the chain can reach it.
   bool stretch() {
     if (!free_ || goals_.size() != 1) return false;
     double reach = w_.lengths[n_];
@@ -177,7 +177,8 @@ class Fabrik {
     return n > 0 ? from + d * (length / n) : from + Vec3{0, length, 0};
   }
   void propose(size_t j, const Vec3& place) { w_.proposals[j] += place, ++w_.counts[j]; }
-  /// Whether any places at the bones' lengths can be turned to: balls without limits, one bone on each.
+  /// Whether joint rotations exist for any positions at the bones' lengths: ball joints without limits, with
+  /// one bone on each.
   bool all_free() const {
     for (const uint32_t j : w_.path) {
       size_t bones = 0;
@@ -200,20 +201,21 @@ class Fabrik {
 
 namespace {
 
-/// FABRIK on one chain of free balls. Passes alone come nearer by a factor that tends to 1 with the number of
-/// joints; the target that they are given is therefore pushed on beyond the true one,
+/// FABRIK on one chain of unlimited ball joints. Plain passes converge by a factor that tends to 1 with the
+/// number of joints; their target is therefore moved beyond the true one,
 ///   t' = t + (w - 1) e,   e = t - end,   w <- -w e_before . (e - e_before) / |e - e_before|^2 in [1, 20]
-/// (Aitken's relaxation of fixed points of vectors, Irons, Tuck 1969), until that does not help.
+/// (Aitken's relaxation of vector fixed points, Irons, Tuck 1969), for as long as that helps.
 class FreeChain {
  public:
-  /// Places of the joints from the base on, then of the end; lengths of what leads to each but the first.
+  /// Positions of the joints from the base on and of the end; lengths of the links that lead to each but the
+  /// first.
   FreeChain(std::span<Vec3> places, std::span<const double> lengths, std::span<double> inverse_squares)
       : x_(places), lengths_(lengths), inverse_squares_(inverse_squares), base_(places[0]) {
     for (size_t k = 1; k < x_.size(); ++k) {
       inverse_squares_[k] = lengths_[k] > 0 ? 1 / (lengths_[k] * lengths_[k]) : 0;
     }
   }
-  /// Backwards from where the end is to be, then forwards; what is left of the way to the target.
+  /// One backward and one forward pass; returns the remaining distance to the target.
   double pass(const Vec3& target) {
     const size_t last = x_.size() - 1;
     Vec3 p = target + ahead_;
@@ -244,9 +246,9 @@ class FreeChain {
     }
     ahead_ = e * (w_ - 1), before_ = e;
   }
-  /// The place at the length of link k from a place towards another. Links are nearly as long as they should
-  /// be: with |d|^2 = length^2 (1 + e) a few terms of 1 / sqrt(1 + e) need no root and no quotient, after
-  /// each of which the next link would wait. The error is 0.25 e^4.
+  /// The point at the length of link k from a point in the direction of another. Links nearly have their
+  /// lengths: with |d|^2 = length^2 (1 + e), a few terms of 1 / sqrt(1 + e) avoid the square root and the
+  /// division that the next link would have to wait for. The error is 0.25 e^4.
   Vec3 at_length(const Vec3& from, const Vec3& towards, size_t k) const {
     constexpr double kSeries = 1e-3;
     const Vec3 d = towards - from;
@@ -271,7 +273,7 @@ class FreeChain {
   int passes_ = 0, useless_ = 0;
 };
 
-/// The same lengths and places in a row, from the base of the goal to its end.
+/// Copies lengths and positions into one row, from the base of the goal to its end.
 size_t put_in_row(std::span<const Joint> joints, const IkGoal& g, IkWork& w) {
   const size_t n = joints.size();
   w.row.clear();
@@ -295,7 +297,7 @@ size_t put_in_row(std::span<const Joint> joints, const IkGoal& g, IkWork& w) {
 IkResult fabrik(std::span<const Joint> joints, const Pose& root, std::span<const IkGoal> goals,
                 const IkOptions& options, std::span<JointMotion> motion, IkWork& w) {
   using enum IkResult::End;
-  constexpr double kProgress = 1e-6;  // of the error in an iteration; less is none
+  constexpr double kProgress = 1e-6;  // of the error; a smaller gain per iteration is none
   double error = error_of(goals, w.poses);
   if (error <= options.tolerance) return {error, 0, reached};
   Fabrik chain(joints, goals, motion, w);
@@ -305,7 +307,7 @@ IkResult fabrik(std::span<const Joint> joints, const Pose& root, std::span<const
   }
   unstraighten(joints, root, goals, motion, w);
   chain.read_places();
-  // With limits the way to the target may lead away from it for a while.
+  // With limits, the error may have to grow for a while before it falls.
   const int patience = chain.free() ? 5 : 40;
   IkResult out{error, 0, exhausted};
   double best = error;
@@ -352,7 +354,7 @@ IkResult fabrik(std::span<const Joint> joints, const Pose& root, std::span<const
 IkResult two_link(std::span<const Joint> joints, const Pose& root, std::span<const IkGoal> goals,
                   const IkOptions& options, std::span<JointMotion> motion, IkWork& w) {
   for (const IkGoal& g : goals) {
-    // The joint after the base bends; what comes after it is as it is.
+    // The joint after the base bends; the joints after it keep their angles.
     uint32_t middle = g.joint;
     while (middle != g.base && joints[middle].parent != static_cast<int32_t>(g.base)) {
       middle = static_cast<uint32_t>(joints[middle].parent);

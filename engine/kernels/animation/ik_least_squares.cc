@@ -1,6 +1,6 @@
 // Solvers that follow the derivatives of E = 1/2 |r|^2: gradient descent, Gauss-Newton, damped least squares.
-// Goals of lower priority count 1e-4 times as much per level where one E is needed; their steps are taken in
-// the null space of what is above them.
+// Where a single E is needed, goals count 1e-4 times as much per level of lower priority; their steps are
+// taken in the null space of the levels above.
 #include <algorithm>
 #include <cmath>
 
@@ -11,7 +11,7 @@ namespace truestep::animation::ik {
 
 namespace {
 
-constexpr double kLongestTurn = 0.8;  // rad (or m of a slide) of one freedom in one iteration
+constexpr double kLongestTurn = 0.8;  // rad (or m, of a slide): largest change of a freedom per iteration
 constexpr double kLevel = 1e-4;
 
 double dot_rows(const double* a, const double* b, size_t n) {
@@ -38,7 +38,7 @@ class LeastSquares {
     w_.basis.resize(rows_ * n_);
   }
 
-  /// E of the poses; fills the residual.
+  /// E at the given poses; fills the residual r.
   double residual(std::span<const Pose> poses, double* r) const {
     double sum = 0;
     for (const IkGoal& g : goals_) {
@@ -60,7 +60,7 @@ class LeastSquares {
   double look() { return residual(w_.poses, w_.residual.data()); }
   void differentiate() { ik_jacobian(joints_, goals_, w_); }
 
-  /// J^T r into the step, blocked freedoms left out; its squared length.
+  /// Sets the step to J^T r without the blocked freedoms; returns its squared length.
   double descent() {
     std::fill(w_.step.begin(), w_.step.end(), 0.0);
     size_t row = 0;
@@ -74,7 +74,7 @@ class LeastSquares {
     }
     return sum;
   }
-  /// |J step|^2, levels weighed.
+  /// |J step|^2, weighted by level.
   double curvature() const {
     double sum = 0;
     size_t row = 0;
@@ -94,7 +94,7 @@ class LeastSquares {
     return most;
   }
 
-  /// Least squares of all levels with damping; freedoms that a limit blocks are left out.
+  /// Damped least-squares step of all levels; freedoms blocked by a limit are left out.
   void solve(double damping) {
     std::fill(w_.frozen.begin(), w_.frozen.end(), uint8_t{0});
     for (int round = 0; round < 4; ++round) {
@@ -116,7 +116,7 @@ class LeastSquares {
   void scale(double by) {
     for (double& s : w_.step) s *= by;
   }
-  /// What E would be if r were linear.
+  /// Predicted E after the step, with r taken as linear.
   double promised() const {
     double sum = 0;
     size_t row = 0;
@@ -128,7 +128,7 @@ class LeastSquares {
     }
     return 0.5 * sum;
   }
-  /// E after the step, which is tried.
+  /// Takes the step tentatively and returns E after it.
   double attempt() {
     std::copy(motion_.begin(), motion_.end(), w_.tried.begin());
     for (size_t c = 0; c < n_; ++c) {
@@ -150,7 +150,8 @@ class LeastSquares {
     std::swap(w_.poses, w_.tried_poses);
     std::copy_n(w_.residual.data() + rows_, rows_, w_.residual.data());
   }
-  /// Out of a place where no freedom helps at first order: a straight arm that should fold.
+  /// A small step away from a point where no freedom helps to first order, such as a straight arm that should
+  /// fold.
   void nudge() {
     double by = 1e-3;
     for (size_t c = 0; c < n_; ++c, by = -by) w_.step[c] = by * static_cast<double>(1 + c % 3);
@@ -187,7 +188,8 @@ class LeastSquares {
       first += count;
     }
   }
-  // step += J'^T (J' J'^T + damping)^-1 (r - J step), J' = J without what the levels before use.
+  // step += J'^T (J' J'^T + damping)^-1 (r - J step), where J' is J projected onto the null space of the
+  // earlier levels.
   void solve_level(size_t first, size_t count, double damping) {
     double *a = w_.gram.data(), *y = a + count * count;
     for (size_t r = 0; r < count; ++r) {
@@ -207,9 +209,9 @@ class LeastSquares {
         a[r * count + c] = dot_rows(&w_.projected[r * n_], &w_.projected[c * n_], n_);
       trace += a[r * count + r];
     }
-    // Rows that depend on others get no say; what the levels before leave of a later one may be next to
-    // nothing, and following it there would take all of the step.
-    constexpr double kFloor = 1e-12, kLaterFloor = 1e-2;  // of the squares of the rows
+    // Dependent rows must not contribute; and the part of a later level outside the earlier ones may be tiny,
+    // where following it would consume the whole step.
+    constexpr double kFloor = 1e-12, kLaterFloor = 1e-2;  // fractions of the sum of squares of the rows
     double rows = 0;
     for (size_t r = 0; first > 0 && r < count; ++r) {
       const double* row = &w_.jacobian[(first + r) * n_];
@@ -223,7 +225,7 @@ class LeastSquares {
       for (size_t c = 0; c < n_; ++c) w_.step[c] += y[r] * row[c];
     }
   }
-  /// The rows of this level, made orthonormal, are what later ones may not touch.
+  /// Orthonormalizes the rows of this level and adds them to the basis that later levels must not change.
   void keep(size_t count) {
     constexpr double kDependent = 1e-8;
     for (size_t r = 0; r < count; ++r) {
@@ -253,7 +255,7 @@ class LeastSquares {
   size_t n_, rows_ = 0, kept_ = 0;
 };
 
-/// One iteration by a direction and a search along it; false when nothing is gained.
+/// Backtracking line search along the step; false if E cannot be reduced.
 bool search(LeastSquares& s, double& e, double slope) {
   constexpr double kArmijo = 1e-4;
   for (int k = 0; k < 20; ++k) {
@@ -273,7 +275,7 @@ bool search(LeastSquares& s, double& e, double slope) {
 IkResult least_squares(std::span<const Joint> joints, const Pose& root, std::span<const IkGoal> goals,
                        const IkOptions& options, std::span<JointMotion> motion, IkWork& w) {
   using enum IkResult::End;
-  constexpr double kProgress = 1e-9;  // of E in an iteration; less is none
+  constexpr double kProgress = 1e-9;  // of E; a smaller gain per iteration is none
   LeastSquares s(joints, root, goals, motion, w);
   double e = s.look(), damping = -1, growth = 2;
   int rests = 0, nudges = 0;

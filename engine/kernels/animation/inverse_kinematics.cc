@@ -14,12 +14,12 @@ TwoLinkAngles two_link_angles(double l1, double l2, double x, double y) {
   TwoLinkAngles out;
   out.miss = std::max({d - (l1 + l2), std::abs(l1 - l2) - d, 0.0});
   const double cosine = std::clamp((d2 - l1 * l1 - l2 * l2) / (2 * l1 * l2), -1.0, 1.0);
-  // From the sine, which keeps its digits near a stretched arm.
+  // From the sine, which stays accurate near a stretched arm.
   const double sine = std::sqrt((1 - cosine) * (1 + cosine));
   using enum TwoLinkAngles::Reach;
   constexpr double kStraight = 1e-6;
   if (sine < kStraight) out.reach = one;
-  // Rounding of a target at reach is no miss.
+  // Rounding errors at exact reach are not a miss.
   if (out.miss > 1e-12 * (l1 + l2)) out.reach = d > l1 + l2 ? too_far : too_near;
   for (int k = 0; k < 2; ++k) {
     const double s = k == 0 ? sine : -sine;
@@ -38,7 +38,7 @@ void ik_columns(std::span<const Joint> joints, std::span<const IkGoal> goals, Ik
       if (j == static_cast<int32_t>(g.base)) break;
     }
   }
-  // Backwards, so that the children of a joint come in their order.
+  // In reverse, so that the children of a joint are listed in ascending order.
   w.first_child.assign(joints.size(), IkWork::kNone), w.next_child.assign(joints.size(), IkWork::kNone);
   for (size_t j = joints.size(); j-- > 0;) {
     if (!w.moves[j] || joints[j].parent < 0) continue;
@@ -62,7 +62,7 @@ void ik_jacobian(std::span<const Joint> joints, std::span<const IkGoal> goals, I
   for (const IkGoal& g : goals) {
     const Pose& end = w.poses[g.joint];
     const Vec3 place = end.position + rotate(end.orientation, g.point);
-    // Of the joints on the goal's own way alone; columns ascend by joint.
+    // Only joints on the goal's own chain contribute; columns ascend by joint.
     size_t c = n;
     for (auto j = static_cast<int32_t>(g.joint); j >= 0; j = joints[static_cast<size_t>(j)].parent) {
       const auto at = static_cast<uint32_t>(j);
@@ -87,7 +87,7 @@ void ik_jacobian(std::span<const Joint> joints, std::span<const IkGoal> goals, I
 
 namespace {
 
-/// Turns a ball by a rotation of the world; what its limits leave of it.
+/// Rotates a ball joint by a rotation in the world; returns what its limits leave of it.
 Quat turn_ball(const Joint& joint, const Pose& pose, const Quat& by, JointMotion& motion) {
   const Quat before = motion.turn, back = conjugate(pose.orientation);
   motion.turn = normalized(before * (back * by * pose.orientation));
@@ -138,7 +138,7 @@ void ik::turn_to_places(std::span<const Joint> joints, const Pose& root, std::sp
     const Pose& before = parent < 0 ? root : w.poses[static_cast<size_t>(parent)];
     w.poses[j] = before * local_pose(joints[j], motion[j]);
     if (!w.moves[j] || joints[j].kind == JointKind::fixed) continue;
-    // What hangs on the joint: one thing is aimed at its place, of several the mean turn is taken.
+    // A single child or goal is aimed at its position; of several, the mean rotation is taken.
     const Pose& pose = w.poses[j];
     const auto each = [&](auto&& use) {
       for (uint32_t c = w.first_child[j]; c != IkWork::kNone; c = w.next_child[c]) {
@@ -178,7 +178,7 @@ void ik::turn_to_pole(std::span<const Joint> joints, const Pose& root, std::span
     const Vec3 line = end.position + rotate(end.orientation, g.point) - base.position;
     if (!(norm2(line) > 0)) continue;
     const Vec3 u = normalized(line);
-    // The joint furthest from the line says where the chain bends to.
+    // The joint farthest from the line gives the direction in which the chain bends.
     Vec3 bend;
     for (auto j = static_cast<int32_t>(g.joint); j > static_cast<int32_t>(g.base);
          j = joints[static_cast<size_t>(j)].parent) {
@@ -200,7 +200,7 @@ IkResult solve_ik(std::span<const Joint> joints, const Pose& root, std::span<con
   forward_kinematics(joints, motion, root, w.poses);
   if (goals.empty()) return {};
   w.sorted.assign(goals.begin(), goals.end());
-  // By priority, in their order: goals are few, and a library's stable sort takes memory.
+  // Stable insertion sort by priority: goals are few, and the standard library's stable sort allocates.
   for (size_t i = 1; i < w.sorted.size(); ++i) {
     for (size_t k = i; k > 0 && w.sorted[k].priority < w.sorted[k - 1].priority; --k) {
       std::swap(w.sorted[k], w.sorted[k - 1]);

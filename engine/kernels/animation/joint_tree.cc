@@ -9,7 +9,7 @@ using free_rotation::rotation_vector;
 using free_rotation::turn;
 
 namespace {
-// rad or m; what is nearer to a limit is at it.
+// rad or m; a freedom this close to a limit counts as at the limit.
 constexpr double kAtLimit = 1e-9;
 }  // namespace
 
@@ -76,7 +76,7 @@ bool blocked(const Joint& joint, const JointMotion& motion, size_t k, double by)
     return (by > 0 && motion.value >= joint.max - kAtLimit) ||
            (by < 0 && motion.value <= joint.min + kAtLimit);
   }
-  // The limits of a ball are curved: a move counts as blocked when all of it would be taken back.
+  // The limits of a ball are curved: a move counts as blocked if the limits would undo all of it.
   JointMotion tried = motion;
   const double step = std::copysign(1e-6, by);
   move_freedom(joint, k, step, tried);

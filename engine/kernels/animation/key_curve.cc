@@ -19,7 +19,7 @@ KeyTime within(double t, double first, double last, Extend extend) {
 
 double frame_time(double t, double rate) {
   if (!(rate > 0)) return t;
-  constexpr double kSame = 1e-9;  // frames: t and rate have rounding errors
+  constexpr double kSame = 1e-9;  // frames: tolerance for rounding errors of t and rate
   return std::floor(t * rate + kSame) / rate;
 }
 
@@ -30,8 +30,8 @@ FourWeights catmull_rom_weights(double u) {
 }
 
 double bezier_parameter(double x, double a, double b) {
-  // Newton's method where it stays within the bracket, halving elsewhere: t(s) rises, with slope 0 at an end
-  // whose handle has share 0.
+  // Newton's method while it stays within the bracket, bisection otherwise: t(s) increases, with slope 0 at
+  // an end whose handle has share 0.
   double low = 0, high = 1, s = x;
   for (int k = 0; k < 64; ++k) {
     const double r = 1 - s;
@@ -77,7 +77,7 @@ void KeyCurve::parabola_slopes() {
   const auto chord = [&](size_t i, size_t c) {
     return (values_[(i + 1) * width_ + c] - values_[i * width_ + c]) / (times_[i + 1] - times_[i]);
   };
-  // Slope at the middle of three points from the slopes of the two chords.
+  // Slope at the middle one of three points from the slopes of the two chords.
   const auto middle = [](double d0, double h0, double d1, double h1) {
     return (d0 * h1 + d1 * h0) / (h0 + h1);
   };
@@ -99,9 +99,9 @@ void KeyCurve::parabola_slopes() {
   out_ = in_;
 }
 
-// h_{i-1} and h_i about key i: h_i m_{i-1} + 2 (h_{i-1} + h_i) m_i + h_{i-1} m_{i+1} = 3 (h_i d_{i-1} +
-// h_{i-1} d_i), at the ends 2 m_0 + m_1 = 3 d_0; by elimination without pivots, the matrix is diagonally
-// dominant.
+// With h_{i-1} and h_i the intervals before and after key i: h_i m_{i-1} + 2 (h_{i-1} + h_i) m_i + h_{i-1}
+// m_{i+1} = 3 (h_i d_{i-1} + h_{i-1} d_i), and 2 m_0 + m_1 = 3 d_0 at the ends; elimination needs no pivoting
+// because the matrix is diagonally dominant.
 void KeyCurve::natural_slopes() {
   const size_t n = times_.size();
   in_.assign(n * width_, 0);
@@ -135,11 +135,11 @@ void KeyCurve::monotone_slopes() {
     };
     for (size_t i = 1; i + 1 < n; ++i) {
       const double d0 = chord(i - 1), d1 = chord(i);
-      if (!(d0 * d1 > 0)) continue;  // an extremum stays one
+      if (!(d0 * d1 > 0)) continue;  // extrema are preserved
       const double h0 = times_[i] - times_[i - 1], h1 = times_[i + 1] - times_[i];
       in_[i * width_ + c] = 3 * (h0 + h1) / ((2 * h1 + h0) / d0 + (h1 + 2 * h0) / d1);
     }
-    // At an end the slope of the parabola, but none that would overshoot.
+    // At an end, the slope of the parabola, limited so that it does not overshoot.
     const auto end = [&](double d0, double inner) {
       const double m = 2 * d0 - inner;
       return m * d0 <= 0 ? 0.0 : std::abs(m) > 3 * std::abs(d0) ? 3 * d0 : m;

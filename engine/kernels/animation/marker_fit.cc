@@ -9,10 +9,10 @@ namespace truestep::animation {
 
 namespace {
 
-constexpr uint32_t kShift = 3;                // freedoms 3 to 5 of the first joint: its shift
-constexpr double kSuspect = 6, kCut = 4.685;  // spreads; Tukey's c for 95 % efficiency
-constexpr double kFinest = 1e-4;              // m: no spread is taken for less
-constexpr double kHeld = 1e-8;  // m^2: a radian from the start counts as a tenth of a millimetre of a marker
+constexpr uint32_t kShift = 3;                // freedoms 3 to 5 of the first joint are its shift
+constexpr double kSuspect = 6, kCut = 4.685;  // multiples of the spread; Tukey's c for 95 % efficiency
+constexpr double kFinest = 1e-4;              // m, smallest spread
+constexpr double kHeld = 1e-8;  // m^2: a radian from the start costs as much as a marker error of 0.1 mm
 
 Vec3 axis_of(size_t k) {
   return {k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0};
@@ -37,13 +37,13 @@ class Fit {
     w.tried.assign(motion.begin(), motion.end());
     forward_kinematics(joints, motion, {}, w.poses);
   }
-  /// Begins again at a pose.
+  /// Restarts from the given pose.
   void restart(std::span<const JointMotion> at) {
     std::ranges::copy(at, motion_.begin());
     std::ranges::fill(w_.pulled, 0.0);
     forward_kinematics(joints_, motion_, {}, w_.poses);
   }
-  /// m^2, of the distances measured, none taken for more than `most`.
+  /// m^2, sum of the squared distances measured, each limited to `most`.
   double cut_squares(double most) const {
     double sum = 0;
     for (size_t i = 0; i < markers_.size(); ++i) {
@@ -68,7 +68,7 @@ class Fit {
       const double weight = w_.weights[i];
       if (!(weight > 0)) continue;
       const Vec3 at = place(w_.poses, i), r = places_[i] - at;
-      // Columns of the freedoms on the marker's way, in their order.
+      // Columns of the freedoms on the marker's chain, in order.
       on_way_.clear();
       for (size_t c = n_; c-- > 0;) {
         if (!is_above(w_.joint_of[c], markers_[i].joint)) continue;
@@ -92,13 +92,13 @@ class Fit {
         }
       }
     }
-    // How far this is from where the fit began is in w_.pulled.
+    // w_.pulled holds the changes since the start of the fit.
     for (size_t c = 0; c < n_; ++c) {
       const double held = w_.freedom_of[c] >= kShift ? 1e-2 * kHeld : kHeld;
       w_.normal[c * n_ + c] += held, w_.gradient[c] -= held * w_.pulled[c];
     }
   }
-  /// Distances of all markers, and the largest of one that was seen.
+  /// Measures the distances of all markers; returns the largest among those seen.
   double measure() {
     double most = 0;
     w_.distances.resize(markers_.size());
@@ -108,7 +108,8 @@ class Fit {
     }
     return most;
   }
-  /// Of a coordinate, by the median of the distances measured: that of three normal numbers is 1.538.
+  /// Spread of a coordinate from the median distance: the length of three normal numbers has the median
+  /// 1.538.
   double spread() {
     w_.sorted.clear();
     for (size_t i = 0; i < markers_.size(); ++i) {
@@ -118,7 +119,7 @@ class Fit {
     std::nth_element(w_.sorted.begin(), middle, w_.sorted.end());
     return std::max(w_.sorted.empty() ? 0 : *middle / 1.538, kFinest);
   }
-  /// Weights by the distances measured.
+  /// Sets the weights from the measured distances.
   template <class Weight>
   void weigh(Weight weight) {
     for (size_t i = 0; i < markers_.size(); ++i) w_.weights[i] = seen_[i] ? weight(w_.distances[i]) : 0;
@@ -126,7 +127,7 @@ class Fit {
 
   double information(size_t c) const { return w_.normal[c * n_ + c] - kHeld; }
 
-  /// Squares after the damped step, which is tried.
+  /// Takes the damped step tentatively; returns the sum of squares after it.
   double attempt(double damping) {
     std::ranges::copy(w_.normal, w_.factor.begin());
     for (size_t c = 0; c < n_; ++c) w_.factor[c * n_ + c] *= 1 + damping;
@@ -184,7 +185,7 @@ class Fit {
   std::vector<uint32_t> on_way_;
 };
 
-/// Levenberg and Marquardt from where the fit stands; squares at the end.
+/// Levenberg-Marquardt from the present state of the fit; returns the final sum of squares.
 double minimise(Fit& fit, MarkerWork& w, int most, int& iterations) {
   constexpr double kSettled = 1e-9;  // rad or m
   double e = fit.squares(w.poses), damping = 1e-3;
@@ -208,7 +209,7 @@ double minimise(Fit& fit, MarkerWork& w, int most, int& iterations) {
 
 constexpr int kMost = 100;
 
-/// From where the fit stands to one without what is too far off; squares at the end.
+/// Refits from the present state without markers that are too far off; returns the final sum of squares.
 double set_outliers_aside(Fit& fit, MarkerWork& w, int& iterations) {
   constexpr int kRounds = 60;
   double c = fit.measure();
@@ -233,8 +234,8 @@ double set_outliers_aside(Fit& fit, MarkerWork& w, int& iterations) {
   return e;
 }
 
-/// The better of two such ways: from the pose given, which is right when the frame before was, and from the
-/// fit to all, which needs none before.
+/// The better of two such fits: from the given pose, which is good if the previous frame was, and from the
+/// fit to all markers, which needs no previous frame.
 double fit_without_outliers(Fit& fit, MarkerWork& w, std::span<const JointMotion> motion, int& iterations) {
   const std::vector<JointMotion> all(motion.begin(), motion.end());
   fit.restart(w.start);

@@ -13,7 +13,7 @@ using free_rotation::turn;
 
 namespace {
 
-/// Fixed point of the mean of rotation vectors, from the first turn.
+/// Fixed-point iteration for the mean of the rotation vectors, starting at the first pose's rotation.
 Quat mean_turn(std::span<const JointMotion> poses, size_t joints, size_t joint) {
   Quat mean = poses[joint].turn;
   const size_t frames = poses.size() / joints;
@@ -28,8 +28,8 @@ Quat mean_turn(std::span<const JointMotion> poses, size_t joints, size_t joint) 
   return mean;
 }
 
-/// Derivative of the turn, as a rotation in the joint's own frame, by its rotation vector x: the right
-/// Jacobian I - (1 - cos a)/a^2 [x] + (a - sin a)/a^3 [x]^2, a = |x|; its column k.
+/// Column k of the derivative of a rotation, taken as a rotation in the joint's own frame, with respect to
+/// its rotation vector x: the right Jacobian I - (1 - cos a)/a^2 [x] + (a - sin a)/a^3 [x]^2, a = |x|.
 Vec3 right_jacobian_column(const Vec3& x, size_t k) {
   const Vec3 e{k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0};
   const double a2 = norm2(x), a = std::sqrt(a2);
@@ -148,7 +148,7 @@ double PosePrior::distance(std::span<const JointMotion> motion, std::vector<doub
 
 namespace {
 
-/// Residuals of all goals, weighted; their squared length.
+/// Weighted residuals of all goals; returns their squared length.
 double residual_of(std::span<const IkGoal> goals, std::span<const Pose> poses, double* r) {
   double sum = 0;
   for (const IkGoal& g : goals) {
@@ -171,8 +171,8 @@ IkResult PosePrior::descend(std::span<const Joint> joints, const Pose& root, std
                             double spread, int most, std::span<JointMotion> motion, IkWork& ik,
                             Work& w) const {
   using enum IkResult::End;
-  constexpr double kShrink = 0.3;    // of the error, as spread
-  constexpr double kSettled = 1e-7;  // rad or m, of x in an iteration
+  constexpr double kShrink = 0.3;    // spread as a fraction of the error
+  constexpr double kSettled = 1e-7;  // rad or m, change of x per iteration
   size_t rows = 0;
   for (const IkGoal& g : goals) rows += ik_rows(g);
   w.x.resize(size_), w.target.resize(size_), w.tried.resize(size_), w.jacobian.resize(rows * size_);
@@ -190,7 +190,7 @@ IkResult PosePrior::descend(std::span<const Joint> joints, const Pose& root, std
     read(motion, w.x.data());
     const double error = std::sqrt(residual_of(goals, ik.poses, w.residual.data()));
     const double loose = std::max(spread, kShrink * error), variance = loose * loose;
-    // Columns by rotation vectors and values.
+    // Columns: derivatives with respect to rotation vectors and values.
     size_t row = 0;
     std::ranges::fill(w.jacobian, 0.0);
     for (const IkGoal& g : goals) {
@@ -198,7 +198,7 @@ IkResult PosePrior::descend(std::span<const Joint> joints, const Pose& root, std
       const Vec3 place = end.position + rotate(end.orientation, g.point);
       for (size_t i = coordinates_.size(); i-- > 0;) {
         const Coordinate& c = coordinates_[i];
-        // On the goal's way from its base on alone.
+        // Only joints on the goal's chain, from its base on.
         auto j = static_cast<int32_t>(g.joint);
         while (j > static_cast<int32_t>(c.joint)) j = joints[static_cast<size_t>(j)].parent;
         if (j != static_cast<int32_t>(c.joint) || c.joint < g.base) continue;

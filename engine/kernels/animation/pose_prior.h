@@ -1,13 +1,15 @@
-// Which poses are natural, learnt from a motion: coordinates x of a pose (rotation vector of a ball from its
-// mean turn, of a hinge or slide its value from the mean) are normally distributed about 0 with
+// A prior of natural poses, learnt from a motion: the coordinates x of a pose (the rotation vector of a ball
+// joint from its mean rotation, the value of a hinge or slide from its mean) are normally distributed about 0
+// with
 //   C = U diag(s_k^2) U^T + r^2 (I - U U^T),
-// U the principal components of the motion, s_k^2 their variances, r^2 the mean of those left out (Tipping,
-// Bishop 1999, "Probabilistic principal component analysis", eqs. 6 to 8). Of all poses that bring places to
-// where goals want them, r(x) = 0, the most natural one has the least x^T C^-1 x (Grochow, Martin, Hertzmann,
-// Popovic 2004, "Style-based inverse kinematics", with this Gaussian for their latent variable model):
+// U the principal components of the motion, s_k^2 their variances, r^2 the mean variance of the components
+// left out (Tipping, Bishop 1999, "Probabilistic principal component analysis", eqs. 6 to 8). Of all poses
+// that satisfy the goals, r(x) = 0, the most natural one has the least x^T C^-1 x (Grochow, Martin,
+// Hertzmann, Popovic 2004, "Style-based inverse kinematics", with this Gaussian in place of their latent
+// variable model):
 //   x <- x + a (x* - x),   x* = C J^T (J C J^T + R)^-1 (r + J x),   J = -dr/dx,  R = spread^2 I,
-// a halved until  |r|^2 / spread^2 + x^T C^-1 x  falls, with a spread that shrinks with the error to what is
-// asked for (iterated extended Kalman update, Bell, Cathey 1993).
+// with a halved until  |r|^2 / spread^2 + x^T C^-1 x  falls, and a spread that shrinks with the error down to
+// the requested one (iterated extended Kalman update, Bell, Cathey 1993).
 #pragma once
 #include "engine/kernels/animation/inverse_kinematics.h"
 
@@ -16,29 +18,29 @@ namespace truestep::animation {
 class PosePrior {
  public:
   PosePrior() = default;
-  /// From poses of `joints` (frames x joints); `known`: per joint, whether the motion says anything about it.
-  /// `components`: at most so many; `least`: rad or m, smallest r. At least two frames.
+  /// Learns from the poses of `joints` (frames x joints, at least two frames). `known`: per joint, whether
+  /// the motion contains it; `components`: the largest number kept; `least`: smallest r, rad or m.
   PosePrior(std::span<const Joint> joints, std::span<const JointMotion> poses, std::span<const uint8_t> known,
             size_t components, double least);
 
   bool empty() const { return size_ == 0; }
   size_t size() const { return size_; }  ///< coordinates
   size_t components() const { return deviations_.size(); }
-  /// Share of the motion's variance that the components hold.
+  /// Fraction of the motion's variance explained by the components.
   double explained() const { return explained_; }
-  /// sqrt(x^T C^-1 x / size): 1 is as far from the mean as the motion itself is on average.
+  /// sqrt(x^T C^-1 x / size): 1 is the motion's own root mean square distance from the mean.
   double distance(std::span<const JointMotion> motion, std::vector<double>& scratch) const;
-  /// The mean pose, in joints that the motion says something about.
+  /// Sets the mean pose, in the joints contained in the motion.
   void set_mean(std::span<JointMotion> motion) const;
 
   struct Work {
     std::vector<double> x, target, tried, jacobian, gram, residual, spread, projected;
     std::vector<JointMotion> motion, start, best;
   };
-  /// Towards the most natural pose whose places are at the goals to within `spread` (m) or so; orientations
-  /// count. Limits hold. Where it ends in a pose that is not natural or not at the goals, it begins again
-  /// from the mean pose and from those a deviation of the first two components off it, and the best is taken.
-  /// Poses of the result are in `ik.poses`.
+  /// Moves towards the most natural pose that satisfies the goals to within about `spread` (m), orientations
+  /// included. Limits hold. If the result is unnatural or misses the goals, the search is repeated from the
+  /// mean pose and from 1.5 standard deviations of each of the first two components either way, and the best
+  /// result is taken. `ik.poses` holds the poses of the result.
   IkResult solve(std::span<const Joint> joints, const Pose& root, std::span<const IkGoal> goals,
                  double spread, int most, std::span<JointMotion> motion, IkWork& ik, Work& work) const;
 
@@ -47,7 +49,7 @@ class PosePrior {
                    double spread, int most, std::span<JointMotion> motion, IkWork& ik, Work& work) const;
   struct Coordinate {
     uint32_t joint = 0;
-    size_t first = 0;  ///< in x: three of a ball, one of others
+    size_t first = 0;  ///< in x: three numbers of a ball, one of others
     Quat mean_turn;
     double mean_value = 0;
   };
@@ -60,7 +62,7 @@ class PosePrior {
   size_t size_ = 0;
   std::vector<JointKind> kinds_;
   std::vector<Coordinate> coordinates_;
-  std::vector<double> components_;  ///< per component, size_ numbers
+  std::vector<double> components_;  ///< per component, `size_` numbers
   std::vector<double> deviations_;
   double rest_ = 1, explained_ = 0;
 };

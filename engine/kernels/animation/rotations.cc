@@ -24,7 +24,7 @@ Quat squad(const Quat& q0, const Quat& s0, const Quat& s1, const Quat& q1, doubl
 
 SwingTwist swing_twist(const Quat& q, const Vec3& axis) {
   const double along = q.x * axis.x + q.y * axis.y + q.z * axis.z;
-  // A swing by half a turn leaves no twist to speak of.
+  // A swing of half a turn leaves no well-defined twist.
   if (q.w * q.w + along * along < 1e-24) return {q, 0};
   const Quat twist = normalized(Quat{q.w, axis.x * along, axis.y * along, axis.z * along});
   const double side = q.w < 0 ? -1 : 1;

@@ -45,7 +45,7 @@ void skin_linear(std::span<const BoneMatrix> bones, std::span<const SkinWeights>
     const double* x = rest + 3 * i;
     const Lanes4 moved = m[3].plus(m[0], x[0]).plus(m[1], x[1]).plus(m[2], x[2]);
     if (i + 1 < end) {
-      moved.store(out + 3 * i);  // the fourth number is the next vertex's, which comes next
+      moved.store(out + 3 * i);  // the fourth number belongs to the next vertex, written next
     } else {
       double last[4];
       moved.store(last);
@@ -91,7 +91,7 @@ SkinWeights weights_by_distance(std::span<const BoneSegment> bones, const Vec3& 
       if (d < nearest[k]) std::swap(d, nearest[k]), std::swap(who, out.bone[k]);
     }
   }
-  // On a bone itself that bone alone counts.
+  // On a bone itself, that bone alone counts.
   constexpr double kOn = 1e-9;  // m
   double sum = 0;
   for (size_t k = 0; k < kMostBones; ++k) {

@@ -8,7 +8,7 @@ namespace truestep::animation {
 
 namespace {
 
-/// x of a x = b, a symmetric (xx xy xz yy yz zz); false where a is singular next to its size.
+/// Solves a x = b for a symmetric a (xx xy xz yy yz zz); false if a is singular relative to its size.
 bool solve3(const double* a, const Vec3& b, Vec3& x) {
   const double cxx = a[3] * a[5] - a[4] * a[4], cxy = a[2] * a[4] - a[1] * a[5],
                cxz = a[1] * a[4] - a[2] * a[3];
@@ -34,7 +34,7 @@ PinholeCamera camera_looking_at(const Vec3& from, const Vec3& at, const Vec3& up
   Vec3 right = cross(ahead, up);
   if (!(norm2(right) > 0)) right = cross(ahead, std::abs(ahead.z) < 0.9 ? Vec3{0, 0, 1} : Vec3{1, 0, 0});
   right = normalized(right);
-  // Turn z to where it looks, then x about that to the right.
+  // Rotates z to the viewing direction, then x about that to the right.
   Quat q = rotation_between({0, 0, 1}, ahead);
   const Vec3 x = rotate(q, {1, 0, 0});
   q = normalized(turn_about(ahead, trig::atan2(dot(ahead, cross(x, right)), dot(x, right))) * q);
@@ -104,7 +104,7 @@ double picture_noise(std::span<const Triangulated> found, std::span<const uint32
 }
 
 namespace {
-/// Pixels between a sighting and where the place would be seen; infinite behind the camera.
+/// Distance in pixels between a sighting and the projection of `place`; infinite behind the camera.
 double miss(const PinholeCamera& camera, const Sighting& s, const Vec3& place) {
   const auto at = project(camera, place);
   if (!at) return HUGE_VAL;

@@ -1,8 +1,9 @@
-// Places from pictures: cameras are pinholes whose z axis looks ahead, x to the right and y down the picture,
+// Positions from images: pinhole cameras with z along the viewing direction, x to the right and y down in the
+// image,
 //   u = cu + f x/z,   v = cv + f y/z   (Hartley, Zisserman 2004, eq. 6.3).
-// A place is where its rays come nearest to each other, sum |(I - d d^T)(p - o)|^2 -> min, then where the
-// squares of what is left in the pictures are least (Hartley, Sturm 1997), by Gauss-Newton. Among sightings
-// some of which are of something else, the place is that of the pair that most others agree with (Fischler,
+// A position is first the point closest to its rays, sum |(I - d d^T)(p - o)|^2 -> min, then refined by
+// Gauss-Newton to the least squared reprojection error (Hartley, Sturm 1997). If some sightings are of
+// something else, it is the position from the pair that most other sightings agree with (RANSAC, Fischler,
 // Bolles 1981, with all pairs tried).
 #pragma once
 #include <optional>
@@ -18,14 +19,14 @@ struct PinholeCamera {
   double focal = 1000;        ///< pixels
   double middle[2] = {0, 0};  ///< pixels
 };
-/// A camera at `from` that looks at a place, with the world's `up` upwards in its picture.
+/// A camera at `from` that looks at `at`, with the world's `up` upwards in its image.
 PinholeCamera camera_looking_at(const Vec3& from, const Vec3& at, const Vec3& up, double focal,
                                 double middle_u, double middle_v);
 
 struct ImagePoint {
   double u = 0, v = 0;  ///< pixels
 };
-/// Nothing where the place is not in front of the camera.
+/// Empty if the position is not in front of the camera.
 std::optional<ImagePoint> project(const PinholeCamera& camera, const Vec3& place);
 
 struct Sighting {
@@ -34,21 +35,21 @@ struct Sighting {
 };
 struct Triangulated {
   Vec3 place;
-  double residual = 0;  ///< pixels, root of the mean square of what is left in u and v
+  double residual = 0;  ///< pixels, root mean square reprojection error of u and v
 };
-/// Nothing where fewer than two cameras see it, where their rays are parallel, or where it lies behind one.
+/// Empty if fewer than two cameras see the point, their rays are parallel, or it lies behind one of them.
 std::optional<Triangulated> triangulate(std::span<const PinholeCamera> cameras,
                                         std::span<const Sighting> seen);
 
-/// Pixels, of one coordinate: what is left in pictures of places, each with its count of sightings, by the
-/// median; not below a twentieth of a pixel.
+/// Noise of one image coordinate in pixels, from the median reprojection error of the given positions, each
+/// with its number of sightings; at least a twentieth of a pixel.
 double picture_noise(std::span<const Triangulated> found, std::span<const uint32_t> sightings);
 struct Agreed {
   Triangulated found;
   uint32_t used = 0;  ///< sightings that agree
 };
-/// With all sightings where none is more than six times `noise` (pixels) off, else with those that agree with
-/// the place within 4.7 times. Nothing where no two agree.
+/// From all sightings if none is off by more than six times `noise` (pixels), otherwise from those that agree
+/// with the position to within 4.7 times. Empty if no two sightings agree.
 std::optional<Agreed> triangulate_agreed(std::span<const PinholeCamera> cameras,
                                          std::span<const Sighting> seen, double noise);
 

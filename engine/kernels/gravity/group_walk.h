@@ -16,8 +16,7 @@ namespace truestep::gravity::walk {
 using Lanes = Wide<float>;
 using Eight = Lanes::Mask;
 inline constexpr size_t kPending = 512;  // sources gathered before they are summed
-inline constexpr float kTiny = 1e-24f;   // scaled; the third power of its root, times a mass, is still a
-                                         // normal float
+inline constexpr float kTiny = 1e-24f;   // scaled; kTiny^(3/2) times a mass is still a normal float
 inline constexpr double kTiny64 = 1e-180;
 
 inline unsigned bits(Eight mask) {

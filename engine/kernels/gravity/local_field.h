@@ -1,10 +1,10 @@
 // The field of far nodes around a place, as a Taylor series in the place u of a body:
 //   p(u) = sum m/R = L0 + L1.u + 1/2 L2:uu + 1/6 L3:uuu,    a = grad p = L1 + L2 u + 1/2 L3:uu
-//   L0 = M psi + 1/2 S:D2,  L1 = -(M D1 + 1/2 S:D3),  L2 = M D2,  L3 = -M D3,   D_n the n-th gradient of psi
-//   = 1/R at s,
+//   L0 = M psi + 1/2 S:D2,  L1 = -(M D1 + 1/2 S:D3),  L2 = M D2,  L3 = -M D3,
+//   D_n the n-th gradient of psi = 1/R at s,
 // all terms of third order in sizes over distances (Dehnen 2002, J. Comput. Phys. 179:27, eq. 3 with p = 3),
-// softened as Plummer does. Eight nodes at a time, whatever the number of bodies, where far_sums.h takes
-// every body in turn.
+// softened as in Plummer's law. Eight nodes are summed at a time, whatever the number of bodies, whereas
+// far_sums.h sums over every body in turn.
 #pragma once
 #include "engine/kernels/gravity/far_sums.h"
 

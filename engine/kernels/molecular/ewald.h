@@ -1,7 +1,8 @@
 // The smooth part of Coulomb's sum over all images of a periodic box (Ewald 1921; Allen, Tildesley 1987,
 // section 5.5.2), surrounded by a conductor:
-//   U = 4 pi k / V sum over half of all k of A(k) |S(k)|^2 - k alpha / sqrt(pi) sum q^2 - pi k Q^2 / (2 V
-//   alpha^2) A = exp(-k^2 / 4 alpha^2) / k^2,    S(k) = sum q_i exp(i k . x_i)
+//   U = 4 pi k / V sum over half of all k of A(k) |S(k)|^2 - k alpha / sqrt(pi) sum q^2
+//       - pi k Q^2 / (2 V alpha^2)
+//   A = exp(-k^2 / 4 alpha^2) / k^2,    S(k) = sum q_i exp(i k . x_i)
 // The pair part is in pair_law.h. Sums over atoms use fixed blocks: the same bits for any number of threads.
 #pragma once
 #include <array>

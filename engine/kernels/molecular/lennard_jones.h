@@ -1,8 +1,7 @@
-// The Lennard-Jones potential between two atoms, and how it ends at the cut-off:
+// The Lennard-Jones potential between two atoms, and its truncation at the cut-off:
 //   U(r) = 4 eps ((sigma/r)^12 - (sigma/r)^6) = c12 / r^12 - c6 / r^6
 // truncated: U for r < rc; shifted: U - U(rc); switched: U S with S falling from 1 at rs to 0 at rc,
-//   S = (rc^2 - r^2)^2 (rc^2 + 2 r^2 - 3 rs^2) / (rc^2 - rs^2)^3           (Brooks et al. 1983, CHARMM, eq.
-//   10)
+//   S = (rc^2 - r^2)^2 (rc^2 + 2 r^2 - 3 rs^2) / (rc^2 - rs^2)^3     (Brooks et al. 1983, CHARMM, eq. 10)
 // Kinds are mixed by the Lorentz-Berthelot rules: sigma = (sigma_a + sigma_b) / 2, eps = sqrt(eps_a eps_b).
 // The tail is the contribution from beyond rc, assuming a uniform fluid there (Allen, Tildesley 1987, eqs.
 // 2.137, 2.138).

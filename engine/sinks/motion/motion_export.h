@@ -17,7 +17,7 @@ class MotionExport {
   /// For a system with a skeleton or targets; Error "unsuitable_system" otherwise. `rate`: frames per second.
   MotionExport(const System& system, std::string name, double rate);
   static bool suits(const System& system);
-  /// Joints, or targets and the surface itself: what a frame takes.
+  /// Rows of data per frame: the joints, or the surface itself and its targets.
   static size_t rows(const System& system);
 
   void add(const State& state, double t);

@@ -1,6 +1,5 @@
-// Which system's motion a file holds, and the steps that its frames are: frame k is the step nearest to
-// t_0 + k / rate. Shared by the command line, which runs a scene, and the service, which computes a session's
-// past again.
+// Which system's motion a file holds, and the steps of its frames: frame k is the step nearest to t_0 + k /
+// rate. Shared by the command line, which runs a scene, and the service, which recomputes a session's past.
 #pragma once
 #include <cmath>
 
@@ -24,7 +23,7 @@ struct FrameSteps {
   uint64_t step(uint64_t frame) const {
     return first + static_cast<uint64_t>(std::llround(static_cast<double>(frame) / rate / dt));
   }
-  /// Frames within so many seconds.
+  /// Number of frames within `seconds`.
   uint64_t count(double seconds) const {
     return static_cast<uint64_t>(std::floor(seconds * rate + 1e-9)) + 1;
   }

@@ -13,7 +13,7 @@ void wrap_liquid(DrawPoints& points, PartDrawing::Space space) {
   if (!points.lines.empty() || !points.triangles.empty()) return;
   const double spacing = 2 * double{points.radius};
   ParticleSurface s = particle_surface(points.positions, points.scalar, {spacing, kCell * spacing});
-  // Colours mean what they meant of the particles.
+  // Colours keep the meaning that they have for the particles.
   if (!points.scalar.empty()) {
     const auto [low, high] = picture::scalar_range(points);
     points.scalar_min = low, points.scalar_max = high;

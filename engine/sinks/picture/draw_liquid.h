@@ -4,8 +4,8 @@
 
 namespace truestep {
 
-/// Puts the surface of the liquid (geometry/particle_surface.h) in the place of points that have a size and
-/// fill space; leaves those with lines or triangles as they are.
+/// Replaces points that have a size and fill space by the surface of the liquid
+/// (geometry/particle_surface.h); leaves those with lines or triangles unchanged.
 void wrap_liquid(DrawPoints& points, PartDrawing::Space space);
 
 }  // namespace truestep

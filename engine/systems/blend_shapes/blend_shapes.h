@@ -1,8 +1,8 @@
 // The system type "blend_shapes": a surface that is a weighted sum of shapes, x = b + sum w_k (t_k - b)
 // (kernels/animation/blend.h), with weights that are expressions of time and controls (animation/driver.h).
-// Base and targets are lists of vertices (an OBJ or PLY file gives one), meshes of glTF files
-// (shape_files.h) or expressions of the base's coordinates. Its triangles are
-// published as solids that nothing moves. Commands: set_parameter of a control.
+// Base and targets are lists of vertices (an OBJ or PLY file gives one), meshes of glTF files (shape_files.h)
+// or expressions of the base's coordinates. Its triangles are published as immovable solids. Commands:
+// set_parameter of a control.
 #pragma once
 #include <array>
 #include <memory>
@@ -64,7 +64,7 @@ class BlendShapes final : public StagedSystem, public Morphed, public animation:
   struct Scratch;
   void build_base(const BlendShapesDef& def);
   void add_target(const TargetDef& def, size_t number);
-  /// Three expressions of x, y, z of the base; faults go to the driver.
+  /// Evaluates three expressions of x, y, z at the base's vertices; errors are reported to the driver.
   std::vector<Vec3> sampled(const std::string& pointer, const std::vector<std::string>& texts);
   void update(State& state, double t, double h, Scratch& scratch) const;
 

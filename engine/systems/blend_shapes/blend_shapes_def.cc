@@ -1,4 +1,4 @@
-// Parameters of the system type "blend_shapes", what it gives out and what it costs.
+// Parameters, outputs and cost of the system type "blend_shapes".
 #include "engine/systems/blend_shapes/blend_shapes.h"
 
 namespace truestep::blend_shapes {
@@ -111,7 +111,7 @@ Cost blend_shapes_cost(const void* def) {
   const auto& d = *static_cast<const BlendShapesDef*>(def);
   double n = static_cast<double>(d.vertices.size());
   if (!d.gltf.empty()) {
-    // Three f32 a vertex and a target, two triangles of 16 or 32 bits a vertex, in base64.
+    // Three f32 per vertex and target, and two triangles with indices of 16 or 32 bits per vertex, in base64.
     double text = 0;
     for (const std::string& line : d.gltf) text += static_cast<double>(line.size());
     n = 0.75 * text / (30 + 12 * static_cast<double>(d.targets.size()));
@@ -121,7 +121,7 @@ Cost blend_shapes_cost(const void* def) {
              controls = static_cast<double>(d.controls.size());
   double keys = 0;
   for (const auto& c : d.controls) keys += static_cast<double>(c.times.size());
-  // Two triangles a vertex; a target touches half of the base.
+  // Two triangles per vertex; a target moves half of the base.
   return {.state_bytes = 56 * n + 8 * controls,
           .workspace_bytes =
               4096 + (48 + 24 + 24) * n + 14 * n * targets + 400 * (controls + targets) + 32 * keys,

@@ -20,7 +20,7 @@ std::string listed(const std::vector<std::string>& names) {
   return all.empty() ? "there are none" : all;
 }
 
-/// The mesh of this name, the first without one.
+/// The mesh of this name; without a name, the first one.
 GltfMesh mesh_of(const std::vector<std::string>& lines, const std::string& name, const std::string& at) {
   GltfModel model;
   try {

@@ -1,8 +1,8 @@
 // The system type "crowd": pedestrians as discs in the plane z = 0 that head for their goals around walls.
-//   social_force  m v' = m (v0 e - v)/tau + sum f_ij + sum f_iW  (Helbing, Farkas, Vicsek 2000): the drive
-//                 exactly, v <- w + (v - w) exp(-h/tau), w = v0 e + tau F/m, then x <- x + h v; in as many
-//                 substeps as contacts want
-//   orca          v = closest to the wanted velocity in the half-planes of neighbours and walls (van den
+//   social_force  m v' = m (v0 e - v)/tau + sum f_ij + sum f_iW  (Helbing, Farkas, Vicsek 2000): the driving
+//                 force exactly, v <- w + (v - w) exp(-h/tau), w = v0 e + tau F/m, then x <- x + h v; in as
+//                 many substeps as the contacts need
+//   orca          v = closest to the desired velocity in the half-planes of neighbours and walls (van den
 //                 Berg, Guy, Lin, Manocha 2011), x <- x + h v; nobody takes more than half of a gap in a step
 // e comes from navigation.h. Those who arrive may leave: their row is removed. Commands: impulse
 // (social_force), set_parameter speed_factor.

@@ -2,8 +2,8 @@
 //   reynolds      a = separation sum (1 - r/R) d/r + alignment (mean v - v) + cohesion (mean x - x) + walls
 //                 + goal + flight, bounded; v += h a with bounded speed and turn; x += h v  (Reynolds 1987)
 //   vicsek        x += h v; heading = mean heading within the radius, plus noise  (Vicsek et al. 1995)
-//   cucker_smale  v' = (K/N) sum (1 + r^2/sigma^2)^-beta (v_j - v), by Runge-Kutta of order 4  (Cucker, Smale
-//   2007)
+//   cucker_smale  v' = (K/N) sum (1 + r^2/sigma^2)^-beta (v_j - v), by Runge-Kutta of order 4
+//                 (Cucker, Smale 2007)
 // Noise is a function of seed, row and step. Members have no mass, so there is no energy. Command:
 // set_parameter.
 #pragma once

@@ -35,7 +35,7 @@ DrawnShape drawn(const MovedShapeDef& d) {
   return out;
 }
 
-/// A ball of rings about y, from pole to pole.
+/// A sphere made of rings about y, from pole to pole.
 void make_ball(double radius, std::vector<Vec3>& x, std::vector<std::array<uint32_t, 3>>& triangles) {
   constexpr uint32_t kAround = 24, kRings = 15;
   const auto first = static_cast<uint32_t>(0);

@@ -1,8 +1,8 @@
 // The system type "keyframes": shapes whose poses are expressions of time, controls, paths and turns
-// (animation/driver.h), published as bodies that nothing moves, with the velocities of their motion, so that
-// cloth and particles collide with them. Shapes with a scale (squash and stretch) are surfaces of their own;
-// where all shapes are, their triangles are published instead. Controls without shapes serve couplings that
-// drive other systems. Commands: set_parameter of a control.
+// (animation/driver.h), published as immovable bodies with the velocities of their motion, so that cloth and
+// particles collide with them. Shapes with a scale (squash and stretch) are separate surfaces; if all shapes
+// are such, their triangles are published instead. Controls without shapes serve couplings that drive other
+// systems. Commands: set_parameter of a control.
 #pragma once
 #include <memory>
 
@@ -30,14 +30,14 @@ class Keyframes final : public StagedSystem, public animation::Animated {
  private:
   struct Shape {
     MovedShapeDef def;
-    size_t position = 0, rotation = 0, scale = 0;  ///< first of three outputs
+    size_t position = 0, rotation = 0, scale = 0;  ///< index of the first of three outputs
     std::optional<size_t> turn;
     size_t first_vertex = 0;
     std::vector<Vec3> vertices;  ///< none: rigid
   };
   struct Scratch;
   void add_shape(const MovedShapeDef& def, size_t number);
-  /// Everything as it is at t, h after it was where the state says.
+  /// Sets everything to time t; velocities from the state's previous poses, which are h earlier.
   void update(State& state, double t, double h, Scratch& scratch) const;
 
   animation::Driver driver_;
@@ -47,8 +47,8 @@ class Keyframes final : public StagedSystem, public animation::Animated {
   std::vector<BodyForm> forms_;
   std::vector<std::array<uint32_t, 3>> triangles_;
   size_t vertices_ = 0;
-  std::vector<size_t> stretched_;  ///< shapes that are parts
-  bool rigid_ = false;             ///< whether any shape is
+  std::vector<size_t> stretched_;  ///< shapes with a scale, each a part
+  bool rigid_ = false;             ///< whether any shape has none
 };
 
 std::unique_ptr<const System> build_keyframes(const void* def, const BuildContext& context);

@@ -69,7 +69,7 @@ const Outputs& keyframes_outputs() {
 }
 
 namespace {
-constexpr double kVertices = 2 + 24 * 15;  // of a ball that is stretched, keyframes.cc
+constexpr double kVertices = 2 + 24 * 15;  // of a scaled sphere, keyframes.cc
 }
 
 Cost keyframes_cost(const void* def) {

@@ -1,4 +1,4 @@
-// What a scene says about shapes that move as they are told; read by keyframes.cc.
+// What a scene says about shapes with prescribed motion; read by keyframes.cc.
 #pragma once
 #include "engine/animation/driver_def.h"
 #include "engine/core/build.h"

@@ -1,8 +1,7 @@
 // The forces on bodies in a close encounter besides the sun's, for mercurius.h, and how such pairs are
 // detected.
 //   x_i'' = -mu x_i/|x_i|^3 - sum_j (1 - L(r_ij)) G m_j (x_i - x_j)/(r_ij^2 + eps^2)^(3/2)
-//   L(y) = 10 y^3 - 15 y^4 + 6 y^5,   y = (r - 0.1 R)/(0.9 R) between 0 and 1          (Rein et al. 2019, eq.
-//   11)
+//   L(y) = 10 y^3 - 15 y^4 + 6 y^5,   y = (r - 0.1 R)/(0.9 R) between 0 and 1   (Rein et al. 2019, eq. 11)
 #pragma once
 #include <algorithm>
 #include <cmath>

@@ -4,8 +4,8 @@
 //   predict  x_p = x + v h + a h^2/2 + j h^3/6,  v_p = v + a h + j h^2/2          (everybody)
 //   sum      a_1, j_1 of those whose step ends, over all pairs
 //   correct  v_1 = v + (a + a_1) h/2 + (j - j_1) h^2/12,  x_1 = x + (v + v_1) h/2 + (a - a_1) h^2/12
-//   choose   h^2 = eta (|a| |snap| + |j|^2)/(|j| |crackle| + |snap|^2)                  (Aarseth 1985), at
-//   most twice the last
+//   choose   h^2 = eta (|a| |snap| + |j|^2)/(|j| |crackle| + |snap|^2), at most twice the last h
+//            (Aarseth 1985)
 // At the session's step all bodies have reached the same time, so nothing else is remembered. Not covered:
 // spline softening, the tree.
 #pragma once

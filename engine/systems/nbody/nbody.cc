@@ -45,7 +45,7 @@ void check_sun(std::string_view integrator, const NbodyField& field) {
     refuse(integrator, "the first body must outweigh all others ten times");
 }
 
-/// Error "scene_invalid" when the method would not do justice to the scene.
+/// Error "scene_invalid" if the method does not cover the scene.
 void check_mercurius(const NbodyDef& def, const NbodyField& field) {
   check_sun(kMercuriusName, field);
   if (def.softening_kind == gravity::SofteningKind::spline && def.softening > 0)

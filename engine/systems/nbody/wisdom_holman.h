@@ -2,9 +2,9 @@
 // mutual attraction as kicks in between, so that the energy error is a fraction (mass of the planets/mass of
 // the sun) h^2 and does not grow (Wisdom & Holman 1991). In Jacobi coordinates, where body i is relative to
 // the centre of mass of those before it, with eta_i = m_0 + ... + m_i:
-//   H = P^2/2M + sum_i [ p_i'^2/2 mu_i - G mu_i eta_i/r_i' ] + [ sum_i G mu_i eta_i/r_i' - sum_{i<j} G m_i
-//   m_j/r_ij ] step = half of the first bracket, kick by the second, half of the first  (drift, kick, drift:
-//   Rein & Tamayo 2015)
+//   H = P^2/2M + sum_i [ p_i'^2/2 mu_i - G mu_i eta_i/r_i' ]
+//     + [ sum_i G mu_i eta_i/r_i' - sum_{i<j} G m_i m_j/r_ij ]
+//   step = drift by the first line for h/2, kick by the second for h, drift for h/2  (Rein & Tamayo 2015)
 // Rows must be in order: the heavy one first, then from the inside out. Not covered: close encounters,
 // correctors.
 #pragma once

@@ -1,5 +1,6 @@
-// The guards of a model's events, one program for all of them, as integrators/events.h watches them. While an
-// event rests, its guard is -g'': it crosses zero in the event's own direction when the contact ends.
+// The guards of a model's events, one program for all of them, as integrators/control/events.h watches them.
+// While an event rests, its guard is -g'': it crosses zero in the event's own direction when the contact
+// ends.
 #pragma once
 #include <vector>
 

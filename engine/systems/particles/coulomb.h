@@ -1,6 +1,6 @@
 // Electrostatics between all particles:
-//   F_i = k q_i sum_j q_j (x_i - x_j) / (r_ij^2 + eps^2)^(3/2),   V = k sum_{i<j} q_i q_j / (r^2 +
-//   eps^2)^(1/2)
+//   F_i = k q_i sum_j q_j (x_i - x_j) / (r_ij^2 + eps^2)^(3/2),
+//   V = k sum_{i<j} q_i q_j / (r_ij^2 + eps^2)^(1/2)
 // over every pair in f64 (kernels/gravity/direct_sums.h, whose strengths may have either sign), symmetrically
 // for both ends, so that momentum is conserved to rounding; or by gravity's tree
 // (kernels/gravity/tree_walk.h), once for the positive charges as sources and once for the negative ones,

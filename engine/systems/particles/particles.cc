@@ -80,7 +80,7 @@ void Particles::plan_stages(const std::string& why_this_method) {
               "advances position and velocity with leapfrog in one pass, particles being each alone" +
                   (why_this_method.empty() ? "" : ": " + why_this_method),
               [this](State& s, const StepInput& in) {
-                // A drag is searched among all rows.
+                // Pushed or dragged particles need the general step.
                 if (particles_.each_alone(s)) return particles_.leapfrog_alone(s, in);
                 integrator().step(particles_, s, in, options());
               });

@@ -1,7 +1,7 @@
 // Our side of mpm.py: a cube of fluid falls, as in the peer's scene (uniform particles from a file of n x 3
-// floats), or any other law in its place. runner FILE DIMENSION CELLS PARTICLES_ALONG LAW SUBSTEPS STEPS
-// THREADS [profile] prints CPU and wall seconds of STEPS steps of SUBSTEPS substeps each and what the flight
-// was.
+// floats), or a cube of another material. runner FILE DIMENSION CELLS PARTICLES_ALONG LAW SUBSTEPS STEPS
+// THREADS [profile] prints CPU and wall seconds of STEPS steps of SUBSTEPS substeps each and the properties
+// of the fall.
 #include <sys/resource.h>
 
 #include <cmath>
@@ -24,7 +24,7 @@ double seconds(clockid_t clock) {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-/// The law of that name with waves as fast as those of the peer's fluid, 20 m/s at 1 kg/m^3.
+/// The law of that name with waves as fast as in the peer's fluid, 20 m/s at 1 kg/m^3.
 mpm::BodyDef body(const std::string& law, double half) {
   mpm::BodyDef b;
   b.center = {0.35, 0.35, 0.35}, b.half_extents = {half, half, half};
@@ -44,7 +44,7 @@ int main(int count, char** words) {
   d.dimension = std::atoi(words[2]);
   d.cell = 1.0 / std::atoi(words[3]);
   d.particles_per_axis = d.dimension == 2 ? 3 : 2;
-  // Waves cross 0.512 cells in the peer's substep; pressed a little, the fluid's are faster.
+  // Waves cross 0.512 cells per substep of the peer; slightly compressed, those of the fluid are faster.
   d.courant = 0.52;
   d.bodies = {body(words[5], 0.5 * std::atoi(words[4]) * d.cell / d.particles_per_axis)};
   const int substeps = std::atoi(words[6]), steps = std::atoi(words[7]);
@@ -54,7 +54,7 @@ int main(int count, char** words) {
   const auto x = s.span<float>(mpm::columns::position);
   const size_t n = x.size() / 3;
   if (std::ifstream in(words[1], std::ios::binary); in) {
-    // The peer's places.
+    // The peer's positions.
     in.read(reinterpret_cast<char*>(x.data()), static_cast<std::streamsize>(x.size() * sizeof(float)));
   }
   Workspace workspace;

@@ -1,6 +1,6 @@
-// Our side of nbody.py: reads bodies (n x 4 doubles: x, y, z, G m), evaluates their attraction once in the
-// way that is asked, and says what it took. runner FILE SOFTENING direct | mixed | tree OPENING...; writes a
-// (n x 3 doubles) to FILE.a after each.
+// Our side of nbody.py: reads bodies (n x 4 doubles: x, y, z, G m), evaluates their attraction once by the
+// requested method, and prints the time. runner FILE SOFTENING direct | mixed | tree OPENING...; writes a (n
+// x 3 doubles) to FILE.a after each.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -23,7 +23,7 @@ double cpu() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-/// Median of several evaluations, after one that sets memory aside.
+/// Median of several evaluations, after one that allocates memory.
 template <class Evaluate>
 double median_seconds(const Evaluate& evaluate, size_t n) {
   evaluate();

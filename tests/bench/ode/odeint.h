@@ -1,5 +1,5 @@
-// Boost.odeint as its users drive it: controlled steppers on std::vector, rosenbrock4 with dense output on
-// uBLAS. A right-hand side that is called too often ends the run: coarse tolerances let bodies collide.
+// Boost.odeint as its users call it: controlled steppers on std::vector, rosenbrock4 with dense output on
+// uBLAS. A right-hand side that is called too often ends the run: with coarse tolerances bodies collide.
 #pragma once
 #include <algorithm>
 #include <boost/numeric/odeint.hpp>

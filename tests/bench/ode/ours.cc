@@ -13,7 +13,7 @@ namespace truestep::bench {
 Solver ours(const char* name, const RightHandSide& f, const Case& at, int from, int to) {
   const Integrator* row = find_integrator(name);
   if (!row || !row->advance) throw std::logic_error(std::string("no method ") + name);
-  // Scratch memory lives on from run to run, as in a session.
+  // Scratch memory is kept from run to run, as in a session.
   const auto workspace = std::make_shared<Workspace>();
   const auto run = [row, &f, &at, workspace](double tolerance) -> Outcome {
     Outcome out{.end = at.start};

@@ -11,7 +11,7 @@
 namespace truestep::bench {
 namespace {
 
-// Cases stay where they are: solvers keep references.
+// Cases keep their addresses: solvers hold references.
 Case& keep(Case at) {
   static std::deque<Case> all;
   return all.emplace_back(std::move(at));
@@ -90,7 +90,7 @@ Problem chain(const char* name, double k, double c) {
     p.solvers.push_back(odeint_dopri5(f, at, 3, 10));
     p.solvers.push_back(odeint_fehlberg78(f, at, 3, 9));
   } else {
-    // Bound by stability, so one tolerance says it all: half a minute a run.
+    // Limited by stability, so one tolerance is enough: a run takes half a minute.
     p.solvers.push_back(odeint_dopri5(f, at, 4, 4));
   }
   return p;

@@ -13,13 +13,13 @@ namespace truestep::bench {
 
 using Vector = std::vector<double>;
 
-/// From where to where, and how far off a result is.
+/// Interval and error measure of a problem.
 struct Case {
   std::string name;
   double t_end = 0;
   Vector start;
   double first_step = 1e-4;   ///< for the solvers that ask for one
-  double absolute_scale = 1;  ///< absolute tolerance as a part of the relative one
+  double absolute_scale = 1;  ///< absolute tolerance as a fraction of the relative one
   std::function<double(const double*)> error = {};
   double stiffness = 0, damping = 0;  ///< chains: of a link
 };

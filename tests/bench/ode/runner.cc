@@ -1,12 +1,12 @@
-// Runs solvers on request, so that a script can let them and solvers of other languages take turns: a JSON
-// object per line in, one per line out.
+// Runs solvers on request, so that a script can alternate between them and solvers in other languages: one
+// JSON object per line in, one per line out.
 //   {"list": true}                                       -> {"problems": [{name, start ..., solvers: [...]}]}
 //   {"versions": true}                                   -> {"Boost": "1.81.0", ...}
-//   {"problem": p, "solver": s, "digits": d, "least": t} -> {"seconds", "error", "evaluations"}; error null:
-//   gave up
+//   {"problem": p, "solver": s, "digits": d, "least": t} -> {"seconds", "error", "evaluations"};
+//                                                           error null: gave up
 //   {"judge": p, "end": [...]}                           -> {"error"}, of another program's result
 //   {"plot": {title, x_label, y_label, series: [...]}}   -> {"svg": "..."}, drawn as the studies' plots are
-// `seconds` is CPU time of the thread per run, repeated until at least `least` seconds have gone by.
+// `seconds` is CPU time of the thread per run, repeated until at least `least` seconds have passed.
 #include <sundials/sundials_version.h>
 
 #include <algorithm>

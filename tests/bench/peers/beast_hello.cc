@@ -1,6 +1,6 @@
 // The peer of the HTTP benchmark: a bare Beast server that answers every GET with the same 512 bytes. One
-// thread, no time-outs, no routes, no checks: what Beast costs by itself. usage: beast_hello; prints
-// "listening on URL".
+// thread, no time-outs, no routes, no checks: the cost of Beast alone. usage: beast_hello; prints "listening
+// on URL".
 #include <boost/asio.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>

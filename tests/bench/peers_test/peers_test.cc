@@ -1,5 +1,5 @@
-// Every engine of the comparisons, peers and ours alike, means the same by a scene. Peers from crates are
-// looked for where `truestep bench` builds them; a clone that never ran it tests the others.
+// Every engine of the comparisons, peers and ours alike, interprets a scene in the same way. Peers built from
+// crates are searched where `truestep bench` builds them; a clone that never ran it tests the others.
 #include <gtest/gtest.h>
 
 #include <algorithm>

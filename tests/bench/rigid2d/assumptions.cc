@@ -38,7 +38,7 @@ std::vector<Assumption> flat_assumptions(const MakeFlatEngine& make) {
   const auto height = [&](const FlatBody& b, double at, double seconds) {
     return after(make, on_ground(b, at), seconds)->look(1).pose.y;
   };
-  // Engines keep boxes apart by a skin or let them sink, a centimetre either way.
+  // Engines keep boxes apart by a skin or let them sink, by a centimetre either way.
   constexpr double kSlop = 0.02;
   all.push_back({"a box has half edges", 0.3, kSlop, height(body({0.5, 0.3}), 0.3, 2)});
   FlatBody turned = body({0.5, 0.3});
@@ -75,7 +75,7 @@ std::vector<Assumption> flat_assumptions(const MakeFlatEngine& make) {
   all.push_back({"velocity is not damped", 1, kUndamped, drifting->look(0).vx});
   all.push_back({"spin is not damped", 2, kUndamped, drifting->look(0).spin});
 
-  // However a hit ends, momentum says how the masses compare.
+  // However elastic a hit is, momentum reveals the ratio of the masses.
   const auto mass_ratio = [&](const FlatBody& hitting, const FlatBody& hit) {
     const auto engine = after(make, in_free_space({hitting, hit}), 1.5);
     return (hitting.vx - engine->look(0).vx) / engine->look(1).vx;

@@ -1,4 +1,4 @@
-// What a comparison of engines in the plane takes for granted, put to each of them (as
+// The assumptions of a comparison of engines in the plane, checked on each of them (as
 // rigid3d/assumptions.h).
 #pragma once
 #include <functional>

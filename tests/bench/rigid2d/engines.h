@@ -1,5 +1,5 @@
-// The engines in the plane that take turns on a scene: ours, Rapier2d and Box2D v3 from their libraries,
-// Box2D 2.4 where it is installed.
+// The engines in the plane that alternate on a scene: ours, Rapier2d and Box2D v3 from their libraries, Box2D
+// 2.4 if installed.
 #pragma once
 #include <memory>
 
@@ -16,7 +16,7 @@ struct FlatEngine {
 };
 
 std::unique_ptr<FlatEngine> make_ours(const FlatScene& scene, Sleep sleep = Sleep::never);
-/// Nothing where Box2D 2.4 is not installed.
+/// Null if Box2D 2.4 is not installed.
 std::unique_ptr<FlatEngine> make_box2d(const FlatScene& scene, Sleep sleep = Sleep::never);
 
 /// A peer of peers/rapier2d or peers/box2d3.
@@ -30,11 +30,11 @@ struct FlatLibrary {
   void (*motion)(void*, int, double*) = nullptr;
   int (*asleep)(void*, int) = nullptr;
 
-  /// False when the library is not there or is another one.
+  /// False if the library does not exist or is a different one.
   bool open(const char* path);
   std::unique_ptr<FlatEngine> make(const FlatScene& scene, Sleep sleep = Sleep::never) const;
 };
-/// Those of NAME=PATH that can be opened; the others are named on stderr.
+/// Those of NAME=PATH that can be opened; the others are reported on stderr.
 std::vector<FlatLibrary> open_flat_libraries(const std::vector<char*>& arguments);
 
 }  // namespace truestep::bench

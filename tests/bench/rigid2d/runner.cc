@@ -1,5 +1,5 @@
 // rigid2d_runner [standing] [NAME=LIBRARY | SCENE]...: rigid bodies in the plane beside Rapier2d and Box2D v3
-// (libraries of peers/rapier2d and peers/box2d3) and, where it is installed, Box2D 2.4. Engines take turns of
+// (libraries of peers/rapier2d and peers/box2d3) and, if installed, Box2D 2.4. Engines alternate in turns of
 // ten steps on the same scene; milliseconds of one thread per step beside the worst overlap or joint gap at
 // twenty moments of the last three quarters.
 #include <algorithm>

@@ -57,7 +57,7 @@ FlatScene joint_grid() {
 
 FlatScene smash() {
   FlatScene s{.name = "smash", .gravity = 0};
-  // Whatever touches it may sleep as well as it.
+  // Whatever touches it may sleep as well.
   s.bodies.push_back({Kind::sleeper, -20, 0, 40, {{4, 4, 0, 0, 8}}});
   for (int i = 0; i < 120; ++i) {
     for (int j = 0; j < 80; ++j)
@@ -183,7 +183,7 @@ Placed place(const FlatShape& h, const FlatPose& p, size_t body) {
   return r;
 }
 
-/// Smallest overlap over the normals of both; 0 when an axis parts them.
+/// Smallest overlap over the normals of both; 0 if an axis separates them.
 double overlap(const Placed& a, const Placed& b) {
   double least = HUGE_VAL;
   for (const Placed* p : {&a, &b}) {
@@ -208,7 +208,8 @@ double deepest(const FlatScene& scene, const std::vector<FlatPose>& poses) {
   for (size_t i = 0; i < scene.bodies.size(); ++i) {
     for (const FlatShape& h : scene.bodies[i].shapes) all.push_back(place(h, poses[i], i));
   }
-  // Swept from bottom to top: rows of pyramids keep the open list short, and wide grounds stay in it.
+  // Swept from bottom to top: the rows of pyramids keep the list of open boxes short, whereas wide grounds
+  // stay in it.
   std::sort(all.begin(), all.end(), [](const Placed& a, const Placed& b) { return a.left < b.left; });
   std::vector<size_t> open;
   double most = 0;

@@ -1,5 +1,5 @@
-// Scenes of rigid bodies in the plane that say nothing about engines, and how well a state keeps them: the
-// published set of the Box2D v3 benchmark (density 1, friction 0.6, gravity -10, steps of 1/60 s).
+// Engine-independent scenes of rigid bodies in the plane, and measures of how well a state satisfies them:
+// the published set of the Box2D v3 benchmark (density 1, friction 0.6, gravity -10, steps of 1/60 s).
 #pragma once
 #include <array>
 #include <string>
@@ -8,13 +8,13 @@
 namespace truestep::bench {
 
 /// Box of half edges about (cx, cy); hy = 0: a segment, hx = 0: a disk of radius hy. With corners (four,
-/// counter-clockwise): what they span.
+/// counter-clockwise): their convex hull.
 struct FlatShape {
   double hx, hy, cx = 0, cy = 0, density = 1;
   std::vector<std::array<double, 2>> corners = {};
 };
-/// Dynamic bodies sleep where the engine is told so, sleepers always may, and what is asleep is one from the
-/// start.
+/// `dynamic` bodies may sleep if the engine is told to let them, `sleeper` bodies always may, and `asleep`
+/// ones are sleepers that sleep from the start.
 struct FlatBody {
   enum class Kind { fixed, dynamic, sleeper, asleep } kind = Kind::dynamic;
   double x = 0, y = 0, vx = 0;
@@ -33,8 +33,8 @@ struct FlatScene {
   double gravity = -10;
   bool collide = true;
   int steps = 200;
-  int settle = 0;  ///< steps before standing begins
-  size_t top = 0;  ///< body whose drift and sinking are told; 0: of every body the largest
+  int settle = 0;  ///< steps before the measurement of standing begins
+  size_t top = 0;  ///< body whose drift and sinking are reported; 0: the largest of all bodies
 };
 struct FlatPose {
   double x, y, angle;
@@ -46,7 +46,7 @@ struct FlatState {
 inline constexpr double kFlatFriction = 0.6, kFlatDt = 1.0 / 60;
 
 std::vector<FlatScene> flat_scenes();
-/// What should stand: large pyramid, stacks of 10, 20 and 50, an arch, a house of cards, a heap.
+/// Structures that should stand: large pyramid, stacks of 10, 20 and 50, an arch, a house of cards, a heap.
 std::vector<FlatScene> standing_flat_scenes();
 FlatScene flat_stack(int boxes);
 struct FlatMass {

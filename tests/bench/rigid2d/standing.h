@@ -1,4 +1,4 @@
-// Rigid bodies in the plane that should stand, on every engine there is.
+// Rigid bodies in the plane that should stand, on every available engine.
 #pragma once
 #include <string>
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace truestep::bench {
 
-/// Every scene whose name is among `wanted`; all where it is empty.
+/// Every scene whose name is in `wanted`; all if it is empty.
 void stand(const std::vector<FlatLibrary>& libraries, const std::vector<std::string>& wanted);
 
 }  // namespace truestep::bench

@@ -11,7 +11,7 @@ using Shape = SpaceBody::Shape;
 const SpaceBody kGround{.size = {100, 100, 1}, .pose = {{0, 0, -1}, {}}, .fixed = true};
 const Quat kUpright{std::sqrt(0.5), std::sqrt(0.5), 0, 0};  // y to z
 
-/// The engine after a time.
+/// The engine after the given time.
 std::unique_ptr<SpaceEngine> after(const MakeSpaceEngine& make, const SpaceScene& scene, double seconds,
                                    Sleep sleep = Sleep::never) {
   auto engine = make(scene, sleep);
@@ -42,7 +42,7 @@ std::vector<Assumption> space_assumptions(const MakeSpaceEngine& make) {
   const auto height = [&](const SpaceBody& body, double at, double seconds) {
     return after(make, on_ground(body, at), seconds)->state(1).pose.position.z;
   };
-  // Engines let what rests sink by some millimetres.
+  // Engines let resting bodies sink by some millimetres.
   constexpr double kSlop = 0.015;
   all.push_back({"a capsule's axis is y: lying, it rests at the height of its radius", 0.3, kSlop,
                  height({.shape = Shape::capsule, .size = {0.3, 0.4, 0}}, 0.3, 2)});
@@ -59,7 +59,7 @@ std::vector<Assumption> space_assumptions(const MakeSpaceEngine& make) {
   sliding.velocity = {4, 0, 0};
   const double braking = kSpaceFriction * 9.81;
   all.push_back({"a box of 4 m/s slides v^2 / (2 mu g): friction combines to 0.5", 16 / (2 * braking),
-                 // Half a step's way, and what tipping does.
+                 // The motion of half a step, and the effect of tipping.
                  0.5 * 4 * kSpaceDt + 0.03,
                  after(make, on_ground(sliding, 0.2), 2)->state(1).pose.position.x});
 
@@ -82,7 +82,7 @@ std::vector<Assumption> space_assumptions(const MakeSpaceEngine& make) {
   all.push_back({"velocity is not damped", 1, kUndamped, drifting->state(0).velocity.x});
   all.push_back({"spin is not damped", 2, kUndamped, drifting->state(0).angular_velocity.z});
 
-  // However a hit ends, momentum says how the masses compare.
+  // However elastic a hit is, momentum reveals the ratio of the masses.
   const auto mass_ratio = [&](const SpaceBody& hitting, const SpaceBody& hit) {
     const auto engine = after(make, in_free_space({hitting, hit}), 1);
     return (hitting.velocity.x - engine->state(0).velocity.x) / engine->state(1).velocity.x;

@@ -1,6 +1,6 @@
-// What a comparison of engines takes for granted, put to each of them: axes and sizes of shapes, friction and
-// its combination, no bounce, no damping, gravity, masses, sleep, joints. Every check is a small scene with
-// an answer.
+// The assumptions of a comparison of engines, checked on each of them: axes and sizes of shapes, friction and
+// its combination, no bounce, no damping, gravity, masses, sleep, joints. Every check is a small scene with a
+// known answer.
 #pragma once
 #include <functional>
 #include <string>

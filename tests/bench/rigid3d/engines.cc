@@ -14,7 +14,7 @@ namespace {
 
 using Shape = SpaceBody::Shape;
 
-/// Where a joint is in the frame of one of its bodies, which starts unturned.
+/// Position of a joint in the frame of one of its bodies, which starts unrotated.
 Vec3 on_body(const SpaceScene& scene, int body, const SpaceJoint& j) {
   return j.anchor - scene.bodies[static_cast<size_t>(body)].pose.position;
 }
@@ -166,7 +166,7 @@ class Bullet final : public SpaceEngine {
     } else {
       auto hull = std::make_unique<btConvexHullShape>();
       for (const Vec3& p : prism_points(b)) hull->addPoint(vector(p));
-      // Bullet puts a hull's margin around it, a box's inside.
+      // Bullet adds the margin outside a hull, but inside a box.
       hull->setMargin(0);
       shapes_.push_back(std::move(hull));
     }

@@ -1,4 +1,4 @@
-// The engines that take turns on a scene: ours, Rapier3d from its library, Bullet where it is installed.
+// The engines that alternate on a scene: ours, Rapier3d from its library, Bullet if installed.
 #pragma once
 #include <memory>
 
@@ -23,7 +23,7 @@ struct OursSettings {
 };
 std::unique_ptr<SpaceEngine> make_ours(const SpaceScene& scene, const OursSettings& settings = {});
 
-/// The peer of peers/rapier3d; nothing when the library at `path` is not there or is another one.
+/// The peer of peers/rapier3d; null if the library at `path` does not exist or is a different one.
 class RapierLibrary {
  public:
   static std::unique_ptr<RapierLibrary> open(const char* path);
@@ -38,7 +38,7 @@ class RapierLibrary {
   int (*asleep)(void*, int) = nullptr;
 };
 
-/// Nothing where Bullet is not installed.
+/// Null if Bullet is not installed.
 std::unique_ptr<SpaceEngine> make_bullet(const SpaceScene& scene, Sleep sleep = Sleep::never);
 
 }  // namespace truestep::bench

@@ -1,8 +1,8 @@
 // rigid3d_runner [standing] [LIBRARY [SCENE...]]: rigid bodies in space beside Rapier3d (LIBRARY is the peer
-// of peers/rapier3d) and Bullet where it is installed. Engines take turns of ten steps on the same scene;
+// of peers/rapier3d) and Bullet if installed. Engines alternate in turns of ten steps on the same scene;
 // milliseconds of one thread per step beside the deepest overlap or widest gap at twenty moments of the last
-// three quarters, then what was kept: the drift of the topmost body, the energy left in bodies that should
-// rest. Ours beside itself: doubles, two threads, asleep, many small sessions.
+// three quarters, then what is conserved: the drift of the topmost body, the energy left in bodies that
+// should rest. Ours beside itself: doubles, two threads, asleep, many small sessions.
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
@@ -27,7 +27,7 @@ void look(Player& p) {
   for (size_t i = 0; i < p.state.size(); ++i) p.state[i] = p.engine->state(i);
 }
 
-/// Figures that may be 0 are compared from here on.
+/// A lower bound for figures that may be 0, so that ratios exist.
 double positive(double x) {
   return std::max(x, 1e-12);
 }
@@ -79,7 +79,7 @@ void play(const SpaceScene& scene, std::vector<Player>& players) {
     compare(scene, players, "relative energy change",
             [&](const Player& p) { return std::abs(total(p) / first.kinetic - 1); });
   } else if (!scene.joints.empty()) {
-    double range = 0;  // what all would lose if they fell from top to bottom
+    double range = 0;  // energy of all bodies falling from top to bottom
     for (const SpaceBody& b : scene.bodies) {
       if (!b.fixed) range += mass(b) * norm(scene.gravity) * -scene.bodies.back().pose.position.z;
     }
@@ -105,7 +105,7 @@ void run(SpaceEngine& engine, int steps) {
   for (int k = 0; k < steps; ++k) engine.step();
 }
 
-/// Seconds per step of ours in two ways, after both have settled.
+/// Seconds per step of two variants of ours, after both have settled.
 void beside_itself(const std::string& metric, const char* peer_name, SpaceEngine& ours, SpaceEngine& peer,
                    int settle, double (*clock)(), int threads = 1) {
   constexpr int kRounds = 9, kSteps = 20;

@@ -43,7 +43,7 @@ SpaceScene wall(int n) {
   return s;
 }
 
-/// Area of a cross-section that is centred, and the means of x^2 and z^2 over it.
+/// Area of a centred cross-section, and the means of x^2 and z^2 over it.
 struct Section {
   double area = 0, xx = 0, zz = 0;
 };
@@ -69,7 +69,7 @@ struct Dice {
   }
 };
 
-/// Mixed bodies, across x across a layer, that fall into a pit twice as many metres wide.
+/// Mixed bodies, `across` by `across` per layer, that fall into a pit twice as many metres wide.
 SpaceScene pile(int layers, int across) {
   SpaceScene s{.name = "pile", .bodies = {ground()}, .steps = 480};
   const double w = across;
@@ -155,7 +155,7 @@ SpaceScene card_house() {
   return s;
 }
 
-/// Rings of 16 bricks, each half a brick further round than the one below.
+/// Rings of 16 bricks, each ring rotated by half a brick against the one below.
 SpaceScene round_tower(int rings) {
   constexpr int kBricks = 16;
   constexpr double kRadius = 2;

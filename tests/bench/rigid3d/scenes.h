@@ -1,4 +1,4 @@
-// Scenes of rigid bodies in space that say nothing about engines, and how well a state keeps them: z up,
+// Engine-independent scenes of rigid bodies in space, and measures of how well a state satisfies them: z up,
 // density 1000, friction 0.5, no restitution, no damping, no sleep, steps of 1/60 s.
 #pragma once
 #include <array>
@@ -9,8 +9,8 @@
 
 namespace truestep::bench {
 
-/// Box: half edges; sphere: radius; capsule along y: radius, half length; prism along y: its cross-section's
-/// corners x, z about their centroid, a principal axis along x, and half its length in size.y.
+/// Box: half edges; sphere: radius; capsule along y: radius, half length; prism along y: the corners x, z of
+/// its cross-section about their centroid, with a principal axis along x, and half its length in size.y.
 struct SpaceBody {
   enum class Shape { box, sphere, capsule, prism } shape = Shape::box;
   Vec3 size{0.5, 0.5, 0.5};
@@ -20,7 +20,7 @@ struct SpaceBody {
   Vec3 velocity = {};
   std::vector<std::array<double, 2>> corners = {};
 };
-/// Ball joint of bodies that start unturned; where it is at the start.
+/// Ball joint between bodies that start unrotated; its position at the start.
 struct SpaceJoint {
   int a, b;
   Vec3 anchor;
@@ -33,8 +33,8 @@ struct SpaceScene {
   bool collide = true;
   int steps = 600;
   int substeps = 0;  ///< of ours; 0: the default
-  int settle = 0;    ///< steps before standing begins
-  size_t top = 0;    ///< body whose drift and sinking are told; 0: of every body the largest
+  int settle = 0;    ///< steps before the measurement of standing begins
+  size_t top = 0;    ///< body whose drift and sinking are reported; 0: the largest of all bodies
 };
 struct SpaceState {
   Pose pose;
@@ -48,15 +48,15 @@ SpaceScene space_stack(int boxes, int steps);
 /// steps.
 std::vector<SpaceScene> space_scenes();
 
-/// What should stand: wall 40, pyramid 15, stacks of 10, 20 and 50, an arch, a house of cards, a round tower
-/// of bricks, a heap.
+/// Structures that should stand: wall 40, pyramid 15, stacks of 10, 20 and 50, an arch, a house of cards, a
+/// round tower of bricks, a heap.
 std::vector<SpaceScene> standing_space_scenes();
 
 double mass(const SpaceBody& body);
 Vec3 moments(const SpaceBody& body);
 /// Corners of a prism in its frame.
 std::vector<Vec3> prism_points(const SpaceBody& body);
-/// Of any shape but prisms.
+/// For any shape but prisms.
 Solid solid(const SpaceBody& body);
 /// Kinetic and potential energy (J).
 struct SpaceEnergy {

@@ -1,8 +1,8 @@
 // rigid_accuracy_runner: our side of rigid_accuracy.py, one JSON object on stdout. A free asymmetric top (box
 // 3 x 2 x 1, w = (1, 2, 3) rad/s, 10 s) by rigid3d and articulation, and a chain of ten links of 1 m (0.1 m
-// thick) on ball joints, let go level, by rigid3d and by methods of articulation: CPU microseconds of a step
-// of one thread against the angle by which the top is off at the end, or the chain's energy at the end
-// against the range of its potential. The top's true orientation is integrated here in steps of 1e-5 s.
+// thick) on ball joints, released from level, by rigid3d and by methods of articulation: CPU microseconds per
+// step on one thread against the angular error of the top at the end, or the chain's energy at the end
+// relative to the range of its potential. The top's true orientation is integrated here in steps of 1e-5 s.
 #include <boost/json.hpp>
 #include <cmath>
 #include <iostream>
@@ -28,7 +28,7 @@ struct Outcome {
   State end;
 };
 
-/// The best of some runs: what disturbs a run only makes it longer.
+/// The fastest of some runs: disturbances only make a run longer.
 Outcome run(const System& system, double h, int turns) {
   Outcome out{HUGE_VAL, {}};
   const auto steps = static_cast<uint64_t>(std::llround(kSeconds / h));
@@ -51,7 +51,7 @@ BuildContext context(double h) {
   return c;
 }
 
-/// Orientation after ten seconds, by RK4 on q and the body's w.
+/// Orientation after ten seconds, by RK4 on q and the body-frame w.
 Quat true_top() {
   const Vec3 moments{kHalf.y * kHalf.y + kHalf.z * kHalf.z, kHalf.x * kHalf.x + kHalf.z * kHalf.z,
                      kHalf.x * kHalf.x + kHalf.y * kHalf.y};
@@ -101,7 +101,7 @@ json::object top(int hertz, const Quat& truth) {
   const BuildContext c = context(1.0 / hertz);
   const auto system = build_rigid3d(&d, c);
   const Outcome o = run(*system, c.dt, kTurns);
-  // Bodies turn with their principal axes, which need not be the box's.
+  // Bodies are oriented along their principal axes, which need not be those of the box.
   const auto start = system->initial_state();
   const auto orientation = [](const State& s) {
     const double* q = s.f64(s.at("orientation")).data();
@@ -112,7 +112,7 @@ json::object top(int hertz, const Quat& truth) {
   return point("top", "rigid3d", hertz, o, angle_between(turned, truth));
 }
 
-/// Energy at the end against the range of the potential, of which the start is the top.
+/// Energy at the end relative to the range of the potential; the start is its maximum.
 double chain_error(const System& system, const Outcome& o, double mass) {
   const auto energy = [&](const State& s) {
     Observables seen;

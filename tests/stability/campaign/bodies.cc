@@ -25,8 +25,8 @@ json::object body(Dice& d, const Vec3& at, double mass) {
   return b;
 }
 
-/// m by which a body must be higher than half a metre over what it falls on, however it is turned: what
-/// starts inside something is pushed out, which is work.
+/// m by which a body must start higher than half a metre above what it falls on, in any orientation: what
+/// starts inside something is pushed out, which adds energy.
 double lift(const json::object& b) {
   const bool round = b.contains("half_length");
   return round ? std::max(0.0,

@@ -1,7 +1,8 @@
-// Random scenes and what must be true of any of them: energy never above what was there and what drives gave,
-// momentum where nothing reaches in from outside, no deep overlaps, no value that is not finite, nothing
-// asleep that would move, and the scene's own `expect`. Scenes are JSON and go through the parser of every
-// scene, at defaults but for what is drawn. A seed is a scene for ever: family = seed modulo their number.
+// Random scenes and invariants that hold for all of them: energy never above the initial energy plus what
+// drives added, momentum conserved where nothing acts from outside, no deep overlaps, no non-finite value,
+// nothing asleep that would move, and the scene's own `expect`. Scenes are JSON and go through the ordinary
+// scene parser, at defaults except for what is drawn. A seed always gives the same scene: family = seed
+// modulo the number of families.
 #pragma once
 #include <boost/json.hpp>
 #include <optional>
@@ -13,20 +14,20 @@
 
 namespace truestep::campaign {
 
-/// How a trial is judged beside the scene's `expect`.
+/// How a trial is judged, besides the scene's `expect`.
 struct Rules {
-  /// Largest share of the energy at work by which the total may rise above the start's. At work is what moves
-  /// at the start, what falling gave at most, and `stored`.
+  /// Largest fraction of the energy at work by which the total may exceed that at the start. At work are the
+  /// initial kinetic energy, the most that falling releases, and `stored`.
   std::optional<double> gain = 0.01;
-  /// Largest share that may be lost; none: any.
+  /// Largest fraction that may be lost; empty: any.
   std::optional<double> loss;
   double stored = 0;  ///< J that springs hold at the start, whether the observable energy counts them or not
   double drives = 0;  ///< J that motors and emitters can give at most
-  /// Closed systems: kg m/s and kg m^2/s by which the sums may change; none: not closed.
+  /// Closed systems: kg m/s and kg m^2/s by which the totals may change; empty: not closed.
   std::optional<double> momentum, angular_momentum;
-  /// Metres that a body found asleep may move within 0.4 s of being woken; none: sleep is not judged.
+  /// m that a body found asleep may move within 0.4 s of being woken; empty: sleep is not judged.
   std::optional<double> still;
-  /// Whether the run may end with an instability event: an answer to what no step of this size can hold.
+  /// Whether the run may end with an instability event, the proper answer if no step of this size is stable.
   enum class Event : uint8_t { fault, allowed } event = Event::fault;
 };
 
@@ -52,7 +53,7 @@ struct Family {
   void (*make)(Dice&, Trial&);
 };
 /// Kinds of scenes in the order in which seeds count through them: those of seeds below kLaterSeeds, to which
-/// none is ever added, and those from there on.
+/// none is ever added, and those of seeds from there on.
 inline constexpr uint64_t kLaterSeeds = 1'000'000;
 std::span<const Family> families();
 std::span<const Family> later_families();

@@ -1,5 +1,5 @@
-// Chains and trees in coordinates of their own, and equations: rod chains, articulations, linkages,
-// pendulums, balls that bounce by events.
+// Chains and trees in reduced coordinates, and equations: rod chains, articulations, linkages, pendulums,
+// balls that bounce by events.
 #include <cmath>
 
 #include "tests/stability/campaign/parts.h"
@@ -21,8 +21,7 @@ void rod_chain(Dice& d, Trial& t) {
   if (d.chance(0.3)) chain = {{"type", "rod_chain"}};
   if (d.chance(0.5)) chain["constraints"] = d.of({"projection", "penalty"});
   set_scene(t, dt, 4, kDown, {chain});
-  // RK4 of a wild swing in steps of 1/60 s. Springs at the joints that no such step can hold are told by an
-  // event.
+  // RK4 of a wild swing in steps of 1/60 s. Joint springs too stiff for such a step are reported by an event.
   t.rules.gain = 0.05;
   const json::value* how = chain.if_contains("constraints");
   if (how && *how == "penalty") t.rules.event = Rules::Event::allowed;
@@ -42,7 +41,7 @@ void articulation(Dice& d, Trial& t) {
                    {"density", d.spread(100, 5000)}};
     if (joint == "hinge") l["axis"] = d.chance(0.5) ? vec(0, 0, 1) : vec(0, 1, 0);
     if (joint == "universal") l["axis"] = vec(0, 0, 1), l["second_axis"] = vec(0, 1, 0);
-    // A slider falls for ever unless a spring holds it.
+    // A slider falls forever unless a spring holds it.
     if (joint == "slider") l["axis"] = vec(0, 1, 0);
     if (joint == "slider" || d.chance(0.6)) l["stiffness"] = d.spread(1, 1e7);
     if (d.chance(0.4)) l["damping"] = d.spread(1e-3, 100);
@@ -53,7 +52,7 @@ void articulation(Dice& d, Trial& t) {
 }
 
 void linkage(Dice& d, Trial& t) {
-  // Crank, coupler and rocker of any lengths that close: the ground bar from (0, 0) to (g, 0).
+  // Crank, coupler and rocker of any lengths that form a closed loop: the ground bar from (0, 0) to (g, 0).
   const double crank = d.between(0.2, 0.6), g = d.between(0.8, 1.2), angle = d.between(0, 6.28);
   const Vec3 tip{crank * std::cos(angle), crank * std::sin(angle), 0}, other{g, d.between(0.6, 1.4), 0};
   const Vec3 coupler = other - tip, rocker = other - Vec3{g, 0, 0};

@@ -1,4 +1,4 @@
-// What falls: columns of bodies of mixed restitution, and heaps in a pit.
+// Falling bodies: columns of bodies with mixed restitution, and heaps in a pit.
 #include "tests/stability/campaign/parts.h"
 
 namespace truestep::campaign {
@@ -25,7 +25,7 @@ json::object fixed_box_2d(Dice& d, const Bounce& bounce, const Vec3& at, const V
   return b;
 }
 
-/// A disk or a box; `size` is half its height where it is not turned.
+/// A disk or a box; `size` is half its height when not rotated.
 json::object body_2d(Dice& d, const Bounce& bounce, const Vec3& at, double size, const char* form) {
   json::object b = surface(d, bounce);
   b["position"] = vec(at);

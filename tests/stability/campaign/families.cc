@@ -1,4 +1,4 @@
-// Where seeds become scenes: the table of families.
+// The mapping from seeds to scenes: the table of families.
 #include "tests/stability/campaign/parts.h"
 
 namespace truestep::campaign {

@@ -1,4 +1,4 @@
-// What hits, and what overlaps at the start: two bodies head on with round numbers, and bodies at one place.
+// Collisions, and overlaps at the start: two bodies head-on with round numbers, and bodies at one place.
 #include <cmath>
 
 #include "tests/stability/campaign/parts.h"
@@ -32,7 +32,7 @@ void judge_hit(Dice& d, Trial& t, const Hit& h, json::object system, double e) {
               "Newton's law of impact");
   expect_near(t, "right.velocity.x", centre + e * h.mass_left / sum * closing, tolerance,
               "Newton's law of impact");
-  // The recoil of a million kilograms is slower than any sleeper.
+  // The recoil of a million kilograms is slower than the sleep threshold.
   system_of(t)["sleeping"] = false;
   t.rules.gain = 1e-4;
   t.rules.momentum = 1e-4 * (h.mass_left * std::abs(h.left) + h.mass_right * std::abs(h.right));
@@ -88,10 +88,11 @@ void hit_3d(Dice& d, Trial& t) {
 
 namespace {
 
-/// Nothing may part faster than push_out_speed, by half as much again for what many neighbours give at once.
+/// Nothing may separate faster than push_out_speed, or half as much again for what many neighbours give at
+/// once.
 constexpr double kPushOut = 3, kFastest = 1.5 * kPushOut;
 
-/// What energy that parting may give.
+/// Energy that this separation may add.
 void judge_parting(Trial& t, int n, double mass) {
   const double most = 0.5 * n * mass * kFastest * kFastest;
   t.rules.stored = most;

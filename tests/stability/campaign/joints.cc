@@ -1,5 +1,5 @@
 // Bodies joined in chains without gravity: every kind of joint with and without limits, and undamped springs,
-// in closed systems whose energy must not grow and whose momentum stays; and a pendulum on a hinge.
+// in closed systems whose energy must not grow and whose momentum is conserved; and a pendulum on a hinge.
 #include <algorithm>
 #include <cmath>
 
@@ -10,10 +10,10 @@ namespace {
 
 constexpr double kSpacing = 1;
 
-/// What the sums of momentum of n such bodies may change by.
+/// Bounds for the change of the total momenta of n such bodies.
 void close(Trial& t, int n, double mass, double speed, double share) {
   t.rules.momentum = share * n * mass * speed;
-  // Joints act at the bodies' places within the step.
+  // Joint impulses act at the positions that the bodies have within the step.
   t.rules.angular_momentum = 5 * share * n * mass * speed * (1 + 0.5 * n * kSpacing);
 }
 
@@ -29,9 +29,9 @@ json::object sprung(Dice& d, std::string_view by) {
   return {{"hertz", d.spread(0.5, 30)}, {"damping_ratio", 0}};
 }
 
-/// By which share the energy of springs may swing whose fastest alone has w (1/s), in small steps of h:
-/// beside rows that hold, velocities stand half a small step beside positions, which is h w / 2, and
-/// neighbours make w up to sqrt 2 times as large. Between two points only it is (h w)^2 / 8.
+/// Fraction by which the energy of springs may oscillate if the fastest one alone has w (1/s), in substeps of
+/// h: beside rigid rows, velocities are half a substep off the positions, which gives h w / 2, and neighbours
+/// make w up to sqrt 2 times as large. Between two points alone it is (h w)^2 / 8.
 double swing(double h, double w) {
   return std::max(0.08, h * w / std::numbers::sqrt2);
 }
@@ -172,7 +172,7 @@ void springs_2d(Dice& d, Trial& t) {
       j["hertz"] = hertz, j["damping_ratio"] = 0;
     }
     if (kind == "distance" && d.chance(0.6)) {
-      // Between centres the frequency is that of the reduced mass.
+      // Between centres, the frequency is that of the reduced mass.
       const double rest = kSpacing * d.between(0.6, 1.4), w = 2 * std::numbers::pi * hertz;
       const double reduced = mass(i) * mass(i + 1) / (mass(i) + mass(i + 1)), off = kSpacing - rest;
       j["length"] = rest, stored += 0.5 * reduced * w * w * off * off;
@@ -188,9 +188,10 @@ void springs_3d(Dice& d, Trial& t) {
   const int n = d.whole(2, 4);
   const double speed = d.spread(0.3, 3), dt = usual_dt(d);
   json::array joints;
-  // A spring by stiffness may start out of its rest, which stores k s^2 / 2.
+  // A spring given by stiffness may start stretched, which stores k s^2 / 2.
   double stored = 0, fastest = 0;
-  // Two bodies of at least 0.3 kg, and of the inertia of a ball of that, have half of these between them.
+  // Two bodies of at least 0.3 kg, and with the inertia of a ball of that mass, have a reduced mass and
+  // inertia of half of these.
   const auto rate = [](const json::object& s, double inertia) {
     if (s.contains("hertz")) return 2 * std::numbers::pi * s.at("hertz").to_number<double>();
     return std::sqrt(s.at("stiffness").to_number<double>() / (0.5 * inertia));
@@ -236,7 +237,7 @@ void springs_3d(Dice& d, Trial& t) {
   json::array bodies = chain_3d(d, n, speed);
   set_scene(t, dt, 4, {}, {{{"type", "rigid3d"}, {"bodies", bodies}, {"joints", joints}}});
   close(t, n, 3, speed + std::sqrt(stored), 1e-3);
-  // Beyond h w = 1/2 the solver takes energy out of a spring.
+  // Beyond h w = 1/2 the solver removes energy from a spring.
   const double small = dt / 5, w = std::min(fastest, 0.5 / small);
   t.rules.gain = swing(small, w), t.rules.stored = stored;
 }
@@ -267,9 +268,9 @@ void hinge_pendulum(Dice& d, Trial& t) {
            json::array{
                {{"type", "hinge"}, {"a", -1}, {"b", 0}, {"anchor", vec(0, 0)}, {"axis", vec(0, 0, 1)}}}}}});
   }
-  // Velocities stand half a small step of at most dt / 4 beside positions: the total swings by m g v h / 2.
+  // Velocities are half a substep of at most dt / 4 off the positions: the total oscillates by m g v h / 2.
   t.rules.gain = std::max(0.01, 0.25 * dt * std::sqrt(9.81 / l));
-  // Five per cent in six seconds: several times what the plane's solver loses.
+  // Five per cent in six seconds: several times what the solver in the plane loses.
   t.rules.loss = 0.05;
   expect_range(t, plane ? "max(a.joint.gap)" : "max(a.joints.gap)", 0, 0.05 * l, "the joint holds");
 }

@@ -1,4 +1,4 @@
-// Runs a trial through a session, as every scene runs, and looks at it after every step.
+// Runs a trial through a session, as every scene runs, and checks it after every step.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -22,7 +22,7 @@ std::string number(double x) {
   return text;
 }
 
-/// Energies and sums of momentum along a run.
+/// Energies and total momenta along a run.
 class Watch {
  public:
   void add(const Observables& seen) {
@@ -51,12 +51,12 @@ class Watch {
   void judge(const Rules& r, std::vector<Finding>& out) const {
     if (!not_finite_.empty()) out.push_back({"not_finite", not_finite_});
     if (first_) {
-      // What is stored may be counted by the potential, which then says so at the start.
+      // The potential may include the stored energy, which then shows at the start.
       const double unseen = *first_potential_ > 0.5 * r.stored ? 0 : r.stored;
       const double work = kinetic_ + (*first_potential_ - lowest_) + unseen + r.drives;
       const std::string of_work = " J beside " + number(work) + " J at work";
       const double allowed = unseen + r.drives;
-      // Poses are rounded: what rests has no work to measure that against.
+      // Poses are rounded; a body at rest has no energy at work to compare that with.
       const double rounding = 1e-12 + 1e-9 * std::abs(*first_potential_);
       if (r.gain && most_ > allowed + *r.gain * work + rounding)
         out.push_back({"energy", "gains " + number(most_ - allowed) + of_work});
@@ -78,7 +78,7 @@ class Watch {
   std::map<std::string, double> starts_, changes_;
 };
 
-/// Values of a field of a system; empty where it has no such field.
+/// Values of a field of a system; empty if it has no such field.
 std::vector<double> values(const Session& s, size_t system, const char* name) {
   const System& of = s.world().system(system);
   const auto at = of.find_field(name);
@@ -90,9 +90,9 @@ std::vector<double> values(const Session& s, size_t system, const char* name) {
   return out;
 }
 
-/// How far bodies that sleep part within 0.4 s from what they do once they are woken: what rests stays where
-/// it is, and what something else hits in the meantime goes with it, asleep or not. The time is shorter than
-/// the default that must pass before they may sleep again.
+/// How far sleeping bodies deviate within 0.4 s from what they do once they are woken: what rests stays in
+/// place, and what something else hits in the meantime is carried along, asleep or not. The time is shorter
+/// than the default time after which they may sleep again.
 double moved_when_woken(const Session& now, const std::shared_ptr<const ThreadArena>& arena) {
   const auto world = std::shared_ptr<const World>(&now.world(), [](const World*) {});
   Session woken(world, arena, {.history_bytes = 0}), left(world, arena, {.history_bytes = 0});
@@ -104,7 +104,7 @@ double moved_when_woken(const Session& now, const std::shared_ptr<const ThreadAr
     c.kind = CommandKind::impulse, c.system = now.world().id(0), c.index = static_cast<int64_t>(i);
     try {
       woken.command(c);
-    } catch (const Error&) {  // a body that forces do not move
+    } catch (const Error&) {  // a body that does not respond to forces
     }
   }
   double most = 0;
@@ -123,7 +123,7 @@ double moved_when_woken(const Session& now, const std::shared_ptr<const ThreadAr
   return most;
 }
 
-/// Looks at sleepers whenever more sleep than before, a few times a run.
+/// Checks sleeping bodies a few times per run, whenever more of them sleep than before.
 class SleepWatch {
  public:
   void add(const Session& s, const std::shared_ptr<const ThreadArena>& arena) {
@@ -165,7 +165,7 @@ void run(const Trial& t, Outcome& out) {
   look();
   for (uint64_t k = 0; k < steps && session.step(1); ++k) look();
   if (const auto& failure = session.failure()) {
-    // The event is the answer: what came before it is not judged further.
+    // The event is the expected answer: what came before it is not judged further.
     const std::string what = failure->detail + " at " + number(session.time()) + " s";
     if (t.rules.event == Rules::Event::allowed) {
       out.event = what;

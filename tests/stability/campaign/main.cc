@@ -1,6 +1,6 @@
-// campaign [--seeds N] [--first SEED] [--family NAME] [--scene]: judges N random scenes (300), prints what
-// was found, a line each, and a table of families. --scene prints the scenes instead, one JSON document a
-// line, for `truestep run -`. Exit code 1 when anything was found.
+// campaign [--seeds N] [--first SEED] [--family NAME] [--scene]: judges N random scenes (default 300), prints
+// the findings, one per line, and a table of families. --scene prints the scenes instead, one JSON document
+// per line, for `truestep run -`. Exit code 1 if anything was found.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>

@@ -1,4 +1,4 @@
-// Words that generators of scenes share.
+// Building blocks shared by the scene generators.
 #pragma once
 #include <string>
 
@@ -48,7 +48,7 @@ inline json::object& system_of(Trial& t, size_t i = 0) {
   return t.scene["systems"].as_array()[i].as_object();
 }
 
-// One function a family; the files say what they draw.
+// One function per family; what it draws is documented in its file.
 void drop_2d(Dice&, Trial&);
 void drop_3d(Dice&, Trial&);
 void pile_2d(Dice&, Trial&);

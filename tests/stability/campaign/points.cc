@@ -1,4 +1,4 @@
-// Points and springs: ropes and cloths of any stiffness, free nets, emitters, and what couplings do to them.
+// Points and springs: ropes and cloths of any stiffness, free nets, emitters, and the effects of couplings.
 #include <cmath>
 
 #include "tests/stability/campaign/parts.h"
@@ -108,7 +108,7 @@ void emitter(Dice& d, Trial& t) {
   if (d.chance(0.3)) system["linear_drag"] = d.spread(1e-4, 1) * mass;
   if (d.chance(0.2)) system["quadratic_drag"] = d.spread(1e-4, 0.1) * mass;
   set_scene(t, dt, seconds, kDown, {std::move(system)});
-  // What they are born with, and the fall from where they are born at the highest.
+  // Their energy at birth: initial speed, and the fall from the highest birth place.
   const double v = speed + extra, n = rate * seconds + 2;
   t.rules.gain.reset();
   expect_range(t, "max(energy.kinetic)", 0, 1.01 * n * mass * (0.5 * v * v + 9.81 * (height + 0.3)),

@@ -1,4 +1,4 @@
-// What is slow without resting: falls in weak gravity, pendulums of a degree, pairs that drift. None may
+// Slow motions that are not rest: falls in weak gravity, pendulums of one degree, pairs that drift. None may
 // sleep.
 #include <cmath>
 
@@ -21,7 +21,7 @@ Slow draw(Dice& d) {
                                              : d.spread(5e-3, 0.1)};
 }
 
-/// One body at `height` above the ground falls; seen before it lands.
+/// One body falls from `height` above the ground; judged before it lands.
 void judge_fall(Trial& t, double g, double height, double seconds) {
   probe(t, "body", 1, {"position"});
   expect_near(t, "body.position.y", height - 0.5 * g * seconds * seconds,
@@ -29,10 +29,10 @@ void judge_fall(Trial& t, double g, double height, double seconds) {
 }
 
 void judge_swing(Trial& t, double length, double angle) {
-  // A point pendulum but for the body's own inertia, 2.5 % of m l^2; small amplitudes: the energy says how
-  // far it still goes.
+  // A point pendulum except for the body's own inertia, 2.5 % of m l^2; amplitudes are small: the energy
+  // tells how far it still swings.
   const double potential = 9.81 * length * (1 - std::cos(angle));
-  // A joint hangs as deep as its body falls in a small step, at most four of which make a step.
+  // A joint sags as far as its body falls in a substep, of which a step has at most four.
   const double small = t.scene["time"].as_object()["dt"].to_number<double>() / 4;
   t.rules.loss = 0.5 + 0.5 * 9.81 * 9.81 * small * small / potential;
   expect_range(t, "max(energy.kinetic)", 0.5 * potential, 1.1 * potential,

@@ -1,6 +1,6 @@
-// What rolls: disks, balls, cylinders and capsules with spin and slip on level ground. Coulomb's friction
-// brings the point of contact to rest: v' = v - u c / (1 + c) after |u| c / ((1 + c) mu g), with u = v + w r
-// the slip and c = I / (m r^2).
+// Rolling: disks, balls, cylinders and capsules with spin and slip on level ground. Coulomb friction brings
+// the contact point to rest: v' = v - u c / (1 + c) after |u| c / ((1 + c) mu g), with the slip u = v + w r
+// and c = I / (m r^2).
 #include <algorithm>
 
 #include "tests/stability/campaign/parts.h"
@@ -28,7 +28,7 @@ Wheel draw(Dice& d) {
   return w;
 }
 
-/// Ends in the middle of the slip, or a while after it.
+/// The run ends in the middle of the slip, or a while after it.
 void choose_duration(Dice& d, Wheel& w, double c) {
   const double slips = w.slip_time(c);
   const double end = slips > 0.3 && d.chance(0.5) ? 0.5 * slips : std::min(1.2 * slips + 0.5, 5.0);
@@ -39,7 +39,7 @@ void expect_rolling(Trial& t, const Wheel& w, double c, double height) {
   const double slips = w.slip_time(c), u = w.slip();
   const double most = u * c / (1 + c);
   const double taken = w.duration < slips ? std::copysign(w.friction * kG * w.duration, u) : most;
-  // The friction of one step more or less, and three per cent of what friction changes.
+  // The friction impulse of one step more or less, and three per cent of friction's effect.
   const double tolerance =
       0.03 * std::abs(taken) + w.friction * kG * w.dt * (taken != 0) + 0.005 * std::abs(w.speed) + 1e-3;
   probe(t, "wheel", 1, {"position", "velocity"});
@@ -102,7 +102,7 @@ void wheel_3d(Dice& d, Trial& t) {
   expect_rolling(t, w, c, w.radius);
 }
 
-/// Spinning upright on a face or a pole, about the vertical.
+/// Spinning upright about the vertical, on a face or a pole.
 void spin_3d(Dice& d, Trial& t) {
   const double r = d.between(0.1, 1), half = r * d.between(0.1, 1), dt = usual_dt(d);
   const std::string kind = d.of({"sphere", "cylinder", "cylinder", "box"});

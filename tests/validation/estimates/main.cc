@@ -1,9 +1,9 @@
-// estimates [--times N] [--judge memory|time] [SCENE...]: what a scene's estimate says of memory and time
-// beside what a process of its own needed for its start and some steps, for every scene of the gallery (or
-// those named) with N times as much in it. --judge memory: exit code 1 when it is beyond 0.7 to 1.5 of the
-// truth and more than 64 KiB a system away from it. --judge time: when it is below half of the usual step's
-// or beyond twice that of the busiest ones, once the middle of all scenes says how fast the machine is; a
-// benchmark, because others that use the machine's caches move a step's time as much.
+// estimates [--times N] [--judge memory|time] [SCENE...]: compares a scene's estimates of memory and time
+// with what a separate process needs for its start and some steps, for every scene of the gallery (or those
+// named) scaled up N times. --judge memory: exit code 1 if the estimate is outside 0.7 to 1.5 of the truth
+// and more than 64 KiB per system off. --judge time: if it is below half of the usual step's time or above
+// twice that of the busiest steps, after the median of all scenes has calibrated the machine's speed; a
+// benchmark, because other users of the machine's caches change a step's time as much.
 #include <malloc.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -30,7 +30,8 @@ using namespace truestep;
 
 struct Figures {
   double estimated_bytes = 0, bytes = 0, elements = 0, systems = 0;
-  double estimated_seconds = 0, seconds = 0, usual = 0, steps = 0;  // of the busiest steps, of the middle one
+  /// Of the busiest steps, and of the median one.
+  double estimated_seconds = 0, seconds = 0, usual = 0, steps = 0;
 };
 
 double cpu_seconds() {
@@ -44,7 +45,7 @@ double allocated() {
   return static_cast<double>(m.uordblks) + static_cast<double>(m.hblkhd);
 }
 
-// What the kernel has given at most since `forget_peak`.
+// Peak memory from the kernel since `forget_peak`.
 double peak_bytes() {
   std::FILE* status = std::fopen("/proc/self/status", "r");
   char line[256];
@@ -62,13 +63,13 @@ void forget_peak() {
   }
 }
 
-// What the kernel gives beside what is asked for: pages of the program, the allocator's slack.
+// What the kernel adds to the requested memory: pages of the program, the allocator's slack.
 constexpr double kCoarse = 8e6;
 
 constexpr size_t kRow = 24;
 
-// A scene's busiest stretch: the largest median of some steps in a row, without the first, which builds what
-// later ones use again. Before it the sources are not full, after it everything sleeps.
+// A scene's busiest stretch: the largest median of several consecutive steps, without the first, which builds
+// what later ones reuse. Before it sources are not full; after it everything sleeps.
 double busiest(const std::vector<double>& took) {
   const size_t first = std::min<size_t>(took.size() / 3, 2);
   double most = 0;
@@ -122,12 +123,12 @@ Figures measure(const boost::json::value& document, double most_seconds, Until u
   while (took.empty() || (took.size() < kMost && go_on())) {
     const double begun = cpu_seconds();
     try {
-      if (!session.step(1)) break;  // a scene that does not hold at this size, or is there to fail
+      if (!session.step(1)) break;  // a scene that fails at this size, or is meant to fail
     } catch (const Error&) {
       break;
     }
     took.push_back(cpu_seconds() - begun);
-    // What a failure leaves says nothing: the last weight before it counts.
+    // Memory after a failure is meaningless: the last weighing before it counts.
     if (took.size() == kWeighed || (took.size() < kWeighed && std::has_single_bit(took.size()))) {
       const bool rests = weigh();
       const size_t enough = cpu_seconds() - start > most_seconds ? kFewest / 4 : kFewest;
@@ -144,8 +145,8 @@ Figures measure(const boost::json::value& document, double most_seconds, Until u
   return f;
 }
 
-// In a process of its own: memory that another scene has left would be used again. No systems where the scene
-// cannot be had so large; nothing where the process died.
+// In a process of its own: memory left by another scene would be reused. No systems if the scene cannot be
+// scaled that far; empty if the process died.
 std::optional<Figures> measure_apart(const boost::json::value& document, double most_seconds, Until until) {
   int ends[2];
   if (pipe(ends) != 0) throw Error("internal", "no pipe");
@@ -168,20 +169,20 @@ std::optional<Figures> measure_apart(const boost::json::value& document, double 
   return got && status == 0 ? std::optional(f) : std::nullopt;
 }
 
-// What a handful of rows or a short formula take beside their system is not told apart.
+// The cost of a handful of rows or a short formula cannot be separated from that of their system.
 bool memory_is_off(const Figures& f) {
   constexpr double kSmall = 64 << 10;
   const double ratio = f.estimated_bytes / f.bytes;
   return !(ratio >= 0.7 && ratio <= 1.5) && !(std::abs(f.estimated_bytes - f.bytes) <= kSmall * f.systems);
 }
 
-// `machine`: how much faster than the one that the estimates are of. A step of some microseconds is mostly
-// what surrounds it, the first steps build what later ones use again, and what sleeps or has not begun takes
-// nothing: an estimate is of a scene that is at work.
+// `machine`: speed relative to the machine of the estimates. A step of some microseconds is mostly overhead,
+// the first steps build what later ones reuse, and what sleeps or has not started costs nothing: an estimate
+// is for a scene at work.
 bool time_is_off(const Figures& f, double machine) {
-  constexpr double kWhole = 300;  // steps after which the busy ones have been among them
+  constexpr double kWhole = 300;  // steps after which the busy ones have occurred
   const double estimated = f.estimated_seconds / machine;
-  // Hundreds of small systems in a scene do not stay in the cache, which counts do not tell.
+  // Hundreds of small systems in a scene do not stay in the cache, which counts do not reflect.
   constexpr double kMostSystems = 64;
   if (f.steps < kRow || f.seconds <= 20e-6 || f.systems > kMostSystems) return false;
   return !(2 * estimated >= f.usual) || (f.steps >= kWhole && estimated > 2 * f.seconds);
@@ -215,7 +216,7 @@ int main(int count, char** arguments) {
       ->check(CLI::IsMember({"memory", "time"}));
   app.add_option("scenes", wanted, "of the gallery");
   CLI11_PARSE(app, count, arguments);
-  // As the service does: what a large vector leaves when it grows goes back at once.
+  // As in the service: memory released by a growing large vector is returned at once.
   mallopt(M_MMAP_THRESHOLD, 1 << 20);
 
   const auto figures = [&](const GalleryScene& scene) {
@@ -230,7 +231,7 @@ int main(int count, char** arguments) {
   for (const GalleryScene& scene : gallery()) {
     if (!wanted.empty() && std::ranges::find(wanted, scene.name) == wanted.end()) continue;
     const Figures f = figures(scene);
-    if (f.systems > 0) rows.push_back({&scene, f});  // a few cannot be had so large
+    if (f.systems > 0) rows.push_back({&scene, f});  // a few cannot be scaled that far
   }
   if (rows.empty()) return 1;
   const double machine = machine_factor(rows);
@@ -240,7 +241,7 @@ int main(int count, char** arguments) {
               "ratio", "est. s", "s", "ratio", "steps");
   for (size_t k = 0; k < rows.size(); ++k) {
     Figures& f = rows[k].figures;
-    // What others do with the machine at one moment they rarely do at three.
+    // Disturbances by other programs at one moment rarely recur at three.
     for (int again = 0; again < 2 && judge == "time" && time_is_off(f, machine); ++again) {
       f = figures(*rows[k].scene);
     }

@@ -9,7 +9,7 @@ namespace {
 
 namespace json = boost::json;
 
-// What is made at all, by the names of the numbers that say how much; a grid has two of them.
+// Everything that can be scaled, by the names of the numbers that give its amount; a grid has two of them.
 struct Amount {
   const char *object, *number;
   double power = 1;
@@ -31,7 +31,7 @@ void multiply(json::value& number, double factor) {
   }
 }
 
-// Whether the system says how much there is of it, which then is more.
+// Scales the system's amount if it has one; false otherwise.
 bool grow(json::object& system, int times) {
   bool any = false;
   for (const Amount& a : kAmounts) {
@@ -50,7 +50,7 @@ bool grow(json::object& system, int times) {
     }
   }
   if (json::value* most = any ? system.if_contains("max_particles") : nullptr) multiply(*most, times);
-  // What keeps off itself must not be thicker than its links are long.
+  // A self-colliding cloth must not be thicker than its links are long.
   json::value* thick = any && system.contains("self_collision") ? system.if_contains("thickness") : nullptr;
   if (thick) multiply(*thick, 1 / std::sqrt(times));
   return any;
