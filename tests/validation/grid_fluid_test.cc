@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "engine/lattice/cut_poisson.h"
+#include "tests/support/cavity.h"
 #include "tests/support/grid_flow.h"
 
 namespace truestep::test {
@@ -14,28 +15,6 @@ namespace {
 using namespace grid_fluid;
 constexpr double kPi = std::numbers::pi;
 using Texts = std::vector<std::string>;
-
-struct Point {
-  double at, value;
-};
-// Botella and Peyret's class of spectral solutions at Re 1000: u(0.5, y) and v(x, 0.5).
-constexpr Point kU[] = {{0.0547, -0.1812881}, {0.0625, -0.20233},  {0.0703, -0.2228955},
-                        {0.1016, -0.3004561}, {0.1719, -0.388569}, {0.2813, -0.2803696},
-                        {0.4531, -0.1081999}, {0.5, -0.0620561},   {0.6172, 0.0570178},
-                        {0.7344, 0.1886747},  {0.8516, 0.3372212}, {0.9531, 0.4723329},
-                        {0.9609, 0.5169277},  {0.9688, 0.5808359}, {0.9766, 0.6644227}};
-constexpr Point kV[] = {{0.0625, 0.2807056},  {0.0703, 0.2962703},  {0.0781, 0.3099097},
-                        {0.0938, 0.3330442},  {0.1563, 0.3769189},  {0.2266, 0.3339924},
-                        {0.2344, 0.3253592},  {0.5, 0.0257995},     {0.8047, -0.3202137},
-                        {0.8594, -0.4264545}, {0.9063, -0.5264392}, {0.9453, -0.4103754},
-                        {0.9531, -0.3553213}, {0.9609, -0.2936869}, {0.9688, -0.2279225}};
-
-double cavity_rms(const GridFlow& run) {
-  double sum = 0;
-  for (const Point& p : kU) sum += std::pow(run.velocity(0, 0.5, p.at) - p.value, 2);
-  for (const Point& p : kV) sum += std::pow(run.velocity(1, p.at, 0.5) - p.value, 2);
-  return std::sqrt(sum / double(std::size(kU) + std::size(kV)));
-}
 
 TEST(GridFluid, CavityAtReynolds1000IsTheSpectralOne) {
   GridFluidDef d;
@@ -57,10 +36,12 @@ TEST(GridFluid, CavityAtReynolds1000IsTheSpectralOne) {
 }
 
 // Reynolds number 100: a steady solution in stream functions, extrapolated from 128 and 256 cells (2e-5).
-constexpr Point kU100[] = {{0.0547, -0.03723}, {0.0703, -0.04662}, {0.1719, -0.10174}, {0.2813, -0.15767},
-                           {0.4531, -0.21398}, {0.6172, -0.1388},  {0.8516, 0.23655},  {0.9688, 0.79194}};
-constexpr Point kV100[] = {{0.0625, 0.09481},  {0.0938, 0.12643},  {0.2266, 0.17936},  {0.5, 0.05754},
-                           {0.8047, -0.25354}, {0.9063, -0.17708}, {0.9453, -0.10853}, {0.9688, -0.06219}};
+constexpr CavityPoint kU100[] = {{0.0547, -0.03723}, {0.0703, -0.04662}, {0.1719, -0.10174},
+                                 {0.2813, -0.15767}, {0.4531, -0.21398}, {0.6172, -0.1388},
+                                 {0.8516, 0.23655},  {0.9688, 0.79194}};
+constexpr CavityPoint kV100[] = {{0.0625, 0.09481},  {0.0938, 0.12643},  {0.2266, 0.17936},
+                                 {0.5, 0.05754},     {0.8047, -0.25354}, {0.9063, -0.17708},
+                                 {0.9453, -0.10853}, {0.9688, -0.06219}};
 
 TEST(GridFluid, CavityAtReynolds100IsOfSecondOrder) {
   const auto worst = [](int64_t cells, double viscosity) {
@@ -71,8 +52,8 @@ TEST(GridFluid, CavityAtReynolds100IsOfSecondOrder) {
     GridFlow run(d, 0.1);
     run.steps(200);  // at 20 s it has settled to 1e-6
     double most = 0;
-    for (const Point& p : kU100) most = std::max(most, std::abs(run.velocity(0, 0.5, p.at) - p.value));
-    for (const Point& p : kV100) most = std::max(most, std::abs(run.velocity(1, p.at, 0.5) - p.value));
+    for (const CavityPoint& p : kU100) most = std::max(most, std::abs(run.velocity(0, 0.5, p.at) - p.value));
+    for (const CavityPoint& p : kV100) most = std::max(most, std::abs(run.velocity(1, p.at, 0.5) - p.value));
     return most;
   };
   const double a = worst(16, 0.01), b = worst(32, 0.01), c = worst(64, 0.01);

@@ -68,18 +68,20 @@ struct GridFluidDef {
     apic
   } advection = Advection::central;
   enum class Order : uint8_t { second, fourth } order = Order::second;
-  enum class Stepping : uint8_t { rk3, ab2 } stepping = Stepping::rk3;
+  enum class Stepping : uint8_t { rk3, ab2, steady } stepping = Stepping::rk3;
   enum class Viscous : uint8_t { automatic, explicit_, implicit } viscous = Viscous::automatic;
   std::optional<double> cfl;
   std::vector<std::string> initial, force, exact;
   std::optional<ScalarDef> scalar;
   double vorticity_confinement = 0;
   std::vector<ObstacleDef> obstacles;
-  double tolerance = 1e-6;  ///< of the pressure where obstacles stand
+  double tolerance = 1e-6;  ///< of the pressure where obstacles stand, of a steady flow's last change
   std::vector<LiquidBodyDef> bodies;
   int particles_per_axis = 2;
   double flip = 0.97;
 
+  /// Found at once instead of stepped.
+  bool steady() const { return stepping == Stepping::steady; }
   /// A liquid with a surface, carried by particles.
   bool liquid() const { return advection == Advection::flip || advection == Advection::apic; }
 };

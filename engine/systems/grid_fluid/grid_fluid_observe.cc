@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "engine/systems/grid_fluid/grid_fluid.h"
-#include "engine/systems/grid_fluid/liquid.h"
+#include "engine/systems/grid_fluid/liquid/liquid.h"
 
 namespace truestep::grid_fluid {
 
@@ -133,6 +133,11 @@ void GridFluid::observe(const State& s, double t, Observables& out) const {
   out.add("speed.max", fastest, "m/s");
   out.add("cfl", s.f64(numbers_)[3], "1");
   out.add("substeps", s.f64(numbers_)[2], "1");
+  if (stream_) {
+    const auto found = s.f64(*stream_ + 1);
+    out.add("steady.iterations", found[kSteadyIterations], "1");
+    out.add("steady.change", found[kChange], "1");
+  }
   if (model_.solids.any()) {
     const auto numbers = s.f64(numbers_);
     out.add("pressure.iterations", numbers[4], "1");

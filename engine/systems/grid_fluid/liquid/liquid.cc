@@ -1,4 +1,4 @@
-#include "engine/systems/grid_fluid/liquid.h"
+#include "engine/systems/grid_fluid/liquid/liquid.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "engine/systems/grid_fluid/face_viscosity.h"
+#include "engine/systems/grid_fluid/liquid/face_viscosity.h"
 
 #include <algorithm>
 #include <cmath>

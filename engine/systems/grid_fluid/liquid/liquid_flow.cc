@@ -1,4 +1,4 @@
-#include "engine/systems/grid_fluid/liquid_flow.h"
+#include "engine/systems/grid_fluid/liquid/liquid_flow.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/systems/grid_fluid/liquid_flow.h"
+#include "engine/systems/grid_fluid/liquid/liquid_flow.h"
 
 namespace truestep::grid_fluid {
 

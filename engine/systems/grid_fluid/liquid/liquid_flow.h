@@ -11,8 +11,8 @@
 #pragma once
 #include "engine/kernels/mac/surface.h"
 #include "engine/lattice/cut_poisson.h"
-#include "engine/systems/grid_fluid/face_viscosity.h"
 #include "engine/systems/grid_fluid/flow.h"
+#include "engine/systems/grid_fluid/liquid/face_viscosity.h"
 
 namespace truestep::grid_fluid {
 
