@@ -26,4 +26,15 @@ inline double cavity_rms(const GridFlow& run) {
   return std::sqrt(sum / double(std::size(kCavityU) + std::size(kCavityV)));
 }
 
+/// The cavity that the columns are of, found directly.
+inline grid_fluid::GridFluidDef steady_cavity(int64_t cells, grid_fluid::GridFluidDef::Order order) {
+  grid_fluid::GridFluidDef d;
+  d.cells = {cells, cells};
+  d.viscosity = 1e-3;
+  d.stepping = grid_fluid::GridFluidDef::Stepping::steady;
+  d.order = order;
+  d.sides.y_max = grid_fluid::FlowSideDef{grid_fluid::SideKind::wall, {"1", "0"}};
+  return d;
+}
+
 }  // namespace truestep::test

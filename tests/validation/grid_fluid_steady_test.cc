@@ -12,16 +12,6 @@ namespace {
 
 using namespace grid_fluid;
 
-GridFluidDef steady_cavity(int64_t cells, GridFluidDef::Order order) {
-  GridFluidDef d;
-  d.cells = {cells, cells};
-  d.viscosity = 1e-3;
-  d.stepping = GridFluidDef::Stepping::steady;
-  d.order = order;
-  d.sides.y_max = FlowSideDef{SideKind::wall, {"1", "0"}};
-  return d;
-}
-
 TEST(GridFluidSteady, CavityAtReynolds1000IsTheSpectralOneOfFourthOrder) {
   using Order = GridFluidDef::Order;
   double rms[2][3] = {};
