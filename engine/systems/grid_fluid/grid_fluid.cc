@@ -22,7 +22,8 @@ enum Number : size_t {
   kDrag,
   kLift,
   kNumbers,
-  kDivergence = kNumbers  ///< FlowModel::keeps_divergence: there is one more
+  kDivergence = kNumbers,  ///< FlowModel::keeps_divergence: there is one more
+  kTorque                  ///< obstacles turn: another one
 };
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
@@ -54,8 +55,9 @@ GridFluid::GridFluid(const GridFluidDef& def, const BuildContext& context)
     start_.add({std::string("velocity.") + kAxes[c], "m/s", Scalar::f64, 1, Role::position}, g.size());
   }
   start_.add({"pressure", "m^2/s^2", Scalar::f64, 1, Role::internal}, g.size());
-  numbers_ = start_.add({"numbers", "1", Scalar::f64, 1, Role::internal},
-                        kNumbers + (model_.keeps_divergence() ? 1 : 0));
+  numbers_ =
+      start_.add({"numbers", "1", Scalar::f64, 1, Role::internal},
+                 kNumbers + (model_.keeps_divergence() ? 1u : 0u) + (model_.texts.obstacles_turn ? 1u : 0u));
   if (def.advection == GridFluidDef::Advection::central && def.stepping == GridFluidDef::Stepping::ab2) {
     for (size_t c = 0; c < g.dimensions; ++c) {
       const auto column =
@@ -151,12 +153,13 @@ void GridFluid::advance(State& s, const StepInput& in) const {
   const auto n = std::max(1, static_cast<int>(wanted));
   const double h = in.h / n;
   for (int i = 0; i < n; ++i) {
-    f.impulse = {};
+    f.impulse = {}, f.turning = 0;
     flow.substep(f, in.t + i * h, h);
   }
   numbers[kIterations] = f.solved.iterations, numbers[kResidual] = f.solved.residual;
   numbers[kDrag] = model_.def.density * f.impulse[0] / h,
   numbers[kLift] = model_.def.density * f.impulse[1] / h;
+  if (model_.texts.obstacles_turn) numbers[kTorque] = model_.def.density * f.turning / h;
   numbers[kLastStep] = f.last_h, numbers[kSubsteps] = n;
   numbers[kCfl] = flow.crossing_rate(f, in.t + in.h) * h;
   if (model_.keeps_divergence()) numbers[kDivergence] = flow.largest_divergence(f, in.t + in.h);

@@ -164,13 +164,13 @@ void check_flow(const GridFluidDef& d, const DefTable::Report& report) {
   };
   components(d.initial, "/initial"), components(d.force, "/force"), components(d.exact, "/exact");
   for (size_t n = 0; n < d.obstacles.size(); ++n) {
-    const std::string at = "/obstacles/" + std::to_string(n) + "/displacement";
-    if (d.obstacles[n].displacement.empty()) continue;
-    if (d.obstacles[n].displacement.size() != d.cells.size()) {
-      report(at, "as many components as the box has dimensions");
-    } else if (d.liquid()) {
-      report(at, "obstacles around a liquid stand still");
-    }
+    const std::string at = "/obstacles/" + std::to_string(n);
+    const ObstacleDef& o = d.obstacles[n];
+    if (!o.displacement.empty() && o.displacement.size() != d.cells.size())
+      report(at + "/displacement", "as many components as the box has dimensions");
+    if (norm2(o.axis) == 0) report(at + "/axis", "an axis has a direction");
+    if (d.cells.size() == 2 && (o.axis.x != 0 || o.axis.y != 0))
+      report(at + "/axis", "in the plane obstacles turn about z");
   }
   check_sides(d, report);
   check_liquid(d, report);

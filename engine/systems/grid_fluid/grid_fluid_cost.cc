@@ -22,6 +22,9 @@ Cost liquid_cost(const GridFluidDef& d, double padded) {
   const double solver = (dim == 2 ? 4.0 / 3 : 8.0 / 7) * (8 * (dim + 4) + 1) + 8 * 5;
   c.workspace_bytes =
       padded * (8 * (5 * dim + 3) + dim + 2 + solver) + viscous + n * (16 * (2 * dim + affine) + 12) + 3e5;
+  const bool moving = std::ranges::any_of(
+      d.obstacles, [](const ObstacleDef& o) { return !o.displacement.empty() || !o.angle.empty(); });
+  if (moving) c.workspace_bytes += padded * (17 * dim + 1);
   c.elements = n;
   c.seconds_per_step = 1e-4 + 1e-6 * padded + 6e-7 * n;
   return c;
@@ -36,8 +39,8 @@ Cost grid_fluid_cost(const void* def) {
   const double components = static_cast<double>(d.cells.size());
   const bool ab2 = d.stepping == GridFluidDef::Stepping::ab2;
   const double solids = d.obstacles.empty() ? 0 : components + 1;
-  const bool moving =
-      std::ranges::any_of(d.obstacles, [](const ObstacleDef& o) { return !o.displacement.empty(); });
+  const bool moving = std::ranges::any_of(
+      d.obstacles, [](const ObstacleDef& o) { return !o.displacement.empty() || !o.angle.empty(); });
   Cost c;
   c.state_bytes = 8 * padded * (components + 1 + (ab2 ? components : 0) + (d.scalar ? 1 : 0)) + 4e3;
   // Rates, right-hand sides and transforms; ways there and back of the scalar; fractions and levels where

@@ -57,6 +57,9 @@ const DefTable& obstacle_table() {
           .vector("half_extents", &D::half, "m", above(0), "of a box")
           .texts("displacement", &D::displacement, {0, 3},
                  "m, how far its middle has moved from `center`: expressions of t; without it it is at rest")
+          .text("angle", &D::angle,
+                "rad, how far it has turned about `axis` through its middle: an expression of t")
+          .vector("axis", &D::axis, "1", any(), "that `angle` turns it about; in the plane z")
           .build();
   return kTable;
 }

@@ -144,6 +144,7 @@ void GridFluid::observe(const State& s, double t, Observables& out) const {
     out.add("pressure.residual", numbers[5], "1");
     out.add("obstacle.drag", numbers[6], "N");
     out.add("obstacle.lift", numbers[7], "N");
+    if (model_.texts.obstacles_turn) out.add("obstacle.torque", numbers[9], "N m");
   }
   if (scalar_) {
     const auto q = s.f64(*scalar_);
@@ -171,6 +172,7 @@ void draw_obstacles(const std::vector<ObstacleDef>& obstacles, Drawing& out) {
     const bool sphere = o.shape == ObstacleDef::Shape::sphere;
     shape.kind = sphere ? DrawnShape::Kind::sphere : DrawnShape::Kind::box;
     shape.position = o.center;
+    shape.orientation = {o.turned.w, o.turned.x, o.turned.y, o.turned.z};
     shape.size = sphere ? Vec3{o.radius, 0, 0} : o.half;
     out.obstacles.push_back(shape);
   }

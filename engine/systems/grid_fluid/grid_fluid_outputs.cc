@@ -28,6 +28,7 @@ const Outputs& grid_fluid_outputs() {
           {"scalar.total", "1", "integral of what the flow carries"},
           {"obstacle.drag", "N", "force of the fluid on the obstacles along x, over the last substep"},
           {"obstacle.lift", "N", "the same along y"},
+          {"obstacle.torque", "N m", "where obstacles turn: of the fluid on each about its axis, added up"},
           {"energy.gravity", "J", "of a liquid: potential, about the origin"},
           {"energy.total", "J", "of a liquid: its sum with the kinetic energy"},
           {"momentum.x", "kg m/s", "of a liquid"},

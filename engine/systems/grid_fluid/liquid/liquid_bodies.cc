@@ -7,7 +7,7 @@
 
 namespace truestep::grid_fluid {
 
-std::vector<StartingPlace> starting_places(const GridFluidDef& d) {
+std::vector<StartingPlace> starting_places(const GridFluidDef& d, std::span<const ObstacleDef> obstacles) {
   const mac::MacGrid g = make_grid(d);
   const auto per = static_cast<size_t>(d.particles_per_axis);
   std::vector<StartingPlace> out;
@@ -25,7 +25,7 @@ std::vector<StartingPlace> starting_places(const GridFluidDef& d) {
         const Vec3 at{place(0, i), place(1, j), place(2, k)};
         size_t body = 0;
         while (body < shapes.size() && distance_to({&shapes[body], 1}, at, g.dimensions) > 0) ++body;
-        if (body == shapes.size() || distance_to(d.obstacles, at, g.dimensions) <= 0) continue;
+        if (body == shapes.size() || distance_to(obstacles, at, g.dimensions) <= 0) continue;
         out.push_back({at, body});
       }
     }

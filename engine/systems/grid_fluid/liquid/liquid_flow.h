@@ -38,8 +38,8 @@ class LiquidFlow {
   /// Takes the particles out of the state, and puts them back.
   void load(const LiquidFields& f);
   void store(LiquidFields& f);
-  /// m/s, largest sum over the axes of a particle's speed in cells.
-  double crossing_rate() const;
+  /// 1/s, cells that the fastest particle or obstacle crosses at time t (s), summed over the axes.
+  double crossing_rate(double t);
   LiquidReport substep(LiquidFields& f, double t, double h);
 
  private:
@@ -58,6 +58,8 @@ class LiquidFlow {
   void accelerate_beside(size_t c);
   void continue_outwards();
   void measure_room();
+  /// Obstacles as they are at time t (s).
+  void place_obstacles(double t);
   void fill_sides(size_t c, double* u) { mac::fill_ghosts(model_->grid, c, sides_[c], u, *arena_); }
   double* particle(Array& from, size_t p) const { return from.data() + width_ * p; }
   /// f(offset, low cell's offset, side) for the faces of a component; side: the sign of inwards on the box's
@@ -82,6 +84,7 @@ class LiquidFlow {
   std::array<std::vector<double>, 3> force_;
   std::optional<lattice::CutPoisson> solver_;
   FaceViscosity viscosity_;
+  MovingSolids solids_;
 };
 
 template <class F>
