@@ -278,7 +278,7 @@ LiquidReport LiquidFlow::substep(LiquidFields& f, double t, double h) {
   plane ? spread<2>(f) : spread<3>(f);
   settle_faces(t, h);
   find_surface(f);
-  if (model_->def.viscosity > 0) thicken(h, report);
+  if (model_->def.viscosity > 0) apply_viscosity(h, report);
   project(f, h, report);
   take_back_compression(f, report);
   continue_outwards();

@@ -4,7 +4,7 @@
 //            (kernels/mac/surface.h), and the displacement that takes compression back: lap psi = -(fill -
 //            1), dx = -grad psi (Kugelstadt, Longva, Thuerey, Bender 2019, "Implicit density projection for
 //            volume conserving liquids"; here with the same cells and matrix as the pressure)
-//   thicken: viscosity, before the pressure (face_viscosity.h)
+//   apply_viscosity: viscosity, before the pressure (face_viscosity.h)
 //   carry: what particles keep of their own velocity (Zhu, Bridson 2005; Jiang et al. 2015), paths by the
 //          midpoint rule through the new velocity, continued beyond the surface.
 // Scratch of one thread's run; everything that lasts is in the state.
@@ -52,7 +52,7 @@ class LiquidFlow {
   void carry(double h);
   void settle_faces(double t, double h);
   void find_surface(LiquidFields& f);
-  void thicken(double h, LiquidReport& report);
+  void apply_viscosity(double h, LiquidReport& report);
   void project(LiquidFields& f, double h, LiquidReport& report);
   void take_back_compression(LiquidFields& f, LiquidReport& report);
   void accelerate_beside(size_t c);

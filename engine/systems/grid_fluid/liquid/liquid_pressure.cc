@@ -61,7 +61,7 @@ void LiquidFlow::find_surface(LiquidFields& f) {
   solver_->set({open[0].data(), open[1].data(), open[2].data()}, liquid_.data(), *arena_);
 }
 
-void LiquidFlow::thicken(double h, LiquidReport& report) {
+void LiquidFlow::apply_viscosity(double h, LiquidReport& report) {
   const mac::MacGrid& g = model_->grid;
   for (size_t c = 0; c < g.dimensions; ++c) {
     for (const Solids::Face& face : solids_->shut[c]) {
