@@ -74,7 +74,7 @@ void SteadyFlow::bind(const FlowModel& m, const ThreadArena& arena) {
     }
   }
   const size_t size = m.grid.size(), n = unknowns(m.grid);
-  for (Array* a : {&u_[0], &u_[1], &rate_[0], &rate_[1], &psi_, &trial_, &curl_}) a->assign(size, 0);
+  for (Array* a : {&u_[0], &u_[1], &rate_[0], &rate_[1], &psi_, &start_, &trial_, &curl_}) a->assign(size, 0);
   for (auto* v : {&r_, &r2_, &step_, &last_step_, &x_, &last_x_}) v->assign(n, 0);
   step_changes_.assign(kMixed, std::vector<double>(n)), x_changes_.assign(kMixed, std::vector<double>(n));
   pressure_.emplace(m.grid, kCentre, m.mirrors(kPressure));
@@ -216,8 +216,8 @@ void SteadyFlow::mix(size_t round, size_t n) {
   }
 }
 
-SteadyFlow::Outcome SteadyFlow::solve_level(const Level& l, double* psi, From from, double tolerance) {
-  constexpr int kMostIterations = 150;
+SteadyFlow::Outcome SteadyFlow::solve_level(const Level& l, double* psi, From from, double tolerance,
+                                            int most) {
   constexpr size_t kPatience = 3;
   const mac::MacGrid& g = l.grid;
   const size_t n = unknowns(g);
@@ -243,7 +243,7 @@ SteadyFlow::Outcome SteadyFlow::solve_level(const Level& l, double* psi, From fr
   const double length = std::min(g.extent(0), g.extent(1));
   const double first = from == From::psi ? 0 : 2 * std::max(speed / length, viscosity_ / (length * length));
   double left = start, per_tau = first;
-  while (out.iterations < kMostIterations) {
+  while (out.iterations < most) {
     if (first > 0) {
       const double fallen = left / start;
       per_tau = fallen < 1e-6 ? 0 : first * fallen * std::sqrt(std::sqrt(fallen));
@@ -251,7 +251,7 @@ SteadyFlow::Outcome SteadyFlow::solve_level(const Level& l, double* psi, From fr
     measure_jacobian(l, psi, per_tau);
     if (!lu_.factor(*arena_)) return out;
     double reference = HUGE_VAL;
-    for (size_t round = 0; out.iterations < kMostIterations; ++round) {
+    for (size_t round = 0; out.iterations < most; ++round) {
       residual(l, psi, Order::scene, r_.data());
       std::copy_n(r_.data(), n, step_.data());
       lu_.solve(step_.data());
@@ -275,15 +275,31 @@ SteadyFlow::Outcome SteadyFlow::solve_level(const Level& l, double* psi, From fr
     }
     residual(l, psi, Order::scene, r_.data());
     left = rms();
-    if (!std::isfinite(left)) return out;
+    // Newton's method far from a flow leads further away: pseudo time brings it closer.
+    constexpr double kFurther = 10;
+    if (!std::isfinite(left) || (first == 0 && left > kFurther * start)) return out;
   }
+  return out;
+}
+
+// By Newton's method alone, or where that fails with pseudo time from the same start, which psi keeps if that
+// fails as well.
+SteadyFlow::Outcome SteadyFlow::solve_from(const Level& l, double* psi, double tolerance) {
+  constexpr int kMost = 50;
+  std::copy_n(psi, l.grid.size(), start_.data());
+  Outcome out = solve_level(l, psi, From::psi, tolerance, kMost);
+  if (out.found) return out;
+  std::copy_n(start_.data(), l.grid.size(), psi);
+  out = solve_level(l, psi, From::rest, tolerance, kMost);
+  if (!out.found) std::copy_n(start_.data(), l.grid.size(), psi);
   return out;
 }
 
 SteadyFlow::Outcome SteadyFlow::solve(double* psi, double viscosity, From from, double tolerance) {
   viscosity_ = viscosity;
   constexpr double kRough = 1e-3;
-  if (from == From::psi) return solve_level(levels_[0], psi, From::psi, tolerance);
+  constexpr int kMostFromRest = 150;
+  if (from == From::psi) return solve_from(levels_[0], psi, tolerance);
   for (size_t k = levels_.size(); k-- > 0;) {
     const Level& l = levels_[k];
     double* now = k == 0 ? psi : psi_.data();
@@ -297,8 +313,10 @@ SteadyFlow::Outcome SteadyFlow::solve(double* psi, double viscosity, From from, 
       std::copy_n(l.boundary.data(), l.grid.size(), now);
       scatter(l, x_.data(), now);
     }
-    const From start = k + 1 == levels_.size() ? From::rest : From::psi;
-    const Outcome out = solve_level(l, now, start, k == 0 ? tolerance : kRough);
+    const double wanted = k == 0 ? tolerance : kRough;
+    const bool coarsest = k + 1 == levels_.size();
+    const Outcome out =
+        coarsest ? solve_level(l, now, From::rest, wanted, kMostFromRest) : solve_from(l, now, wanted);
     if (k == 0) return out;
   }
   return {};

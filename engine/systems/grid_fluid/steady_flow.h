@@ -58,7 +58,8 @@ class SteadyFlow {
   enum class Order : uint8_t { scene, second };
   void residual(const Level& l, const double* psi, Order order, double* r);
   void measure_jacobian(const Level& l, const double* psi, double per_tau);
-  Outcome solve_level(const Level& l, double* psi, From from, double tolerance);
+  Outcome solve_level(const Level& l, double* psi, From from, double tolerance, int most);
+  Outcome solve_from(const Level& l, double* psi, double tolerance);
   void prolong(const Level& coarse, const double* from, const Level& fine, double* to) const;
   /// Largest velocity of psi's differences (m/s).
   double fastest(const Level& l, const double* psi) const;
@@ -74,7 +75,7 @@ class SteadyFlow {
   std::vector<Level> levels_;  ///< the finest first
   TileBandLu lu_;
   std::array<Array, 2> u_, rate_;
-  Array psi_, trial_, curl_;
+  Array psi_, start_, trial_, curl_;
   std::vector<double> r_, r2_, step_, last_step_, x_, last_x_;
   static constexpr size_t kMixed = 8;
   std::vector<std::vector<double>> step_changes_, x_changes_;  ///< of the last rounds
