@@ -30,6 +30,9 @@ ObservedOrder observed_order(const std::vector<double>& errors, double floor) {
     out.reason = "fewer than three halvings lie between instability and the reference's own uncertainty";
     return out;
   }
+  double mean = 0;
+  for (const double p : sound) mean += p / static_cast<double>(sound.size());
+  out.mean = mean;
   const auto [least_p, greatest_p] = std::minmax_element(sound.end() - 3, sound.end());
   if (*greatest_p - *least_p >= 0.1) {
     out.reason = "the last three observed orders differ by " + std::to_string(*greatest_p - *least_p) +

@@ -31,7 +31,8 @@ StudyResult run_convergence(const boost::json::value& scene, const void* def, St
 struct ObservedOrder {
   std::vector<double> per_halving;  ///< NaN where an error is not finite or lies below the floor
   std::optional<double> settled;
-  std::string reason;  ///< why nothing settled
+  std::optional<double> mean;  ///< over all of at least three halvings, which discontinuities let differ
+  std::string reason;          ///< why nothing settled
 };
 ObservedOrder observed_order(const std::vector<double>& errors, double floor);
 

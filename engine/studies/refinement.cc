@@ -163,7 +163,7 @@ LevelErrors judge_levels(const std::vector<std::vector<double>>& common, const s
   if (!exact.empty()) {
     const ObservedOrder order = observed_order(exact, floor);
     out.errors = exact, out.per_level = order.per_halving;
-    out.settled = order.settled, out.reason = order.reason;
+    out.settled = order.settled, out.mean = order.mean, out.reason = order.reason;
     out.against = "the scene's exact solution";
     return out;
   }
@@ -173,7 +173,7 @@ LevelErrors judge_levels(const std::vector<std::vector<double>>& common, const s
     differences.push_back(relative_error(common[k], common[k + 1]));
   }
   const ObservedOrder order = observed_order(differences, floor);
-  out.settled = order.settled, out.reason = order.reason;
+  out.settled = order.settled, out.mean = order.mean, out.reason = order.reason;
   out.limit = common.empty() ? std::vector<double>{} : common.back();
   out.against = "the finest resolution";
   const double p = order.per_halving.empty() ? NAN : order.per_halving.back();

@@ -137,7 +137,11 @@ class Study {
                  {"horizon", horizon_}};
     if (both && !adaptive_) r.summary["step_follows"] = power_ == 1 ? "dx" : "dx^" + std::to_string(power_);
     if (!both) r.summary["in_time"] = json::object{{"method", methods_}, {"uncertainty", uncertainty_}};
-    if (!found.settled) r.summary["reason"] = found.reason;
+    if (!found.settled) {
+      r.summary["reason"] = found.reason;
+      // Where a front lies between the cells changes from one grid to the next, and the orders with it.
+      if (found.mean) r.summary["mean_order"] = *found.mean;
+    }
     if (!note_.empty()) r.summary["note"] = note_;
     return r;
   }

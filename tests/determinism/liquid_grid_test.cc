@@ -14,6 +14,7 @@ struct Kind {
   const char* name;
   A advection;
   bool space, periodic;
+  bool moves = false;
 };
 
 std::unique_ptr<LiquidRun> make(const Kind& k, int threads) {
@@ -21,6 +22,12 @@ std::unique_ptr<LiquidRun> make(const Kind& k, int threads) {
       water(k.advection, k.space ? std::vector<int64_t>{20, 16, 12} : std::vector<int64_t>{48, 32}, 1.0 / 32);
   d.bodies = {box_of_liquid({0, 0, -1}, {0.25, 0.4, 1})};
   d.obstacles = {ObstacleDef{.center = {0.45, 0.1, 0.2}, .radius = 0.08}};
+  if (k.moves) {
+    d.obstacles[0].shape = ObstacleDef::Shape::box, d.obstacles[0].half = {0.08, 0.04, 0.08};
+    d.obstacles[0].displacement = {"-0.3*t", "0"};
+    if (k.space) d.obstacles[0].displacement.emplace_back("0");
+    d.obstacles[0].angle = "2*t", d.viscosity = 1e-3;
+  }
   if (k.periodic) d.sides.x_min = FlowSideDef{SideKind::periodic, {}};
   d.force =
       k.space ? std::vector<std::string>{"sin(9*t)", "0", "x"} : std::vector<std::string>{"sin(9*t)", "0"};
@@ -57,6 +64,7 @@ TEST_P(LiquidBits, DoNotDependOnHowTheRunIsMade) {
 INSTANTIATE_TEST_SUITE_P(Liquids, LiquidBits,
                          testing::Values(Kind{"flip", A::flip, false, false},
                                          Kind{"apic", A::apic, false, true},
+                                         Kind{"apic_moving_solid", A::apic, false, false, true},
                                          Kind{"flip_space", A::flip, true, true},
                                          Kind{"apic_space", A::apic, true, false}),
                          [](const auto& info) { return info.param.name; });

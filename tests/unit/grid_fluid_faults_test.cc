@@ -68,6 +68,50 @@ TEST(GridFluidFaults, MembersThatDoNotFitAreReported) {
   EXPECT_EQ(reported(d), List{"/obstacles/0/displacement"});
   d.obstacles[0].displacement = {"t", "x"};
   EXPECT_EQ(pointer_of([&] { GridFlow run(d, 0.1); }), "/obstacles/0/displacement/1");
+  d.obstacles[0].displacement.clear(), d.obstacles[0].angle = "2*x";
+  EXPECT_EQ(pointer_of([&] { GridFlow run(d, 0.1); }), "/obstacles/0/angle");
+  d.obstacles[0].angle = "2*t", d.obstacles[0].axis = {1, 0, 0};
+  EXPECT_EQ(reported(d), List{"/obstacles/0/axis"});
+  d.obstacles[0].axis = {};
+  EXPECT_EQ(reported(d), List{"/obstacles/0/axis"});
+}
+
+TEST(GridFluidFaults, SteadyFlowsAreRefusedWhatTheyDoNotHave) {
+  using List = std::vector<std::string>;
+  GridFluidDef d;
+  d.cells = {8, 8}, d.viscosity = 0.1;
+  d.stepping = GridFluidDef::Stepping::steady;
+  EXPECT_EQ(reported(d), List{});
+  const auto with = [&](auto change) {
+    GridFluidDef other = d;
+    change(other);
+    return reported(other);
+  };
+  EXPECT_EQ(with([](auto& o) { o.viscosity = 0; }), List{"/viscosity"});
+  EXPECT_EQ(with([](auto& o) { o.cells = {8, 8, 8}; }), List{"/cells"});
+  EXPECT_EQ(with([](auto& o) { o.cells = {600, 600}; }), List{"/cells"});
+  EXPECT_EQ(with([](auto& o) { o.obstacles = {ObstacleDef{}}; }), List{"/obstacles"});
+  EXPECT_EQ(with([](auto& o) { o.scalar = ScalarDef{}; }), List{"/scalar"});
+  EXPECT_EQ(with([](auto& o) { o.initial = {"0", "0"}; }), List{"/initial"});
+  EXPECT_EQ(with([](auto& o) { o.cfl = 1; }), List{"/cfl"});
+  EXPECT_EQ(with([](auto& o) { o.viscous = GridFluidDef::Viscous::implicit; }), List{"/viscous"});
+  EXPECT_EQ(with([](auto& o) { o.advection = GridFluidDef::Advection::maccormack; }), List{"/advection"});
+  EXPECT_EQ(with([](auto& o) {
+              o.sides.x_max = FlowSideDef{SideKind::outflow, {}};
+            }),
+            List{"/sides/x_max/kind"});
+  d.sides.y_max = FlowSideDef{SideKind::wall, {"t", "0"}};
+  EXPECT_EQ(pointer_of([&] { GridFlow run(d, 0.1); }), "/sides/y_max/velocity");
+  d.sides.y_max->velocity = {"x", "0"};
+  EXPECT_EQ(pointer_of([&] { GridFlow run(d, 0.1); }), "nothing was refused");
+  d.order = GridFluidDef::Order::fourth;
+  EXPECT_EQ(pointer_of([&] { GridFlow run(d, 0.1); }), "/sides/y_max/velocity");
+  d.sides.y_max->velocity = {"1", "0"};
+  GridFlow run(d, 0.1);
+  run.steps(1);
+  const auto refused = [&](Command c) { return pointer_of([&] { run.system->apply(run.state, c); }); };
+  EXPECT_EQ(refused({.kind = CommandKind::impulse, .vector = {1, 0, 0}}), "/kind");
+  EXPECT_EQ(refused({.kind = CommandKind::set_parameter, .value = 0, .name = "viscosity"}), "/value");
 }
 
 TEST(GridFluidFaults, LiquidsAreRefusedWhatTheyDoNotHave) {
@@ -85,6 +129,8 @@ TEST(GridFluidFaults, LiquidsAreRefusedWhatTheyDoNotHave) {
   d = apic(), d.advection = A::central;
   EXPECT_EQ(reported(d), List{"/bodies"});
   d = apic(), d.obstacles = {ObstacleDef{}}, d.obstacles[0].displacement = {"t", "0"};
+  EXPECT_EQ(reported(d), List{});
+  d.obstacles[0].displacement = {"t"};
   EXPECT_EQ(reported(d), List{"/obstacles/0/displacement"});
   d = apic(), d.scalar = ScalarDef{};
   EXPECT_EQ(reported(d), List{"/scalar"});

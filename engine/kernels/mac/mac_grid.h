@@ -9,6 +9,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "engine/math/vec3.h"
+
 namespace truestep::mac {
 
 inline constexpr size_t kGhosts = 2;
@@ -41,6 +43,16 @@ struct MacGrid {
   double coordinate(size_t place, size_t a, double i) const {
     if (a >= dimensions) return 0;
     return origin[a] + spacing[a] * (place == a ? i : i + 0.5);
+  }
+  /// m, of the value of `place` at an offset.
+  Vec3 position(size_t place, size_t at) const {
+    double x[3] = {};
+    for (size_t a = dimensions; a-- > 0;) {
+      const size_t padded = at / stride(a);
+      at -= padded * stride(a);
+      x[a] = coordinate(place, a, static_cast<double>(padded) - static_cast<double>(kGhosts));
+    }
+    return {x[0], x[1], x[2]};
   }
   double cell_volume() const {
     double v = 1;

@@ -12,7 +12,10 @@ using mac::kCentre;
 using mac::Mirror;
 
 FlowModel::FlowModel(const GridFluidDef& d, const Vec3& g)
-    : def(d), grid(make_grid(d)), texts(d, grid), solids(d.obstacles, grid), gravity(g) {
+    : def(d), grid(make_grid(d)), texts(d, grid), gravity(g) {
+  ObstaclePlaces start;
+  texts.place_obstacles(d.obstacles, 0, start);
+  solids = Solids(start.obstacles, grid);
   bool inflow = false;
   for (size_t a = 0; a < grid.dimensions; ++a) {
     for (size_t end = 0; end < 2; ++end) {
@@ -96,14 +99,10 @@ void Flow::bind(const FlowModel& m, const ThreadArena& arena) {
     force_[c].clear();
   }
   set(scalar_sides_, kCentre), set(pressure_sides_, kPressure);
-  solids_ = &m.solids, solids_time_ = -1, places_ = {};
+  solids_.bind(m);
   if (m.solids.any()) {
-    m.texts.place_obstacles(m.def.obstacles, 0, places_);
-    if (m.texts.obstacles_move) {
-      moving_ = m.solids, solids_ = &moving_;
-      moving_.set_aside();
-      for (size_t c = 0; c < m.grid.dimensions; ++c) were_inside_[c].reserve(moving_.inside[c].capacity());
-    }
+    for (size_t c = 0; c < m.grid.dimensions && m.texts.obstacles_move; ++c)
+      were_inside_[c].reserve(solids_->inside[c].capacity());
     cut_pressure_.emplace(m.grid, m.mirrors(kPressure), m.solids.open);
   } else {
     pressure_.emplace(m.grid, kCentre, m.mirrors(kPressure),
@@ -161,12 +160,7 @@ double Flow::crossing_rate(FlowFields& f, double t) {
   }
   if (model_->texts.obstacles_move) {
     place_obstacles(t);
-    for (size_t n = 0; n < places_.velocity.size(); ++n) {
-      double rate = 0;
-      for (size_t c = 0; c < g.dimensions; ++c)
-        rate += std::abs(obstacle_velocity(static_cast<uint32_t>(n), c)) / g.spacing[c];
-      sum = std::max(sum, rate);
-    }
+    sum = std::max(sum, solids_.crossing_rate());
   }
   return std::max(sum, side_rate_);
 }

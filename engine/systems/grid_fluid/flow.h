@@ -18,6 +18,7 @@
 #include "engine/lattice/cut_poisson.h"
 #include "engine/lattice/staggered_solver.h"
 #include "engine/systems/grid_fluid/flow_texts.h"
+#include "engine/systems/grid_fluid/moving_solids.h"
 #include "engine/systems/grid_fluid/solids.h"
 
 namespace truestep::grid_fluid {
@@ -28,7 +29,7 @@ struct FlowModel {
   GridFluidDef def;
   mac::MacGrid grid;
   FlowTexts texts;
-  Solids solids;
+  Solids solids;      ///< as they are at the start
   Vec3 gravity;       ///< m/s^2
   bool open = false;  ///< a side is an outflow
   std::array<std::array<SideKind, 2>, 3> kinds{};
@@ -50,6 +51,7 @@ struct FlowFields {
   double *pressure = nullptr, *scalar = nullptr;
   double viscosity = 0;
   std::array<double, 3> impulse{};  ///< N s per density, that obstacles have had from the fluid
+  double turning = 0;               ///< N m s per density, the same about their axes
   lattice::CutPoisson::Outcome solved;
   double last_h = 0;  ///< s, of the substep that `rate` is from; 0: none
 };
@@ -107,10 +109,8 @@ class Flow {
   void settle_shut_faces(FlowFields& f, size_t c, const double* phi);
   /// Pressure in cells that are shut: the mean of those around, so that they start well when they open.
   void extend_pressure(FlowFields& f);
-  double obstacle_velocity(uint32_t obstacle, size_t c) const {
-    const Vec3& v = places_.velocity[obstacle];
-    return c == 0 ? v.x : c == 1 ? v.y : v.z;
-  }
+  /// The obstacle that a face belongs to has had `amount` (m/s of the face's volume) along component c.
+  void note_turning(FlowFields& f, const Solids::Face& face, size_t c, double amount) const;
   void open_sides(size_t c, double* u);
   void balance(FlowFields& f);
   double* array(size_t k) { return arrays_[k].data.data(); }
@@ -125,10 +125,7 @@ class Flow {
   std::optional<lattice::CutPoisson> cut_pressure_;
   std::array<Buffer, 10> arrays_;
   std::array<std::vector<double>, 3> force_;  ///< constant in time
-  const Solids* solids_ = nullptr;            ///< the model's, or those that move
-  Solids moving_;
-  ObstaclePlaces places_;
-  double solids_time_ = -1;  ///< s, that `moving_` are placed for
+  MovingSolids solids_;
   std::array<std::vector<Solids::Face>, 3> were_inside_;
 };
 

@@ -12,50 +12,46 @@ namespace truestep::grid_fluid {
 using mac::kCentre;
 
 void Flow::place_obstacles(double t) {
-  if (!model_->texts.obstacles_move || solids_time_ == t) return;
-  model_->texts.place_obstacles(model_->def.obstacles, t, places_);
-  moving_.place(places_.obstacles, model_->grid);
-  cut_pressure_->set({moving_.open[0].data(), moving_.open[1].data(), moving_.open[2].data()}, nullptr,
+  if (!solids_.place(t)) return;
+  cut_pressure_->set({solids_->open[0].data(), solids_->open[1].data(), solids_->open[2].data()}, nullptr,
                      *arena_);
-  solids_time_ = t;
 }
 
 void Flow::move_obstacles(FlowFields& f, double t) {
-  if (!model_->texts.obstacles_move || solids_time_ == t) return;
+  if (!model_->texts.obstacles_move) return;
   const mac::MacGrid& g = model_->grid;
-  for (size_t c = 0; c < g.dimensions; ++c) were_inside_[c] = moving_.inside[c];
+  for (size_t c = 0; c < g.dimensions; ++c) were_inside_[c] = solids_->inside[c];
   place_obstacles(t);
   // Faces that an obstacle uncovers keep the velocity that was extended into it, not the rate that it had
   // there.
   for (size_t c = 0; c < g.dimensions && model_->sharp_walls(); ++c) {
     double* rate = f.rate[c] ? f.rate[c] : array(3 + c);
     for (const Solids::Face& face : were_inside_[c]) {
-      if (!moving_.is_inside(c, face.at)) rate[face.at] = 0;
+      if (!solids_->is_inside(c, face.at)) rate[face.at] = 0;
     }
   }
 }
 
+void Flow::note_turning(FlowFields& f, const Solids::Face& face, size_t c, double amount) const {
+  if (!model_->texts.obstacles_turn) return;
+  f.turning += amount * solids_.lever(face, c) * model_->grid.cell_volume();
+}
+
 void Flow::stop_in_solids(FlowFields& f) {
-  const mac::MacGrid& g = model_->grid;
-  for (size_t c = 0; c < g.dimensions; ++c) {
+  for (size_t c = 0; c < model_->grid.dimensions; ++c) {
     const double* fluid = solids_->fluid[c].data();
     double taken = 0;
-    const size_t rows = g.count(c, 1) * g.count(c, 2);
-    for (size_t r = 0; r < rows; ++r) {
-      const size_t at = g.at(0, r % g.count(c, 1), r / g.count(c, 1));
-      for (size_t i = at; i < at + g.count(c, 0); ++i) {
-        if (fluid[i] == 1) continue;
-        taken += (1 - fluid[i]) * f.u[c][i];
-        f.u[c][i] *= fluid[i];
-      }
+    for (const Solids::Face& face : solids_->shut[c]) {
+      double& u = f.u[c][face.at];
+      const double share = 1 - fluid[face.at], had = share * u;
+      taken += had;
+      u *= fluid[face.at];
+      if (!model_->texts.obstacles_move) continue;
+      const double given = share * solids_.velocity(face, c);
+      u += given, taken -= given;
+      note_turning(f, face, c, had - given);
     }
-    if (model_->texts.obstacles_move) {
-      for (const Solids::Face& face : solids_->shut[c]) {
-        const double given = (1 - fluid[face.at]) * obstacle_velocity(face.obstacle, c);
-        f.u[c][face.at] += given, taken -= given;
-      }
-    }
-    f.impulse[c] += taken * g.cell_volume();
+    f.impulse[c] += taken * model_->grid.cell_volume();
   }
 }
 
@@ -73,11 +69,12 @@ void Flow::extend_into_solids(FlowFields& f, At where) {
   const mac::MacGrid& g = model_->grid;
   for (size_t c = 0; c < g.dimensions; ++c) {
     double* u = f.u[c];
-    for (const Solids::Face& face : solids_->inside[c]) u[face.at] = obstacle_velocity(face.obstacle, c);
+    for (const Solids::Face& face : solids_->inside[c]) u[face.at] = solids_.velocity(face, c);
     for (const Solids::Wall& w : solids_->walls[c]) {
       if (where == At::open_part && solids_->open[c][w.face.at] == 0) continue;
       const auto& weight = where == At::centre ? w.ghost : w.flux;
-      const double own = obstacle_velocity(w.face.obstacle, c);
+      const Vec3 wall = solids_.velocity(w.face.obstacle, w.foot);
+      const double own = c == 0 ? wall.x : c == 1 ? wall.y : wall.z;
       double value = own;
       for (size_t m = 0; m < 2; ++m) {
         if (weight[m] == 0) continue;
@@ -94,6 +91,7 @@ void Flow::hold_solids(FlowFields& f, size_t c, double* change) {
   double taken = 0;
   for (const Solids::Face& face : solids_->inside[c]) {
     taken += change[face.at];
+    note_turning(f, face, c, change[face.at]);
     change[face.at] = 0;
   }
   f.impulse[c] += taken * model_->grid.cell_volume();
@@ -109,7 +107,7 @@ void Flow::divergence_between_solids(const FlowFields& f, double* phi) {
     });
     if (!model_->texts.obstacles_move) continue;
     for (const Solids::Face& face : solids_->shut[c])
-      passing[c][face.at] += (1 - open[face.at]) * obstacle_velocity(face.obstacle, c);
+      passing[c][face.at] += (1 - open[face.at]) * solids_.velocity(face, c);
   }
   mac::divergence(g, {passing[0], passing[1], passing[2]}, phi, *arena_);
 }
@@ -121,13 +119,16 @@ void Flow::settle_shut_faces(FlowFields& f, size_t c, const double* phi) {
   if (model_->sharp_walls()) {
     const double scale = 1 / g.spacing[c];
     for (const Solids::Face& face : solids_->inside[c]) {
-      taken -= scale * (phi[face.at] - phi[face.at - g.stride(c)]);
-      if (open[face.at] == 0) f.u[c][face.at] = obstacle_velocity(face.obstacle, c);
+      const double given = -scale * (phi[face.at] - phi[face.at - g.stride(c)]);
+      taken += given;
+      note_turning(f, face, c, given);
+      if (open[face.at] == 0) f.u[c][face.at] = solids_.velocity(face, c);
     }
   } else {
     for (const Solids::Face& face : solids_->shut[c]) {
       if (open[face.at] > 0) continue;
-      const double own = obstacle_velocity(face.obstacle, c);
+      const double own = solids_.velocity(face, c);
+      note_turning(f, face, c, f.u[c][face.at] - own);
       taken += f.u[c][face.at] - own, f.u[c][face.at] = own;
     }
   }

@@ -5,6 +5,7 @@
 #include "engine/base/errors.h"
 #include "engine/kernels/mac/momentum.h"
 #include "engine/math/expression/names.h"
+#include "engine/math/trig.h"
 
 namespace truestep::grid_fluid {
 
@@ -12,6 +13,7 @@ namespace {
 
 using Node = ExpressionGraph::Node;
 enum Variable : int32_t { kT, kX, kY, kZ };
+constexpr size_t kAngle = 3;
 
 class Reader {
  public:
@@ -42,8 +44,8 @@ class Reader {
       const Node roots[] = {n, by_time.empty() ? graph_.constant(0) : by_time[0].node};
       const ExpressionRows rows(graph_, roots);
       if (rows.uses(kX) || rows.uses(kY) || rows.uses(kZ))
-        issues_.push_back({pointer, "bad_expression", "an obstacle is displaced by a function of t alone",
-                           text, "t", "", ""});
+        issues_.push_back(
+            {pointer, "bad_expression", "an obstacle moves by a function of t alone", text, "t", "", ""});
       return rows;
     } catch (const ExpressionFault& f) {
       issues_.push_back({pointer, "bad_expression", describe(f, text), text, "", f.did_you_mean, ""});
@@ -92,15 +94,21 @@ FlowTexts::FlowTexts(const GridFluidDef& def, const mac::MacGrid& grid) {
       motion_[n][c] =
           r.read_motion("/obstacles/" + std::to_string(n) + "/displacement/" + std::to_string(c), texts[c]);
     }
+    const std::string& angle = def.obstacles[n].angle;
+    if (angle.empty()) continue;
+    motion_[n][kAngle] = r.read_motion("/obstacles/" + std::to_string(n) + "/angle", angle);
+    const bool turns = motion_[n][kAngle].uses(kT);
+    obstacles_move = obstacles_move || turns, obstacles_turn = obstacles_turn || turns;
   }
   r.throw_faults();
 }
 
 void FlowTexts::place_obstacles(const std::vector<ObstacleDef>& start, double t, ObstaclePlaces& out) const {
-  if (out.obstacles.size() != start.size()) out.obstacles = start, out.velocity.assign(start.size(), {});
+  if (out.obstacles.size() != start.size())
+    out.obstacles = start, out.velocity.assign(start.size(), {}), out.spin.assign(start.size(), {});
   for (size_t n = 0; n < start.size(); ++n) {
-    double moved[3] = {}, speed[3] = {};
-    for (size_t c = 0; c < 3; ++c) {
+    double moved[4] = {}, speed[4] = {};
+    for (size_t c = 0; c < 4; ++c) {
       if (motion_[n][c].outputs() == 0) continue;
       const ExpressionRows::Column in[] = {{&t, 0}, {}, {}, {}};
       const ExpressionRows::Output to[] = {{&moved[c], 1}, {&speed[c], 1}};
@@ -108,6 +116,11 @@ void FlowTexts::place_obstacles(const std::vector<ObstacleDef>& start, double t,
     }
     out.obstacles[n].center = start[n].center + Vec3{moved[0], moved[1], moved[2]};
     out.velocity[n] = {speed[0], speed[1], speed[2]};
+    if (motion_[n][kAngle].outputs() == 0) continue;
+    const Vec3 axis = normalized(start[n].axis);
+    const trig::SinCos half = trig::sincos(0.5 * moved[kAngle]);
+    out.obstacles[n].turned = {half.cos, half.sin * axis.x, half.sin * axis.y, half.sin * axis.z};
+    out.spin[n] = speed[kAngle] * axis;
   }
 }
 

@@ -18,8 +18,9 @@ struct Program {
 
 /// Where obstacles are at a time, and how fast.
 struct ObstaclePlaces {
-  std::vector<ObstacleDef> obstacles;  ///< with `center` where it is now
+  std::vector<ObstacleDef> obstacles;  ///< with `center` and `turned` as they are now
   std::vector<Vec3> velocity;          ///< m/s
+  std::vector<Vec3> spin;              ///< rad/s
 };
 
 class FlowTexts {
@@ -30,7 +31,7 @@ class FlowTexts {
   std::array<Program, 3> initial, force, exact;
   Program scalar_initial, scalar_source;
   std::array<std::array<std::array<Program, 3>, 2>, 3> sides;  ///< [axis][end][component]
-  bool has_exact = false, forced = false, sides_move = false, obstacles_move = false;
+  bool has_exact = false, forced = false, sides_move = false, obstacles_move = false, obstacles_turn = false;
 
   /// Of the scene's obstacles at time t (s); allocates the first time.
   void place_obstacles(const std::vector<ObstacleDef>& start, double t, ObstaclePlaces& out) const;
@@ -42,8 +43,8 @@ class FlowTexts {
                    std::vector<double>& out) const;
 
  private:
-  std::vector<std::array<ExpressionRows, 3>>
-      motion_;  ///< per obstacle and axis: displacement and its derivative
+  /// Per obstacle and axis the displacement, then the angle; each with its derivative.
+  std::vector<std::array<ExpressionRows, 4>> motion_;
 };
 
 }  // namespace truestep::grid_fluid

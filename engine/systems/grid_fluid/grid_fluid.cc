@@ -6,7 +6,8 @@
 #include "engine/base/errors.h"
 #include "engine/base/short_number.h"
 #include "engine/core/command_checks.h"
-#include "engine/systems/grid_fluid/liquid.h"
+#include "engine/systems/grid_fluid/liquid/liquid.h"
+#include "engine/systems/grid_fluid/steady_flow.h"
 
 namespace truestep::grid_fluid {
 
@@ -21,7 +22,8 @@ enum Number : size_t {
   kDrag,
   kLift,
   kNumbers,
-  kDivergence = kNumbers  ///< FlowModel::keeps_divergence: there is one more
+  kDivergence = kNumbers,  ///< FlowModel::keeps_divergence: there is one more
+  kTorque                  ///< obstacles turn: another one
 };
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
@@ -53,8 +55,9 @@ GridFluid::GridFluid(const GridFluidDef& def, const BuildContext& context)
     start_.add({std::string("velocity.") + kAxes[c], "m/s", Scalar::f64, 1, Role::position}, g.size());
   }
   start_.add({"pressure", "m^2/s^2", Scalar::f64, 1, Role::internal}, g.size());
-  numbers_ = start_.add({"numbers", "1", Scalar::f64, 1, Role::internal},
-                        kNumbers + (model_.keeps_divergence() ? 1 : 0));
+  numbers_ =
+      start_.add({"numbers", "1", Scalar::f64, 1, Role::internal},
+                 kNumbers + (model_.keeps_divergence() ? 1u : 0u) + (model_.texts.obstacles_turn ? 1u : 0u));
   if (def.advection == GridFluidDef::Advection::central && def.stepping == GridFluidDef::Stepping::ab2) {
     for (size_t c = 0; c < g.dimensions; ++c) {
       const auto column =
@@ -62,9 +65,19 @@ GridFluid::GridFluid(const GridFluidDef& def, const BuildContext& context)
       if (c == 0) rate_ = column;
     }
   }
+  if (def.steady()) {
+    SteadyFlow::check(model_);
+    stream_ = start_.add({"stream", "m^2/s", Scalar::f64, 1, Role::internal}, g.size());
+    start_.add({"steady", "1", Scalar::f64, 1, Role::internal}, kSteadyNumbers);
+  }
   if (def.scalar) scalar_ = start_.add({"scalar", "1", Scalar::f64, 1, Role::position}, g.size());
   start_.f64(numbers_)[kViscosity] = def.viscosity;
 
+  if (def.steady()) {
+    add_stage("steady", std::to_string(g.cell_count()) + " cells, by Newton's method on the stream function",
+              [this](State& s, const StepInput& in) { find_steady(s, in); });
+    return;
+  }
   static const ThreadArena kSerial(1);
   Flow flow;
   flow.bind(model_, kSerial);
@@ -140,15 +153,38 @@ void GridFluid::advance(State& s, const StepInput& in) const {
   const auto n = std::max(1, static_cast<int>(wanted));
   const double h = in.h / n;
   for (int i = 0; i < n; ++i) {
-    f.impulse = {};
+    f.impulse = {}, f.turning = 0;
     flow.substep(f, in.t + i * h, h);
   }
   numbers[kIterations] = f.solved.iterations, numbers[kResidual] = f.solved.residual;
   numbers[kDrag] = model_.def.density * f.impulse[0] / h,
   numbers[kLift] = model_.def.density * f.impulse[1] / h;
+  if (model_.texts.obstacles_turn) numbers[kTorque] = model_.def.density * f.turning / h;
   numbers[kLastStep] = f.last_h, numbers[kSubsteps] = n;
   numbers[kCfl] = flow.crossing_rate(f, in.t + in.h) * h;
   if (model_.keeps_divergence()) numbers[kDivergence] = flow.largest_divergence(f, in.t + in.h);
+}
+
+// The first step finds the flow, and so does one after the viscosity has changed, starting from what there
+// is.
+void GridFluid::find_steady(State& s, const StepInput& in) const {
+  const auto found = s.f64(*stream_ + 1);
+  FlowFields f = fields(s);
+  if (found[kFoundFor] == f.viscosity) return;
+  auto& steady = in.workspace.object<SteadyFlow>("grid_fluid.steady");
+  steady.bind(model_, in.arena);
+  double* psi = s.f64(*stream_).data();
+  const auto from = found[kFoundFor] > 0 ? SteadyFlow::From::psi : SteadyFlow::From::rest;
+  const SteadyFlow::Outcome out = steady.solve(psi, f.viscosity, from, model_.def.tolerance);
+  if (!out.found) {
+    throw Instability(id_, "velocity.x", -1,
+                      "no steady flow was found in " + std::to_string(out.iterations) +
+                          " iterations, the last of which changed the velocity by " +
+                          short_number(100 * out.change) + " %");
+  }
+  found[kFoundFor] = f.viscosity, found[kSteadyIterations] = out.iterations, found[kChange] = out.change;
+  steady.fields(psi, f);
+  if (model_.keeps_divergence()) s.f64(numbers_)[kDivergence] = steady.largest_divergence(f);
 }
 
 void GridFluid::apply(State& s, const Command& c) const {
@@ -158,8 +194,11 @@ void GridFluid::apply(State& s, const Command& c) const {
       refuse_command("name", "unknown_parameter", "no parameter " + c.name + " to set", "viscosity");
     }
     if (!(c.value >= 0)) refuse_command("value", "out_of_range", "the viscosity is at least 0", ">= 0");
+    if (stream_ && c.value == 0)
+      refuse_command("value", "out_of_range", "a steady flow needs viscosity", "> 0");
     s.f64(numbers_)[kViscosity] = c.value;
   } else if (c.kind == CommandKind::impulse) {
+    if (stream_) refuse_command("kind", "unknown_command", "a steady flow is not pushed", "set_parameter");
     if (!c.at) refuse_command("at", "missing", "an impulse on a fluid needs the place where it acts");
     const mac::MacGrid& g = model_.grid;
     const double at[] = {c.at->x, c.at->y, c.at->z}, vector[] = {c.vector.x, c.vector.y, c.vector.z};
@@ -212,6 +251,10 @@ void warn_of_crossing(double cells, double most, double h, std::vector<Warning>&
 }
 
 std::vector<std::string> GridFluid::remedies() const {
+  if (stream_)
+    return {"more viscosity, lowered while the session runs: each flow is the start of the next",
+            "more cells, a power of two times sixteen: each half as fine grid gives the next one its start",
+            "a flow that sheds eddies has no steady state to be found: stepping rk3 shows it"};
   return {"a shorter dt", "advection along paths (semi_lagrangian, maccormack, bfecc), which holds any step",
           "more cells, or more viscosity: eddies smaller than a cell cannot be held"};
 }

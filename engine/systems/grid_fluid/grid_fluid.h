@@ -1,7 +1,8 @@
 // An incompressible fluid in a box of two or three dimensions on a staggered grid (flow.h): smooth flows by
 // central differences, any other along paths; walls, inflow, outflow, periodic sides; what the flow carries
 // and what that weighs. A step is divided into as many equal substeps as its speed and viscosity ask for.
-// Commands: set_parameter viscosity; impulse gives momentum to the fluid around a place.
+// Steady flows are found at once (steady_flow.h). Commands: set_parameter viscosity; impulse gives momentum
+// to the fluid around a place.
 #pragma once
 #include "engine/core/system.h"
 #include "engine/systems/grid_fluid/flow.h"
@@ -29,6 +30,7 @@ class GridFluid final : public StagedSystem {
 
  private:
   void advance(State& state, const StepInput& in) const;
+  void find_steady(State& state, const StepInput& in) const;
   FlowFields fields(State& state) const;
   double rms_error(const State& state, double t) const;
   void vorticity(const State& state, double* out) const;
@@ -39,8 +41,12 @@ class GridFluid final : public StagedSystem {
   FlowModel model_;
   State::Column numbers_ = 0;
   std::optional<State::Column> rate_, scalar_;
+  std::optional<State::Column> stream_;  ///< of a steady flow; the next one is `steady`
   State start_;
 };
+
+/// Column `steady`: viscosity (m^2/s) that the flow was found for, 0 before.
+enum SteadyNumber : size_t { kFoundFor, kSteadyIterations, kChange, kSteadyNumbers };
 
 /// Cells along paths that a first-order rule follows closely enough (Foster, Fedkiw 2001, "Practical
 /// animation of liquids", section 4).

@@ -1,6 +1,7 @@
 // What a scene says about the flow of a fluid through a box; see grid_fluid.h.
 #pragma once
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "engine/core/outputs.h"
 #include "engine/core/resolution.h"
 #include "engine/kernels/mac/mac_grid.h"
+#include "engine/math/quaternion.h"
 
 namespace truestep::grid_fluid {
 
@@ -40,6 +42,9 @@ struct ObstacleDef {
   double radius = 0.1;                    ///< m
   Vec3 half{0.1, 0.1, 0.1};               ///< m
   std::vector<std::string> displacement;  ///< m, of the middle; empty: at rest
+  std::string angle;                      ///< rad, about `axis`; empty: not turned
+  Vec3 axis{0, 0, 1};
+  Quat turned;  ///< of an obstacle that has been placed
 };
 
 /// Where there is liquid at the start.
@@ -68,18 +73,20 @@ struct GridFluidDef {
     apic
   } advection = Advection::central;
   enum class Order : uint8_t { second, fourth } order = Order::second;
-  enum class Stepping : uint8_t { rk3, ab2 } stepping = Stepping::rk3;
+  enum class Stepping : uint8_t { rk3, ab2, steady } stepping = Stepping::rk3;
   enum class Viscous : uint8_t { automatic, explicit_, implicit } viscous = Viscous::automatic;
   std::optional<double> cfl;
   std::vector<std::string> initial, force, exact;
   std::optional<ScalarDef> scalar;
   double vorticity_confinement = 0;
   std::vector<ObstacleDef> obstacles;
-  double tolerance = 1e-6;  ///< of the pressure where obstacles stand
+  double tolerance = 1e-6;  ///< of the pressure where obstacles stand, of a steady flow's last change
   std::vector<LiquidBodyDef> bodies;
   int particles_per_axis = 2;
   double flip = 0.97;
 
+  /// Found at once instead of stepped.
+  bool steady() const { return stepping == Stepping::steady; }
   /// A liquid with a surface, carried by particles.
   bool liquid() const { return advection == Advection::flip || advection == Advection::apic; }
 };
@@ -92,12 +99,13 @@ const Resolution& grid_fluid_resolution();
 /// Grid and sides as the scene says them.
 mac::MacGrid make_grid(const GridFluidDef& d);
 /// m, where the particles of a liquid are at the start: middles of the grid's cells divided by
-/// particles_per_axis that lie in a body and in no obstacle; with the number of the body.
+/// particles_per_axis that lie in a body and in no obstacle (as placed at the start); with the number of the
+/// body.
 struct StartingPlace {
   Vec3 at;
   size_t body;
 };
-std::vector<StartingPlace> starting_places(const GridFluidDef& d);
+std::vector<StartingPlace> starting_places(const GridFluidDef& d, std::span<const ObstacleDef> obstacles);
 /// The same number, by the volumes of the bodies.
 double expected_particles(const GridFluidDef& d);
 const FlowSideDef& side_of(const GridFluidDef& d, size_t axis, size_t end);

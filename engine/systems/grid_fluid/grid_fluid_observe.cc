@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "engine/systems/grid_fluid/grid_fluid.h"
-#include "engine/systems/grid_fluid/liquid.h"
+#include "engine/systems/grid_fluid/liquid/liquid.h"
 
 namespace truestep::grid_fluid {
 
@@ -133,12 +133,18 @@ void GridFluid::observe(const State& s, double t, Observables& out) const {
   out.add("speed.max", fastest, "m/s");
   out.add("cfl", s.f64(numbers_)[3], "1");
   out.add("substeps", s.f64(numbers_)[2], "1");
+  if (stream_) {
+    const auto found = s.f64(*stream_ + 1);
+    out.add("steady.iterations", found[kSteadyIterations], "1");
+    out.add("steady.change", found[kChange], "1");
+  }
   if (model_.solids.any()) {
     const auto numbers = s.f64(numbers_);
     out.add("pressure.iterations", numbers[4], "1");
     out.add("pressure.residual", numbers[5], "1");
     out.add("obstacle.drag", numbers[6], "N");
     out.add("obstacle.lift", numbers[7], "N");
+    if (model_.texts.obstacles_turn) out.add("obstacle.torque", numbers[9], "N m");
   }
   if (scalar_) {
     const auto q = s.f64(*scalar_);
@@ -166,6 +172,7 @@ void draw_obstacles(const std::vector<ObstacleDef>& obstacles, Drawing& out) {
     const bool sphere = o.shape == ObstacleDef::Shape::sphere;
     shape.kind = sphere ? DrawnShape::Kind::sphere : DrawnShape::Kind::box;
     shape.position = o.center;
+    shape.orientation = {o.turned.w, o.turned.x, o.turned.y, o.turned.z};
     shape.size = sphere ? Vec3{o.radius, 0, 0} : o.half;
     out.obstacles.push_back(shape);
   }

@@ -11,6 +11,10 @@ double distance_to(std::span<const ObstacleDef> obstacles, const Vec3& at, size_
   for (size_t n = 0; n < obstacles.size(); ++n) {
     const ObstacleDef& o = obstacles[n];
     double d[3] = {at.x - o.center.x, at.y - o.center.y, dimensions == 3 ? at.z - o.center.z : 0};
+    if (o.shape == ObstacleDef::Shape::box && o.turned != Quat{}) {
+      const Vec3 own = rotation(o.turned).apply_inverse({d[0], d[1], d[2]});
+      d[0] = own.x, d[1] = own.y, d[2] = own.z;
+    }
     double here = 0;
     if (o.shape == ObstacleDef::Shape::sphere) {
       here = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) - o.radius;
@@ -49,7 +53,14 @@ void Solids::place(std::span<const ObstacleDef> obstacles, const mac::MacGrid& g
   // Faces further than two cells from every obstacle are open.
   near_.assign(g.size(), 0);
   for (const ObstacleDef& o : obstacles) {
-    const double center[] = {o.center.x, o.center.y, o.center.z}, half[] = {o.half.x, o.half.y, o.half.z};
+    const double center[] = {o.center.x, o.center.y, o.center.z};
+    double half[] = {o.half.x, o.half.y, o.half.z};
+    if (o.turned != Quat{}) {
+      const Rotation r = rotation(o.turned);
+      for (size_t a = 0; a < 3; ++a)
+        half[a] = std::abs(r.row[a].x) * o.half.x + std::abs(r.row[a].y) * o.half.y +
+                  std::abs(r.row[a].z) * o.half.z;
+    }
     size_t first[3] = {}, last[3] = {1, 1, 1};
     for (size_t a = 0; a < g.dimensions; ++a) {
       const double reach = (o.shape == ObstacleDef::Shape::sphere ? o.radius : half[a]) / g.spacing[a] + 2;
@@ -109,7 +120,7 @@ void Solids::measure_faces(std::span<const ObstacleDef> obstacles, const mac::Ma
           sum += share, depth += 0.5 * share * (std::max(low, 0.0) + std::max(high, 0.0));
         }
         open[c][at] = sum / strips < kLeastOpen ? 0 : sum / strips;
-        if (open[c][at] < 1) shut[c].push_back(face);
+        if (open[c][at] < 1 || fluid[c][at] < 1) shut[c].push_back(face);
         if (here <= 0 || open[c][at] == 0) {
           inside[c].push_back(face), depth_.push_back(sum > 0 ? depth / sum : 0);
           solid_[c][at] = 1;
@@ -151,13 +162,8 @@ void Solids::find_walls(std::span<const ObstacleDef> obstacles, const mac::MacGr
       }
     }
     if (!beside) continue;
-    size_t rest = face.at;
-    double x[3] = {};
-    for (size_t a = g.dimensions; a-- > 0;) {
-      const size_t padded = rest / g.stride(a);
-      rest -= padded * g.stride(a);
-      x[a] = g.coordinate(c, a, static_cast<double>(padded) - static_cast<double>(mac::kGhosts));
-    }
+    const Vec3 middle = g.position(c, face.at);
+    const double x[3] = {middle.x, middle.y, middle.z};
     const auto distance = [&](const double* p) {
       return distance_to(obstacles, {p[0], p[1], p[2]}, g.dimensions);
     };
@@ -171,7 +177,13 @@ void Solids::find_walls(std::span<const ObstacleDef> obstacles, const mac::MacGr
     }
     if (length == 0) continue;
     length = std::sqrt(length);
-    Wall wall{.face = face, .image = {}, .share = {}, .ghost = {}, .flux = {}};
+    const double down = depth / length;
+    Wall wall{.face = face,
+              .foot = middle - down * Vec3{normal[0], normal[1], normal[2]},
+              .image = {},
+              .share = {},
+              .ghost = {},
+              .flux = {}};
     std::array<bool, 2> sound{true, true};
     for (size_t m = 0; m < 2; ++m) {
       size_t at = g.base();

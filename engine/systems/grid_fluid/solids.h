@@ -28,6 +28,7 @@ struct Solids {
   /// mean of the face's open part (`flux`).
   struct Wall {
     Face face;
+    Vec3 foot;  ///< m, the place on the obstacle's surface
     std::array<uint32_t, 2> image;
     std::array<std::array<double, 3>, 2> share;
     std::array<double, 2> ghost, flux;
@@ -44,7 +45,7 @@ struct Solids {
 
   std::array<Array, 3> open;                ///< share of each face that is fluid, 0 to 1
   std::array<Array, 3> fluid;               ///< share of the volume around each face that is fluid
-  std::array<std::vector<Face>, 3> shut;    ///< faces that are not all open
+  std::array<std::vector<Face>, 3> shut;    ///< faces that are not all open, or their volumes not all fluid
   std::array<std::vector<Face>, 3> inside;  ///< those whose centre is not in the fluid
   std::array<std::vector<Wall>, 3> walls;   ///< those next to a face whose centre is
 

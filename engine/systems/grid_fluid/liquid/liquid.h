@@ -2,7 +2,7 @@
 // many equal substeps as its fastest particle asks for. Commands: impulse on a particle.
 #pragma once
 #include "engine/core/system.h"
-#include "engine/systems/grid_fluid/liquid_flow.h"
+#include "engine/systems/grid_fluid/liquid/liquid_flow.h"
 
 namespace truestep::grid_fluid {
 

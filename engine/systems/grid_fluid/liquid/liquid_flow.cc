@@ -1,4 +1,4 @@
-#include "engine/systems/grid_fluid/liquid_flow.h"
+#include "engine/systems/grid_fluid/liquid/liquid_flow.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,7 +45,8 @@ void LiquidFlow::bind(const FlowModel& m, size_t rows, const ThreadArena& arena)
   liquid_.assign(n, 0), fresh_.assign(n, 0);
   for (Array* a : {&room_, &depth_, &work_}) a->assign(n, 0);
   solver_.emplace(g, mirrors);
-  if (m.def.viscosity > 0) viscosity_.bind(m);
+  solids_.bind(m);
+  if (m.def.viscosity > 0) viscosity_.bind(m, solids_);
   measure_room();
 }
 
@@ -63,7 +64,7 @@ void LiquidFlow::measure_room() {
         if (model_->solids.any()) {
           const Vec3 place{g.origin[0] + g.spacing[0] * x[0], g.origin[1] + g.spacing[1] * x[1],
                            space ? g.origin[2] + g.spacing[2] * x[2] : 0};
-          if (distance_to(model_->def.obstacles, place, g.dimensions) <= 0) continue;
+          if (distance_to(solids_.obstacles(), place, g.dimensions) <= 0) continue;
         }
         if (space) {
           mac::scatter<3>(g, mac::around_particle<3>(g, kCentre, x), room_.data());
@@ -82,6 +83,10 @@ void LiquidFlow::measure_room() {
   mac::wrap_periodic(g, room_.data());
   whole_ = 1;
   for (size_t a = 0; a < g.dimensions; ++a) whole_ *= static_cast<double>(per);
+}
+
+void LiquidFlow::place_obstacles(double t) {
+  if (solids_.place(t)) measure_room();
 }
 
 void LiquidFlow::load(const LiquidFields& f) {
@@ -117,10 +122,11 @@ void LiquidFlow::store(LiquidFields& f) {
   });
 }
 
-double LiquidFlow::crossing_rate() const {
+double LiquidFlow::crossing_rate(double t) {
+  place_obstacles(t);
   const mac::MacGrid& g = model_->grid;
   const size_t d = g.dimensions;
-  double most = 0;
+  double most = solids_.crossing_rate();
   for (size_t p = 0; p < rows_; ++p) {
     const double* v = now_.data() + width_ * p + d;
     double sum = 0;
@@ -192,10 +198,13 @@ void LiquidFlow::spread(LiquidFields& f) {
 void LiquidFlow::clear_of_obstacles(double* x, double* v) const {
   const mac::MacGrid& g = model_->grid;
   const size_t d = g.dimensions;
+  uint32_t which = 0;
+  Vec3 place;
   const auto distance = [&](const double* cells) {
     double p[3] = {};
     for (size_t a = 0; a < d; ++a) p[a] = g.origin[a] + g.spacing[a] * cells[a];
-    return distance_to(model_->def.obstacles, {p[0], p[1], p[2]}, d);
+    place = {p[0], p[1], p[2]};
+    return distance_to(solids_.obstacles(), place, d, &which);
   };
   const double deep = distance(x);
   if (deep >= 0) return;
@@ -208,8 +217,11 @@ void LiquidFlow::clear_of_obstacles(double* x, double* v) const {
   }
   if (length == 0) return;
   length = std::sqrt(length);
+  distance(x);
+  const Vec3 wall = solids_.velocity(which, place);
+  const double own[] = {wall.x, wall.y, wall.z};
   double into = 0;
-  for (size_t a = 0; a < d; ++a) normal[a] /= length, into += v[a] * normal[a];
+  for (size_t a = 0; a < d; ++a) normal[a] /= length, into += (v[a] - own[a]) * normal[a];
   for (size_t a = 0; a < d; ++a) {
     x[a] -= deep / g.spacing[a] * normal[a];
     if (into < 0) v[a] -= into * normal[a];
@@ -261,14 +273,17 @@ void LiquidFlow::carry(double h) {
 LiquidReport LiquidFlow::substep(LiquidFields& f, double t, double h) {
   const bool plane = model_->grid.dimensions == 2;
   LiquidReport report;
+  place_obstacles(t);
   plane ? sort<2>() : sort<3>();
   plane ? spread<2>(f) : spread<3>(f);
   settle_faces(t, h);
   find_surface(f);
-  if (model_->def.viscosity > 0) thicken(h, report);
+  if (model_->def.viscosity > 0) apply_viscosity(h, report);
   project(f, h, report);
   take_back_compression(f, report);
   continue_outwards();
+  // Particles are kept out of where obstacles will be.
+  place_obstacles(t + h);
   plane ? carry<2>(h) : carry<3>(h);
   return report;
 }

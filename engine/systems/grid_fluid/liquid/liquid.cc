@@ -1,4 +1,4 @@
-#include "engine/systems/grid_fluid/liquid.h"
+#include "engine/systems/grid_fluid/liquid/liquid.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,7 +28,9 @@ Liquid::Liquid(const GridFluidDef& def, const BuildContext& context)
     : id_(context.id), model_(def, context.gravity) {
   const mac::MacGrid& g = model_.grid;
   if (g.dimensions == 2) model_.gravity.z = 0;
-  const std::vector<StartingPlace> places = starting_places(def);
+  ObstaclePlaces start;
+  model_.texts.place_obstacles(def.obstacles, 0, start);
+  const std::vector<StartingPlace> places = starting_places(def, start.obstacles);
   if (places.empty()) {
     const std::string why = "the bodies of liquid are too small for a single particle, or lie outside";
     throw Error("scene_invalid", why, {{"/bodies", "empty", why, "", "larger bodies or more cells", "", ""}});
@@ -99,7 +101,7 @@ void Liquid::advance(State& s, const StepInput& in) const {
   const mac::MacGrid& g = model_.grid;
   const double fall = (std::abs(model_.gravity.x) + std::abs(model_.gravity.y) + std::abs(model_.gravity.z)) /
                       g.spacing[0] * in.h;
-  const double cfl = model_.def.cfl.value_or(1), start = flow.crossing_rate();
+  const double cfl = model_.def.cfl.value_or(1), start = flow.crossing_rate(in.t);
   const double wanted = std::ceil(in.h * (start + fall) / cfl - 1e-9);
   if (!(wanted <= kMostSubsteps)) {
     Instability e(id_, "velocity", -1,
@@ -113,7 +115,7 @@ void Liquid::advance(State& s, const StepInput& in) const {
   const double h = in.h / n;
   LiquidReport report;
   for (int i = 0; i < n; ++i) report = flow.substep(f, in.t + i * h, h);
-  const double end = flow.crossing_rate();
+  const double end = flow.crossing_rate(in.t + in.h);
   flow.store(f);
   const auto numbers = s.f64(numbers_);
   numbers[kSubsteps] = n, numbers[kCfl] = std::max(start, end) * h;
@@ -181,7 +183,7 @@ void Liquid::observe(const State& s, double, Observables& out) const {
   out.add("density.iterations", numbers[kDensityIterations], "1");
 }
 
-void Liquid::draw(const State&, double, Wish wishes, Drawing& out) const {
+void Liquid::draw(const State&, double t, Wish wishes, Drawing& out) const {
   if (wants(wishes, Wish::constant)) {
     const mac::MacGrid& g = model_.grid;
     out.parts.resize(parts().size());
@@ -190,7 +192,10 @@ void Liquid::draw(const State&, double, Wish wishes, Drawing& out) const {
       for (PartDrawing& part : out.parts) part.space = PartDrawing::Space::plane;
     }
   }
-  if (wants(wishes, Wish::obstacles)) draw_obstacles(model_.def.obstacles, out);
+  if (!wants(wishes, Wish::obstacles)) return;
+  ObstaclePlaces now;
+  model_.texts.place_obstacles(model_.def.obstacles, t, now);
+  draw_obstacles(now.obstacles, out);
 }
 
 void Liquid::apply(State& s, const Command& c) const {

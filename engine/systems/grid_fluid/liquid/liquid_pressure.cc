@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/systems/grid_fluid/liquid_flow.h"
+#include "engine/systems/grid_fluid/liquid/liquid_flow.h"
 
 namespace truestep::grid_fluid {
 
@@ -48,22 +48,25 @@ void LiquidFlow::find_surface(LiquidFields& f) {
   mac::wrap_periodic(g, depth_.data()), mac::wrap_periodic(g, liquid_.data());
   for (size_t c = 0; c < g.dimensions; ++c)
     mac::surface_faces(g, c, liquid_.data(), depth_.data(), factor_[c].data(), *arena_);
-  if (model_->solids.any()) {
+  if (solids_->any()) {
     for (size_t c = 0; c < g.dimensions; ++c) {
       // Between the matrix and the differences of pressure: shares of faces belong to the matrix alone.
-      const double* open = model_->solids.open[c].data();
+      const double* open = solids_->open[c].data();
       for_faces(c, [&](size_t at, size_t, int) { shift_[c][at] = factor_[c][at] * open[at]; });
       mac::wrap_periodic(g, shift_[c].data());
     }
   }
   for (size_t c = 0; c < g.dimensions; ++c) mac::wrap_periodic(g, factor_[c].data());
-  const auto& open = model_->solids.any() ? shift_ : factor_;
+  const auto& open = solids_->any() ? shift_ : factor_;
   solver_->set({open[0].data(), open[1].data(), open[2].data()}, liquid_.data(), *arena_);
 }
 
-void LiquidFlow::thicken(double h, LiquidReport& report) {
+void LiquidFlow::apply_viscosity(double h, LiquidReport& report) {
   const mac::MacGrid& g = model_->grid;
   for (size_t c = 0; c < g.dimensions; ++c) {
+    for (const Solids::Face& face : solids_->shut[c]) {
+      if (solids_->open[c][face.at] == 0) u_[c][face.at] = solids_.velocity(face, c);
+    }
     const auto out = viscosity_.solve(c, liquid_.data(), depth_.data(), h * model_->def.viscosity,
                                       model_->def.tolerance, u_[c].data(), *arena_);
     report.viscosity_iterations = std::max(report.viscosity_iterations, out.iterations);
@@ -74,7 +77,7 @@ void LiquidFlow::thicken(double h, LiquidReport& report) {
 void LiquidFlow::project(LiquidFields& f, double h, LiquidReport& report) {
   const mac::MacGrid& g = model_->grid;
   double* phi = f.pressure;
-  const bool solid = model_->solids.any();
+  const bool solid = solids_->any(), moves = model_->texts.obstacles_move;
   for (size_t c = 0; c < g.dimensions; ++c) {
     // Sides hold liquid back; drops may leave them.
     for_faces(c, [&](size_t at, size_t low, int side) {
@@ -84,14 +87,23 @@ void LiquidFlow::project(LiquidFields& f, double h, LiquidReport& report) {
     });
     mac::wrap_periodic(g, u_[c].data());
   }
+  // What passes a face: the liquid by its open share, the obstacle by the rest.
+  std::array<const double*, 3> passing{};
+  for (size_t c = 0; c < g.dimensions; ++c) {
+    passing[c] = u_[c].data();
+    if (!solid) continue;
+    const double* open = solids_->open[c].data();
+    for_faces(c, [&](size_t at, size_t, int) { shift_[c][at] = open[at] * u_[c][at]; });
+    for (const Solids::Face& face : solids_->shut[c])
+      shift_[c][face.at] += moves ? (1 - open[face.at]) * solids_.velocity(face, c) : 0;
+    mac::wrap_periodic(g, shift_[c].data());
+    passing[c] = shift_[c].data();
+  }
   mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
     for (size_t i = at; i < at + n; ++i) {
       double sum = 0;
-      for (size_t c = 0; c < g.dimensions; ++c) {
-        const size_t high = i + g.stride(c);
-        const double* open = solid ? model_->solids.open[c].data() : nullptr;
-        sum += ((open ? open[high] : 1) * u_[c][high] - (open ? open[i] : 1) * u_[c][i]) / g.spacing[c];
-      }
+      for (size_t c = 0; c < g.dimensions; ++c)
+        sum += (passing[c][i + g.stride(c)] - passing[c][i]) / g.spacing[c];
       phi[i] = liquid_[i] ? sum : 0;
     }
   });
@@ -99,13 +111,16 @@ void LiquidFlow::project(LiquidFields& f, double h, LiquidReport& report) {
   mac::fill_ghosts(g, kCentre, cell_sides_, phi, *arena_);
   for (size_t c = 0; c < g.dimensions; ++c) {
     const double scale = 1 / g.spacing[c];
-    const double* open = solid ? model_->solids.open[c].data() : nullptr;
+    const double* open = solid ? solids_->open[c].data() : nullptr;
     for_faces(c, [&](size_t at, size_t low, int side) {
       const bool wet = liquid_[at] || liquid_[low];
       if (!side) u_[c][at] -= scale * factor_[c][at] * (phi[at] - phi[low]);
       if (wet && open && open[at] == 0) u_[c][at] = 0;
       known_[c][at] = side || wet;
     });
+    for (const Solids::Face& face : solids_->shut[c]) {
+      if (moves && open[face.at] == 0 && known_[c][face.at]) u_[c][face.at] = solids_.velocity(face, c);
+    }
     accelerate_beside(c);
   }
   const double per = 1 / h;
@@ -121,7 +136,7 @@ void LiquidFlow::accelerate_beside(size_t c) {
   double *change = shift_[c].data(), *u = u_[c].data();
   uint8_t* known = known_[c].data();
   const double *before = before_[c].data(), *mass = mass_[c].data();
-  const double* open = model_->solids.any() ? model_->solids.open[c].data() : nullptr;
+  const double* open = solids_->any() ? solids_->open[c].data() : nullptr;
   for_faces(c, [&](size_t at, size_t, int) { change[at] = known[at] ? u[at] - before[at] : 0; });
   mac::extrapolate(g, c, 1, change, known, work_.data(), fresh_.data(), *arena_);
   // Those that the last layer found.
@@ -166,7 +181,7 @@ void LiquidFlow::take_back_compression(LiquidFields& f, LiquidReport& report) {
   mac::fill_ghosts(g, kCentre, cell_sides_, psi, *arena_);
   for (size_t c = 0; c < g.dimensions; ++c) {
     const double scale = 1 / (g.spacing[c] * g.spacing[c]);
-    const double* open = model_->solids.any() ? model_->solids.open[c].data() : nullptr;
+    const double* open = solids_->any() ? solids_->open[c].data() : nullptr;
     for_faces(c, [&](size_t at, size_t low, int side) {
       const bool shut = side || (open && open[at] == 0);
       shift_[c][at] =

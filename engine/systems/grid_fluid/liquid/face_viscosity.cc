@@ -1,4 +1,4 @@
-#include "engine/systems/grid_fluid/face_viscosity.h"
+#include "engine/systems/grid_fluid/liquid/face_viscosity.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,17 +16,17 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
 }
 }  // namespace
 
-void FaceViscosity::bind(const FlowModel& m) {
-  model_ = &m;
+void FaceViscosity::bind(const FlowModel& m, const MovingSolids& solids) {
+  model_ = &m, solids_ = &solids;
   const size_t n = m.grid.size(), sides = 2 * m.grid.dimensions;
-  row_.assign(n, kNone), face_.reserve(n), share_.reserve(n), diagonal_.reserve(n);
+  row_.assign(n, kNone), face_.reserve(n), share_.reserve(n), diagonal_.reserve(n), push_.reserve(n);
   other_.reserve(sides * n), weight_.reserve(sides * n);
   for (std::vector<double>* v : {&x_, &r_, &p_, &q_, &z_}) v->reserve(n);
 }
 
 void FaceViscosity::find_faces(size_t c, const uint8_t* liquid, const double* depth) {
   const mac::MacGrid& g = model_->grid;
-  const double* open = model_->solids.any() ? model_->solids.open[c].data() : nullptr;
+  const double* open = (*solids_)->any() ? (*solids_)->open[c].data() : nullptr;
   std::fill(row_.begin(), row_.end(), kNone);
   face_.clear(), share_.clear();
   for (size_t k = 0; k < g.count(c, 2); ++k) {
@@ -43,11 +43,11 @@ void FaceViscosity::find_faces(size_t c, const uint8_t* liquid, const double* de
   }
 }
 
-void FaceViscosity::join_faces(size_t c, double amount) {
+void FaceViscosity::join_faces(size_t c, double amount, const double* u) {
   const mac::MacGrid& g = model_->grid;
-  const double* open = model_->solids.any() ? model_->solids.open[c].data() : nullptr;
+  const double* open = (*solids_)->any() ? (*solids_)->open[c].data() : nullptr;
   const size_t n = face_.size(), sides = 2 * g.dimensions;
-  diagonal_.resize(n), other_.assign(sides * n, kNone), weight_.assign(sides * n, 0);
+  diagonal_.resize(n), push_.assign(n, 0), other_.assign(sides * n, kNone), weight_.assign(sides * n, 0);
   for (size_t row = 0; row < n; ++row) {
     size_t rest = face_[row];
     double diagonal = share_[row];
@@ -75,6 +75,7 @@ void FaceViscosity::join_faces(size_t c, double amount) {
           other_[sides * row + 2 * a + end] = neighbour, weight_[sides * row + 2 * a + end] = w;
         } else if (on_side || (open && open[at] == 0)) {
           diagonal += per * share_[row];
+          if (!on_side) push_[row] += per * share_[row] * u[at];
         }
       }
     }
@@ -100,18 +101,18 @@ lattice::CutPoisson::Outcome FaceViscosity::solve(size_t c, const uint8_t* liqui
                                                   double amount, double tolerance, double* u,
                                                   const ThreadArena& arena) {
   find_faces(c, liquid, depth);
-  join_faces(c, amount);
+  join_faces(c, amount, u);
   const size_t n = face_.size();
   for (std::vector<double>* v : {&x_, &r_, &p_, &q_, &z_}) v->resize(n);
   lattice::CutPoisson::Outcome out;
   double before = 0;
   for (size_t row = 0; row < n; ++row) {
     x_[row] = u[face_[row]];
-    const double b = share_[row] * x_[row];
+    const double b = share_[row] * x_[row] + push_[row];
     before += b * b;
   }
   multiply(x_, q_, arena);
-  for (size_t row = 0; row < n; ++row) r_[row] = share_[row] * x_[row] - q_[row];
+  for (size_t row = 0; row < n; ++row) r_[row] = share_[row] * x_[row] + push_[row] - q_[row];
   double product = 0;
   if (!(before > 0)) return out;
   for (; out.iterations < kMostIterations; ++out.iterations) {

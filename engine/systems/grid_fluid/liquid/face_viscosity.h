@@ -17,9 +17,10 @@ namespace truestep::grid_fluid {
 class FaceViscosity {
  public:
   /// Sets aside what every later solve needs.
-  void bind(const FlowModel& model);
-  /// u of component c, in place. `depth` (cells of liquid above each centre) and `liquid` are those of cells,
-  /// wrapped where the grid is periodic; `amount` = h viscosity (m^2).
+  void bind(const FlowModel& model, const MovingSolids& solids);
+  /// u of component c, in place; faces that are shut have the velocity of their obstacle. `depth` (cells of
+  /// liquid above each centre) and `liquid` are those of cells, wrapped where the grid is periodic; `amount`
+  /// = h viscosity (m^2).
   lattice::CutPoisson::Outcome solve(size_t c, const uint8_t* liquid, const double* depth, double amount,
                                      double tolerance, double* u, const ThreadArena& arena);
 
@@ -28,13 +29,15 @@ class FaceViscosity {
  private:
   static constexpr int32_t kNone = -1;
   void find_faces(size_t c, const uint8_t* liquid, const double* depth);
-  void join_faces(size_t c, double amount);
+  void join_faces(size_t c, double amount, const double* u);
   void multiply(const std::vector<double>& x, std::vector<double>& out, const ThreadArena& arena) const;
 
   const FlowModel* model_ = nullptr;
+  const MovingSolids* solids_ = nullptr;
   std::vector<int32_t> row_;    ///< per face of the grid
   std::vector<uint32_t> face_;  ///< per row
   std::vector<double> share_, diagonal_;
+  std::vector<double> push_;    ///< of obstacles beside a row's face
   std::vector<int32_t> other_;  ///< 2 d a row, kNone where there is none
   std::vector<double> weight_;  ///< of them
   std::vector<double> x_, r_, p_, q_, z_;

@@ -4,15 +4,15 @@
 //            (kernels/mac/surface.h), and the displacement that takes compression back: lap psi = -(fill -
 //            1), dx = -grad psi (Kugelstadt, Longva, Thuerey, Bender 2019, "Implicit density projection for
 //            volume conserving liquids"; here with the same cells and matrix as the pressure)
-//   thicken: viscosity, before the pressure (face_viscosity.h)
+//   apply_viscosity: viscosity, before the pressure (face_viscosity.h)
 //   carry: what particles keep of their own velocity (Zhu, Bridson 2005; Jiang et al. 2015), paths by the
 //          midpoint rule through the new velocity, continued beyond the surface.
 // Scratch of one thread's run; everything that lasts is in the state.
 #pragma once
 #include "engine/kernels/mac/surface.h"
 #include "engine/lattice/cut_poisson.h"
-#include "engine/systems/grid_fluid/face_viscosity.h"
 #include "engine/systems/grid_fluid/flow.h"
+#include "engine/systems/grid_fluid/liquid/face_viscosity.h"
 
 namespace truestep::grid_fluid {
 
@@ -38,8 +38,8 @@ class LiquidFlow {
   /// Takes the particles out of the state, and puts them back.
   void load(const LiquidFields& f);
   void store(LiquidFields& f);
-  /// m/s, largest sum over the axes of a particle's speed in cells.
-  double crossing_rate() const;
+  /// 1/s, cells that the fastest particle or obstacle crosses at time t (s), summed over the axes.
+  double crossing_rate(double t);
   LiquidReport substep(LiquidFields& f, double t, double h);
 
  private:
@@ -52,12 +52,14 @@ class LiquidFlow {
   void carry(double h);
   void settle_faces(double t, double h);
   void find_surface(LiquidFields& f);
-  void thicken(double h, LiquidReport& report);
+  void apply_viscosity(double h, LiquidReport& report);
   void project(LiquidFields& f, double h, LiquidReport& report);
   void take_back_compression(LiquidFields& f, LiquidReport& report);
   void accelerate_beside(size_t c);
   void continue_outwards();
   void measure_room();
+  /// Obstacles as they are at time t (s).
+  void place_obstacles(double t);
   void fill_sides(size_t c, double* u) { mac::fill_ghosts(model_->grid, c, sides_[c], u, *arena_); }
   double* particle(Array& from, size_t p) const { return from.data() + width_ * p; }
   /// f(offset, low cell's offset, side) for the faces of a component; side: the sign of inwards on the box's
@@ -82,6 +84,7 @@ class LiquidFlow {
   std::array<std::vector<double>, 3> force_;
   std::optional<lattice::CutPoisson> solver_;
   FaceViscosity viscosity_;
+  MovingSolids solids_;
 };
 
 template <class F>

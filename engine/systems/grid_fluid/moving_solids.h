@@ -1,0 +1,36 @@
+// The obstacles of a flow as they are at a time: geometry (solids.h) and the velocity of their walls. Where
+// the scene moves none of them nothing is computed twice. Scratch of one thread's run.
+#pragma once
+#include "engine/systems/grid_fluid/flow_texts.h"
+#include "engine/systems/grid_fluid/solids.h"
+
+namespace truestep::grid_fluid {
+
+struct FlowModel;
+
+class MovingSolids {
+ public:
+  /// As they are at t = 0; sets aside what other places need.
+  void bind(const FlowModel& model);
+  /// As they are at time t (s); true: that was another place.
+  bool place(double t);
+
+  const Solids* operator->() const { return solids_; }
+  const std::vector<ObstacleDef>& obstacles() const { return places_.obstacles; }
+  /// m/s, of an obstacle's material at a place (m), and component c of it at the centre of a face.
+  Vec3 velocity(uint32_t obstacle, const Vec3& at) const;
+  double velocity(const Solids::Face& face, size_t c) const;
+  /// Cells per second that the fastest wall crosses, summed over the axes.
+  double crossing_rate() const;
+  /// N m per force along component c on a face, about the obstacle's axis.
+  double lever(const Solids::Face& face, size_t c) const;
+
+ private:
+  const FlowModel* model_ = nullptr;
+  const Solids* solids_ = nullptr;  ///< the model's, or those that move
+  Solids moving_;
+  ObstaclePlaces places_;
+  double time_ = 0;  ///< s, that `moving_` are placed for
+};
+
+}  // namespace truestep::grid_fluid
