@@ -1,5 +1,5 @@
 // Rigid bodies in the material (core/medium.h): nodes inside a body and the body push each other
-// (kernels/mpm/ touch.h); what the nodes get the body gives. A body thinner than a cell or two is not seen by
+// (kernels/mpm/touch.h); what the nodes get the body gives. A body thinner than a cell or two is not seen by
 // the nodes.
 #pragma once
 #include <vector>
@@ -48,7 +48,7 @@ class BodiesIn {
       const Transform frame = b.frame();
       nodes_.clear(), handles_.clear();
       visit(bounds(*b.solid, frame), [&](const Vec3& x, double mass, const Vec3& v, size_t handle) {
-        const auto near = point_distance(*b.solid, frame.inverse_point(x), 0);
+        const auto near = inside(*b.solid, frame.inverse_point(x), def.cell);
         if (!near || near->distance >= 0) return;
         nodes_.push_back({mass, x - b.place, frame.direction(near->normal), v, {}, false});
         handles_.push_back(handle);
@@ -80,6 +80,19 @@ class BodiesIn {
   }
 
  private:
+  /// Distance to the surface of what a place is inside of. Of a mesh that encloses something the nearest
+  /// triangle is looked for farther and farther away; a sheet of triangles has no inside.
+  static std::optional<PointDistance> inside(const Solid& solid, const Vec3& p, double cell) {
+    if (solid.kind != SolidKind::mesh) return point_distance(solid, p, 0);
+    const MeshSides sides = mesh_sides(solid);
+    if (sides == MeshSides::front) return std::nullopt;
+    const double most = 2 * bounding_radius(solid);
+    for (double reach = cell;; reach *= 2) {
+      const auto near = point_distance(solid, p, reach, sides);
+      if (near || reach > most) return near;
+    }
+  }
+
   /// Of the square of gravity.
   static constexpr double kSteady = 2;
   static constexpr double kMostRoom = 1e5;

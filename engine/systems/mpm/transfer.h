@@ -115,7 +115,7 @@ struct Stencils {
 /// Adds w (m, p + A d) of one lane to the nodes of a tile. `rows` are four numbers a lane, one group after
 /// another: (m, p), then (0, column k of A) of every axis k.
 template <int D, int Nodes, int Width, int Row, class T>
-void scatter(const Stencils<D, Nodes, T>& s, int lane, const T* rows, T* tile) {
+[[gnu::always_inline]] inline void scatter(const Stencils<D, Nodes, T>& s, int lane, const T* rows, T* tile) {
   using W = Wide<T>;
   using namespace transfer_detail;
   constexpr int kMany = kParts<Nodes, T>, kNodes = W::kLanes / 4, kGroup = 4 * W::kLanes;
@@ -156,7 +156,7 @@ void scatter(const Stencils<D, Nodes, T>& s, int lane, const T* rows, T* tile) {
 
 /// Sums over the nodes around one lane, four numbers each as in `scatter`: w u, then w d_k u of every axis k.
 template <int D, int Nodes, int Width, int Row, class T>
-void gather(const Stencils<D, Nodes, T>& s, int lane, const T* tile, T* rows) {
+[[gnu::always_inline]] inline void gather(const Stencils<D, Nodes, T>& s, int lane, const T* tile, T* rows) {
   using W = Wide<T>;
   using namespace transfer_detail;
   constexpr int kMany = kParts<Nodes, T>, kNodes = W::kLanes / 4, kGroup = 4 * W::kLanes;
