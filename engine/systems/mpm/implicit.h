@@ -10,6 +10,7 @@
 #include <span>
 
 #include "engine/kernels/mpm/stiffness.h"
+#include "engine/systems/mpm/node_blocks.h"
 #include "engine/systems/mpm/substep.h"
 
 namespace truestep::mpm {
@@ -81,7 +82,6 @@ class Implicit {
  private:
   static constexpr double kTolerance = 1e-6;  ///< of velocities, in the norm of masses
   static constexpr int kRounds = 12, kNewton = 40, kHalvings = 30, kMostProducts = 3000;
-  static constexpr size_t kSix = 6;
   static constexpr size_t kTangent = 2 * D * D + D * D + D * (D - 1);
 
   /// A boundary at a node; where it is active the node keeps its velocity along the normal, or all of it.
@@ -347,7 +347,7 @@ class Implicit {
   void invert_blocks(G& g, const ThreadArena& arena) {
     const double dx = set_->def.cell, per_second = h_ / (Spline<Nodes, double>::kSecond * dx * dx);
     g.tiles.resize(g.blocks.owners.size() * G::kTileNumbers);
-    for (const bool diagonal : {true, false}) {
+    for (const Entries entries : {Entries::diagonal, Entries::others}) {
       std::fill(g.tiles.begin(), g.tiles.end(), 0.0);
       for_groups(g, v_, arena,
                  [&](const Piece& piece, size_t, int many, const Stencils<D, Nodes, double>& at, const M&,
@@ -356,58 +356,23 @@ class Implicit {
                    const double both = piece.volume * (piece.material.lambda + piece.material.mu),
                                 own = piece.volume * piece.material.mu;
                    for (int lane = 0; lane < many; ++lane)
-                     add_blocks(at, lane, per_second, both, own, diagonal, tile);
+                     add_node_blocks<D, Nodes, G::Size::kReach, G::Size::kRow>(at, lane, per_second, both,
+                                                                               own, entries, tile);
                  });
-      Vector& out = diagonal ? q_ : p_;
+      Vector& out = entries == Entries::diagonal ? q_ : p_;
       arena.for_blocks(g.blocks.blocks.size(), 8, [&](size_t begin, size_t end) {
         for (size_t k = begin; k < end; ++k)
           Tiles<D, Nodes, double>::sum(g.blocks, g.blocks.blocks[k], g.tiles,
                                        out.data() + k * G::kBlockNumbers);
       });
     }
-    for (size_t node = 0; node < q_.size(); node += 4) {
-      const double m = g.nodes[node], xx = m + q_[node + 1], yy = m + q_[node + 2],
-                   zz = D == 3 ? m + q_[node + 3] : 1, xy = p_[node + 1], xz = p_[node + 2],
-                   yz = p_[node + 3];
-      double* to = inverse_.data() + node / 4 * kSix;
-      const double a = yy * zz - yz * yz, b = xz * yz - xy * zz, c = xy * yz - xz * yy,
-                   det = xx * a + xy * b + xz * c, over = m > 0 ? 1 / det : 0;
-      to[0] = a * over, to[1] = b * over, to[2] = c * over;
-      to[3] = (xx * zz - xz * xz) * over, to[4] = (xy * xz - xx * yz) * over;
-      to[5] = (xx * yy - xy * xy) * over;
-    }
-  }
-  /// One particle's part of the blocks of its nodes: what is on the diagonals (xx, yy, zz), or what is not
-  /// (xy, xz, yz).
-  static void add_blocks(const Stencils<D, Nodes, double>& at, int lane, double per_second, double both,
-                         double own, bool diagonal, double* tile) {
-    for (int i = 0; i < Nodes; ++i) {
-      for (int j = 0; j < Nodes; ++j) {
-        for (int k = 0; k < (D == 3 ? Nodes : 1); ++k) {
-          const double wx = at.w[0][i][lane], wy = at.w[1][j][lane], wz = D == 3 ? at.w[D - 1][k][lane] : 1;
-          const double b[3] = {per_second * at.wd[0][i][lane] * wy * wz,
-                               per_second * wx * at.wd[1][j][lane] * wz,
-                               D == 3 ? per_second * wx * wy * at.wd[D - 1][k][lane] : 0};
-          const int row = D == 3 ? (i * G::Size::kReach + j) * G::Size::kRow + k : i * G::Size::kRow + j;
-          double* node = tile + 4 * (static_cast<ptrdiff_t>(at.first[lane]) + row);
-          if (diagonal) {
-            const double round = own * (b[0] * b[0] + b[1] * b[1] + b[2] * b[2]);
-            for (int a = 0; a < D; ++a) node[a + 1] += both * b[a] * b[a] + round;
-          } else {
-            node[1] += both * b[0] * b[1], node[2] += both * b[0] * b[2], node[3] += both * b[1] * b[2];
-          }
-        }
-      }
-    }
+    for (size_t node = 0; node < q_.size(); node += 4)
+      inverse_of_block<D>(g.nodes[node], &q_[node + 1], &p_[node + 1], &inverse_[node / 4 * kSix]);
   }
   /// z_ = inverse blocks times r_, in the directions that are free.
   void precondition() {
-    for (size_t node = 0; node < r_.size(); node += 4) {
-      const double* k = inverse_.data() + node / 4 * kSix;
-      const double x = r_[node + 1], y = r_[node + 2], z = r_[node + 3];
-      z_[node] = 0, z_[node + 1] = k[0] * x + k[1] * y + k[2] * z;
-      z_[node + 2] = k[1] * x + k[3] * y + k[4] * z, z_[node + 3] = k[2] * x + k[4] * y + k[5] * z;
-    }
+    for (size_t node = 0; node < r_.size(); node += 4)
+      apply_block(&inverse_[node / 4 * kSix], &r_[node], &z_[node]);
     project(z_);
   }
 
