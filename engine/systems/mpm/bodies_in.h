@@ -32,16 +32,16 @@ class BodiesIn {
     return out;
   }
 
-  /// A substep that may yet be taken back: `grid` visits the nodes with mass in a box, its nodes' velocities
-  /// are changed. visit(box, f) calls f(place, mass, velocity&, handle); settle(handle, velocity) writes.
-  /// Returns the speed of the fastest node that was touched.
+  /// Exchanges impulses between nodes and bodies for a substep that may still be rejected. visit(box, f)
+  /// calls f(place, mass, velocity, handle) for every node with mass in the box; settle(handle, velocity)
+  /// writes a node's velocity and returns the change. Returns the speed of the fastest node that was touched.
   template <class Visit, class Settle>
   double push(const MpmDef& def, const Vec3& gravity, double h, const Visit& visit, const Settle& settle) {
     trial_ = bodies_;
     double fastest = 0;
     for (ImmersedBody& b : trial_) {
       if (b.mass > 0) {
-        // What pulls more is a blow and does not last.
+        // A stronger pull is an impact, which does not last.
         const bool steady = b.pull && norm2(*b.pull) <= kSteady * norm2(gravity);
         b.velocity += (steady ? *b.pull : gravity) * h;
       }
@@ -64,7 +64,7 @@ class BodiesIn {
       touch(nodes_, body, static_cast<Hold>(def.contact), def.body_friction);
       Vec3 impulse, twist;
       for (size_t k = 0; k < nodes_.size(); ++k) {
-        // What a node of this precision really gets.
+        // What the node gets after walls and rounding.
         const Vec3 got = settle(handles_[k], nodes_[k].velocity) * nodes_[k].mass;
         impulse -= got, twist -= cross(nodes_[k].arm, got);
         fastest = std::max(fastest, norm2(nodes_[k].velocity));
@@ -73,7 +73,7 @@ class BodiesIn {
     }
     return std::sqrt(fastest);
   }
-  /// The substep of `push` is taken.
+  /// Accepts the substep of `push`.
   void accept(double h) {
     bodies_.swap(trial_);
     for (ImmersedBody& b : bodies_) b.advance(h);

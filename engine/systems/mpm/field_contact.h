@@ -237,7 +237,7 @@ class FieldContact {
     return std::max(settle(g, set, a, n, of_a.velocity, t), settle(g, set, b, n, of_b.velocity, t));
   }
 
-  /// Walls have the last word. Returns the square of the speed.
+  /// Sets a node's velocity, as far as walls allow. Returns the square of its speed.
   double settle(G& g, const Setting& set, size_t block, size_t n, const Vec3& to, double t) {
     T* node = node_of(g, block, n);
     const Vec3T<T> wish{static_cast<T>(to.x), static_cast<T>(to.y), static_cast<T>(to.z)};

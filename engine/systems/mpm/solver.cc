@@ -102,7 +102,7 @@ class SolverOf final : public Solver {
         }
         if (grid.bodies.any()) speed = std::max(speed, grid.touch_bodies(set_, gravity, t, length));
       }
-      // Nodes may be faster than any particle was: tiles hold a cell of drift, no more.
+      // A node may be faster than any particle was, and tiles have room for one cell of drift.
       if (!(drift + speed * h / cell <= kMostDrift)) {
         if (drift > 0) {
           drift = 1;
@@ -113,7 +113,7 @@ class SolverOf final : public Solver {
       }
       {
         const ProfileScope scope(in.profile, "mpm gather");
-        // Nobody asks for the stress after the last.
+        // The stress after a step's last substep is not used.
         const bool last = !(h < left);
         grid.gather_all(set_, length, last ? Then::flow : Then::both, in.arena);
       }

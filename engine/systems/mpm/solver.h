@@ -87,8 +87,8 @@ void for_runs(const Setting& set, const State& s, const Visit& visit) {
   }
 }
 
-/// Adds the layers that nozzles have given birth to before time t (s), where they are then; nothing where
-/// something is already.
+/// Adds the layers that nozzles have emitted by time t (s), at the places they have reached; a particle whose
+/// place is occupied is left out.
 void pour(const Setting& set, State& s, double t, Workspace& workspace);
 /// Removes the particles that are in kill regions.
 void remove_killed(const Setting& set, State& s, const StepInput& in);

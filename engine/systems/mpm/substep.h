@@ -259,7 +259,7 @@ struct Grid : Boundaries<D, Nodes, T>, Group<D, T> {
         }
       }
     };
-    // Walls have the last word; what they take is not the body's.
+    // Walls are applied last; the impulse they take is not given to the body.
     const auto settle = [&](size_t handle, const Vec3& to) {
       T* node = nodes.data() + handle;
       const Vec3 before{double{node[1]}, double{node[2]}, double{node[3]}};

@@ -94,7 +94,7 @@ struct Stencils {
   void set(const W* place, T dx) {
     typedef int32_t Index __attribute__((vector_size(4 * kLanes)));
     Index at = {};
-    // What is not a number, or has left the tile, stays within it: the step's end finds it.
+    // A place that is not finite, or beyond the tile, is clamped to it; the check after the step reports it.
     const W shift(Spline<Nodes, T>::kShift), most(Width - Nodes + 0.99);
     for (int a = 0; a < D; ++a) {
       const W from = min(max(place[a] - shift, W::zero()), most);
