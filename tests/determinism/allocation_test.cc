@@ -305,6 +305,26 @@ TEST(Allocation, StepsOfMaterialAllocateNothingAfterTheFirst) {
   }
 }
 
+// Contact that begins long after the first step, and the implicit step's solves.
+TEST(Allocation, FieldsThatMeetAndImplicitStepsAllocateNothingAfterTheFirst) {
+  for (const bool implicit : {false, true}) {
+    mpm::MpmDef d;
+    d.precision = mpm::Precision::f64, d.cell = 1.0 / 32;
+    mpm::BodyDef piece;
+    piece.center = {0.3, 0.12, 0}, piece.half_extents = {0.1, 0.1, 1}, piece.youngs_modulus = 1e6;
+    d.bodies = {piece, piece};
+    d.bodies[1].center.x = 0.7, d.bodies[1].velocity.x = -2;
+    if (implicit) d.integration = mpm::Integration::implicit_steps;
+    if (!implicit) d.bodies[1].velocity_field = 1;
+    testing_rig::MpmRun run(d, 1.0 / 120, {0, -9.81, 0});
+    run.step();
+    const uint64_t before = allocations;
+    run.step(20);
+    EXPECT_EQ(allocations - before, 0u) << implicit;
+    EXPECT_LT(run.velocity(0).x, -0.05) << "control: they have met";
+  }
+}
+
 TEST(Allocation, StepsOfBodiesAllocateNothingAfterTheFirst) {
   using nbody::Method;
   for (const Method method : {Method::direct, Method::tree, Method::fmm}) {

@@ -55,6 +55,10 @@ TEST(MpmScene, TheImplicitStepTakesStiffSolidsInDoublesAlone) {
     d.bodies[0].material = law;
     EXPECT_EQ(faults(d), Faults{"/bodies/0/material"});
   }
+  d.bodies[0].material = Law::corotated, d.bodies.push_back(d.bodies[0]), d.bodies[1].velocity_field = 3;
+  EXPECT_EQ(faults(d), Faults{"/bodies/1/velocity_field"}) << "several fields are explicit";
+  d.bodies[0].velocity_field = 3;
+  EXPECT_EQ(faults(d), Faults{}) << "control: one field, whatever its number";
   EXPECT_FALSE(testing_rig::MpmRun(piece()).system.ports().medium == std::nullopt);
   d = piece(), d.integration = Integration::implicit_steps, d.precision = Precision::f64;
   EXPECT_TRUE(testing_rig::MpmRun(d).system.ports().medium == std::nullopt) << "no bodies in it";

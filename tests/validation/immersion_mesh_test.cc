@@ -1,24 +1,17 @@
 // A box held in still water, given as a box and as a mesh of triangles: the pressure on both is the same.
 #include <cmath>
 
-#include "engine/geometry/solid.h"
+#include "tests/unit/mesh_box_rig.h"
 #include "tests/unit/sph_rig.h"
 
 namespace truestep {
 namespace {
 
+using testing_rig::mesh_of_box;
 using testing_rig::SphRun;
 
-Solid mesh_of_box(const Vec3& half) {
-  std::vector<Vec3> x;
-  for (int k = 0; k < 8; ++k) {
-    x.push_back({(k & 1 ? 1 : -1) * half.x, (k & 2 ? 1 : -1) * half.y, (k & 4 ? 1 : -1) * half.z});
-  }
-  return mesh_solid(x, {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
-                        2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5});
-}
-
-/// N, mean buoyancy over half a second of a box of a tenth of a metre held in still water.
+/// N, mean over half a second of what still water lifts a box of a tenth of a metre with that is held
+/// in it.
 double lift(const Solid& solid) {
   sph::SphDef d;
   d.high = {0.4, 0.4, 0.4}, d.spacing = 0.025;

@@ -185,9 +185,10 @@ Svd<D, T> svd(const Square<D, T>& a) {
   return out;
 }
 
-/// The rotation nearest to A, U V^T, without singular values; `known` says in which lanes it was found. In
-/// the plane everywhere (in closed form; of what has none nearest it is one of them); in space where A is no
-/// mirror and not nearly singular, by Newton's iteration with scaling (Higham 2008, section 8.6).
+/// The rotation nearest to A, U V^T, without singular values; `known` marks the lanes where it was found. In
+/// the plane that is all of them, in closed form (where every rotation is equally near, the identity); in
+/// space those where A is neither reflected nor nearly singular, by Newton's iteration with scaling (Higham
+/// 2008, section 8.6).
 template <int D, class T>
 Square<D, T> nearest_rotation(const Square<D, T>& a, typename Wide<T>::Mask& known) {
   using W = Wide<T>;

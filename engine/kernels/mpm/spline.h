@@ -8,7 +8,7 @@ namespace truestep::mpm {
 /// `f` is the particle's place behind its first node, in cells: in [0.5, 1.5) or [1, 2). F is a number or a
 /// vector of numbers.
 template <int Nodes, class F>
-void spline_weights(F f, F* w) {
+[[gnu::always_inline]] inline void spline_weights(F f, F* w) {
   const F one(1), half(0.5);
   if constexpr (Nodes == 3) {
     const F a = F(1.5) - f, b = f - one, c = f - half;

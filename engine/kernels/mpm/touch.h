@@ -3,9 +3,9 @@
 // with u the body's velocity at a node's arm r, v the node's and A the node's mass along what is held: the
 // normal where they approach, then along the body up to Coulomb's bound, or everything where it sticks. The
 // body's answer is solved for with the nodes' (six numbers), so that a body much lighter than what it is in
-// does not overshoot. Frictionless contacts are found by taking nodes out that would be pulled and in that
-// would be passed. After the idea of Hu et al. 2018 (MLS-MPM, section 5, coupling by penalties), without
-// penalties.
+// does not overshoot. The frictionless contacts are an active set: nodes that would be pulled are released,
+// nodes that the body would pass through are added. After the idea of Hu et al. 2018 (MLS-MPM, section 5,
+// coupling by penalties), without penalties.
 #pragma once
 #include <algorithm>
 #include <array>

@@ -63,9 +63,10 @@ struct Run {
   size_t begin, end;
 };
 
-/// A block in use; where no particles are it has nodes that those of its neighbours reach.
+/// A block in use; where no particles are it has nodes that those of its neighbours reach. Every field of
+/// velocities has blocks of its own, those at one place one after another.
 struct Block {
-  int64_t id = 0;
+  int64_t id = 0;              ///< number of the place, times the fields, plus the field
   int at[3] = {};              ///< in blocks
   int32_t tile = -1;           ///< -1: no particles
   size_t first = 0, last = 0;  ///< its runs
@@ -84,6 +85,7 @@ struct Blocks {
   using Size = Tiling<D, Nodes>;
   double low[3] = {}, inverse_dx = 1;
   int extent[3] = {1, 1, 1};   ///< in blocks
+  int64_t fields = 1;          ///< of velocities
   std::vector<int32_t> table;  ///< by id: place in `blocks`, or -1
   std::vector<Block> blocks;
   std::vector<Run> runs;
@@ -91,10 +93,10 @@ struct Blocks {
   std::vector<int64_t> ids, keys;
   std::vector<size_t> counts;
 
-  void set(const Vec3& corner, const Vec3& far, double dx) {
+  void set(const Vec3& corner, const Vec3& far, double dx, size_t many_fields) {
     const double lows[3] = {corner.x, corner.y, corner.z}, highs[3] = {far.x, far.y, far.z};
-    inverse_dx = 1 / dx;
-    size_t total = 1;
+    inverse_dx = 1 / dx, fields = static_cast<int64_t>(many_fields);
+    size_t total = many_fields;
     for (int a = 0; a < D; ++a) {
       low[a] = lows[a];
       extent[a] = (static_cast<int>((highs[a] - lows[a]) / dx) + 1 + 2 * Size::kPad) / Size::kBlock + 1;
@@ -106,12 +108,13 @@ struct Blocks {
   T place(T x, int axis) const {
     return (x - static_cast<T>(low[axis])) * static_cast<T>(inverse_dx) + static_cast<T>(Size::kPad);
   }
-  int64_t block_of(const T* x) const {
+  /// Id of the block of a particle at x in a field.
+  int64_t block_of(const T* x, size_t field) const {
     int64_t id = 0;
     for (int a = 0; a < D; ++a) {
       id = id * extent[a] + static_cast<int>(place(x[a], a) - Spline<Nodes, T>::kShift) / Size::kBlock;
     }
-    return id;
+    return id * fields + static_cast<int64_t>(field);
   }
 
   /// Sets memory aside for n particles that are in four times as many blocks as now (or as `expected`, where
@@ -170,10 +173,10 @@ struct Blocks {
     }
   }
 
-  /// Fills `to` from `from`, in the order of blocks, bodies and slots.
-  template <class BodyOf>
+  /// Fills `to` from `from`, in the order of blocks, bodies and slots. body_of(row), field_of(row).
+  template <class BodyOf, class FieldOf>
   void sort(const Sorted<D, T>& from, Sorted<D, T>& to, size_t bodies, const BodyOf& body_of,
-            const ThreadArena& arena) {
+            const FieldOf& field_of, const ThreadArena& arena) {
     const size_t n = from.slots();
     keys.resize(n);
     arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
@@ -182,7 +185,7 @@ struct Blocks {
         if (from.row[s] == Sorted<D, T>::kNone) continue;
         T x[3];
         for (int a = 0; a < D; ++a) x[a] = from.at(s, Layout<D>::x + a);
-        keys[s] = block_of(x);
+        keys[s] = block_of(x, field_of(from.row[s]));
       }
     });
     arrange(
@@ -198,22 +201,24 @@ struct Blocks {
 
  private:
   template <class Visit>
-  void around(const int* at, const Visit& visit) const {
+  void around(const Block& b, const Visit& visit) const {
+    const int* at = b.at;
+    const int64_t field = b.id % fields;
     int k = 0, p[3] = {};
     for (p[0] = at[0] - 1; p[0] <= at[0] + 1; ++p[0]) {
       for (p[1] = at[1] - 1; p[1] <= at[1] + 1; ++p[1]) {
         if constexpr (D == 2) {
-          visit(k++, p, int64_t{p[0]} * extent[1] + p[1]);
+          visit(k++, p, (int64_t{p[0]} * extent[1] + p[1]) * fields + field);
         } else {
           for (p[2] = at[2] - 1; p[2] <= at[2] + 1; ++p[2]) {
-            visit(k++, p, (int64_t{p[0]} * extent[1] + p[1]) * extent[2] + p[2]);
+            visit(k++, p, ((int64_t{p[0]} * extent[1] + p[1]) * extent[2] + p[2]) * fields + field);
           }
         }
       }
     }
   }
   void locate(Block& b) const {
-    int64_t rest = b.id;
+    int64_t rest = b.id / fields;
     for (int a = D - 1; a >= 0; --a) b.at[a] = static_cast<int>(rest % extent[a]), rest /= extent[a];
   }
   void add_blocks() {
@@ -221,7 +226,7 @@ struct Blocks {
     for (size_t k = 0; k < own; ++k) {
       Block b{.id = ids[k], .neighbours = {}};
       locate(b);
-      around(b.at, [&](int, const int*, int64_t id) {
+      around(b, [&](int, const int*, int64_t id) {
         if (table[static_cast<size_t>(id)] >= 0) return;
         table[static_cast<size_t>(id)] = 0;
         ids.push_back(id);
@@ -239,7 +244,7 @@ struct Blocks {
     }
     for (size_t k = 0; k < blocks.size(); ++k) table[static_cast<size_t>(ids[k])] = static_cast<int32_t>(k);
     for (Block& b : blocks) {
-      around(b.at, [&](int k, const int* p, int64_t id) {
+      around(b, [&](int k, const int* p, int64_t id) {
         bool inside = true;
         for (int a = 0; a < D; ++a) inside = inside && p[a] >= 0 && p[a] < extent[a];
         b.neighbours[k] = inside ? table[static_cast<size_t>(id)] : -1;

@@ -1,5 +1,5 @@
 // Rigid bodies in the material (core/medium.h): nodes inside a body and the body push each other
-// (kernels/mpm/ touch.h); what the nodes get the body gives. A body thinner than a cell or two is not seen by
+// (kernels/mpm/touch.h); what the nodes get the body gives. A body thinner than a cell or two is not seen by
 // the nodes.
 #pragma once
 #include <vector>
@@ -32,23 +32,23 @@ class BodiesIn {
     return out;
   }
 
-  /// A substep that may yet be taken back: `grid` visits the nodes with mass in a box, its nodes' velocities
-  /// are changed. visit(box, f) calls f(place, mass, velocity&, handle); settle(handle, velocity) writes.
-  /// Returns the speed of the fastest node that was touched.
+  /// Exchanges impulses between nodes and bodies for a substep that may still be rejected. visit(box, f)
+  /// calls f(place, mass, velocity, handle) for every node with mass in the box; settle(handle, velocity)
+  /// writes a node's velocity and returns the change. Returns the speed of the fastest node that was touched.
   template <class Visit, class Settle>
   double push(const MpmDef& def, const Vec3& gravity, double h, const Visit& visit, const Settle& settle) {
     trial_ = bodies_;
     double fastest = 0;
     for (ImmersedBody& b : trial_) {
       if (b.mass > 0) {
-        // What pulls more is a blow and does not last.
+        // A stronger pull is an impact, which does not last.
         const bool steady = b.pull && norm2(*b.pull) <= kSteady * norm2(gravity);
         b.velocity += (steady ? *b.pull : gravity) * h;
       }
       const Transform frame = b.frame();
       nodes_.clear(), handles_.clear();
       visit(bounds(*b.solid, frame), [&](const Vec3& x, double mass, const Vec3& v, size_t handle) {
-        const auto near = point_distance(*b.solid, frame.inverse_point(x), 0);
+        const auto near = inside(*b.solid, frame.inverse_point(x), def.cell);
         if (!near || near->distance >= 0) return;
         nodes_.push_back({mass, x - b.place, frame.direction(near->normal), v, {}, false});
         handles_.push_back(handle);
@@ -64,7 +64,7 @@ class BodiesIn {
       touch(nodes_, body, static_cast<Hold>(def.contact), def.body_friction);
       Vec3 impulse, twist;
       for (size_t k = 0; k < nodes_.size(); ++k) {
-        // What a node of this precision really gets.
+        // What the node gets after walls and rounding.
         const Vec3 got = settle(handles_[k], nodes_[k].velocity) * nodes_[k].mass;
         impulse -= got, twist -= cross(nodes_[k].arm, got);
         fastest = std::max(fastest, norm2(nodes_[k].velocity));
@@ -73,13 +73,26 @@ class BodiesIn {
     }
     return std::sqrt(fastest);
   }
-  /// The substep of `push` is taken.
+  /// Accepts the substep of `push`.
   void accept(double h) {
     bodies_.swap(trial_);
     for (ImmersedBody& b : bodies_) b.advance(h);
   }
 
  private:
+  /// Distance to the surface of what a place is inside of. Of a mesh that encloses something the nearest
+  /// triangle is looked for farther and farther away; a sheet of triangles has no inside.
+  static std::optional<PointDistance> inside(const Solid& solid, const Vec3& p, double cell) {
+    if (solid.kind != SolidKind::mesh) return point_distance(solid, p, 0);
+    const MeshSides sides = mesh_sides(solid);
+    if (sides == MeshSides::front) return std::nullopt;
+    const double most = 2 * bounding_radius(solid);
+    for (double reach = cell;; reach *= 2) {
+      const auto near = point_distance(solid, p, reach, sides);
+      if (near || reach > most) return near;
+    }
+  }
+
   /// Of the square of gravity.
   static constexpr double kSteady = 2;
   static constexpr double kMostRoom = 1e5;

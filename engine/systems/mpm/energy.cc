@@ -71,7 +71,7 @@ EnergyLaw::EnergyLaw(const std::string& text, int dimension, const Material& mat
   std::vector<Node> s;
   for (int32_t k = 0; k < d; ++k) {
     s.push_back(graph.variable(k));
-    names.add_value("s" + std::to_string(k + 1), s.back());
+    names.add_value(std::string{'s', static_cast<char>('1' + k)}, s.back());
   }
   Node i1 = graph.constant(0), i2 = graph.constant(0), j = graph.constant(1);
   std::vector<Node> squares;

@@ -3,13 +3,14 @@
 // least, v* being velocities after gravity and forces: backward Euler for what is stored in the
 // deformation (Gast, Schroeder, Stomakhin, Jiang, Teran 2015). Newton's method with the stiffness's positive
 // part (kernels/mpm/stiffness.h), each direction by conjugate gradients whose matrix is never formed: a
-// direction goes to particles, changes their stress and comes back; preconditioned by the nodes' masses. Each
-// step is shortened until E falls. What lets go is held where it is pressed on, by an active set. Friction
-// acts on v*, before the stresses of the substep are known.
+// direction goes to particles, changes their stress and comes back; preconditioned by every node's own block,
+// taken for small strains. Each step is shortened until E falls. What lets go is held where it is pressed on,
+// by an active set. Friction acts on v*, before the stresses of the substep are known.
 #pragma once
 #include <span>
 
 #include "engine/kernels/mpm/stiffness.h"
+#include "engine/systems/mpm/node_blocks.h"
 #include "engine/systems/mpm/substep.h"
 
 namespace truestep::mpm {
@@ -29,7 +30,8 @@ class Implicit {
   };
 
   void reserve(const G& g, size_t slots) {
-    for (Vector* v : {&v_, &anchor_, &gradient_, &step_, &r_, &p_, &q_}) v->reserve(g.nodes.capacity());
+    for (Vector* v : {&v_, &anchor_, &gradient_, &step_, &r_, &p_, &q_, &z_}) v->reserve(g.nodes.capacity());
+    inverse_.reserve(g.nodes.capacity() / 4 * kSix);
     tangents_.reserve(slots * kTangent);
     sums_.reserve(g.blocks.reserved()), stored_.reserve(g.blocks.reserved_owners());
     contacts_.reserve(g.blocks.reserved() * G::Size::kBlockNodes / 8);
@@ -42,7 +44,8 @@ class Implicit {
   Report solve(G& g, const Setting& set, double t, double h, double pull, const ThreadArena& arena) {
     h_ = h, set_ = &set;
     const size_t n = g.nodes.size();
-    for (Vector* v : {&v_, &anchor_, &gradient_, &step_, &r_, &p_, &q_}) v->resize(n);
+    for (Vector* v : {&v_, &anchor_, &gradient_, &step_, &r_, &p_, &q_, &z_}) v->resize(n);
+    inverse_.resize(n / 4 * kSix);
     tangents_.resize(g.now.slots() * kTangent);
     double mass = 0, squares = 0;
     for (size_t k = 0; k < n; ++k) {
@@ -56,6 +59,7 @@ class Implicit {
       const double small =
           kTolerance * std::max({std::sqrt(squares / mass), pull * h, 1e-9 * set.def.cell / h});
       start(g, arena);
+      invert_blocks(g, arena);
       out.converged = false;
       for (int round = 0; round < kRounds; ++round) {
         if (!newton(g, small * std::sqrt(mass), arena)) return out;
@@ -103,7 +107,7 @@ class Implicit {
     v_ = anchor_;
     for (size_t k = 0; k < g.blocks.blocks.size(); ++k) {
       const Block& b = g.blocks.blocks[k];
-      if (g.is_free(*set_, b)) continue;
+      if (g.is_free(*set_, b, t)) continue;
       for (size_t n = 0; n < G::Size::kBlockNodes; ++n) {
         const size_t node = k * G::kBlockNumbers + 4 * n;
         if (!(g.nodes[node] > 0)) continue;
@@ -202,11 +206,11 @@ class Implicit {
   void for_groups(G& g, const Vector& nodes, const ThreadArena& arena, const Visit& visit) {
     const double dx = set_->def.cell, per_second = h_ / (Spline<Nodes, double>::kSecond * dx * dx);
     arena.for_blocks(g.blocks.owners.size(), 4, [&](size_t begin, size_t end) {
-      alignas(64) double tile[G::kTileNumbers];
+      alignas(64) double tile[G::kTileNumbers] = {};
       Stencils<D, Nodes, double> at;
       for (size_t k = begin; k < end; ++k) {
         const Block& b = g.blocks.blocks[g.blocks.owners[k]];
-        g.fill_tile(b, nodes, tile);
+        Tiles<D, Nodes, double>::fill(b, nodes, tile);
         for (size_t r = b.first; r < b.last; ++r) {
           const Run& run = g.blocks.runs[r];
           for (size_t s = run.begin; s < run.end; s += W::kLanes) {
@@ -242,7 +246,8 @@ class Implicit {
                });
     arena.for_blocks(g.blocks.blocks.size(), 8, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k)
-        g.sum_tiles(g.blocks.blocks[k], g.tiles, out.data() + k * G::kBlockNumbers);
+        Tiles<D, Nodes, double>::sum(g.blocks, g.blocks.blocks[k], g.tiles,
+                                     out.data() + k * G::kBlockNumbers);
     });
   }
 
@@ -337,6 +342,40 @@ class Implicit {
     project(q_);
   }
 
+  /// Inverses of m + sum_p V_p ((lambda + mu) b b^T + mu |b|^2), b = h times the gradient of the node's
+  /// weight at the particle: the node's own block of the second derivative at rest (linear elasticity).
+  void invert_blocks(G& g, const ThreadArena& arena) {
+    const double dx = set_->def.cell, per_second = h_ / (Spline<Nodes, double>::kSecond * dx * dx);
+    g.tiles.resize(g.blocks.owners.size() * G::kTileNumbers);
+    for (const Entries entries : {Entries::diagonal, Entries::others}) {
+      std::fill(g.tiles.begin(), g.tiles.end(), 0.0);
+      for_groups(g, v_, arena,
+                 [&](const Piece& piece, size_t, int many, const Stencils<D, Nodes, double>& at, const M&,
+                     size_t k) {
+                   double* tile = g.tiles.data() + k * G::kTileNumbers;
+                   const double both = piece.volume * (piece.material.lambda + piece.material.mu),
+                                own = piece.volume * piece.material.mu;
+                   for (int lane = 0; lane < many; ++lane)
+                     add_node_blocks<D, Nodes, G::Size::kReach, G::Size::kRow>(at, lane, per_second, both,
+                                                                               own, entries, tile);
+                 });
+      Vector& out = entries == Entries::diagonal ? q_ : p_;
+      arena.for_blocks(g.blocks.blocks.size(), 8, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k)
+          Tiles<D, Nodes, double>::sum(g.blocks, g.blocks.blocks[k], g.tiles,
+                                       out.data() + k * G::kBlockNumbers);
+      });
+    }
+    for (size_t node = 0; node < q_.size(); node += 4)
+      inverse_of_block<D>(g.nodes[node], &q_[node + 1], &p_[node + 1], &inverse_[node / 4 * kSix]);
+  }
+  /// z_ = inverse blocks times r_, in the directions that are free.
+  void precondition() {
+    for (size_t node = 0; node < r_.size(); node += 4)
+      apply_block(&inverse_[node / 4 * kSix], &r_[node], &z_[node]);
+    project(z_);
+  }
+
   /// step_ ~ -(second derivative)^-1 gradient, until the residual has fallen to `tolerance` of its first
   /// size.
   void direction(G& g, double tolerance, const ThreadArena& arena) {
@@ -344,12 +383,9 @@ class Implicit {
     std::fill(step_.begin(), step_.end(), 0.0);
     for (size_t i = 0; i < n; ++i) r_[i] = -gradient_[i];
     project(r_);
-    const auto over_mass = [&](size_t i) {
-      const double m = g.nodes[i - i % 4];
-      return m > 0 ? r_[i] / m : 0.0;
-    };
-    for (size_t i = 0; i < n; ++i) p_[i] = over_mass(i);
-    double now = size_of(g, r_, arena);
+    precondition();
+    p_ = z_;
+    double now = dot_of(g, r_, z_, arena);
     const double enough = tolerance * tolerance * now;
     for (int k = 0; k < kMostProducts && now > enough; ++k) {
       product(g, arena);
@@ -357,8 +393,9 @@ class Implicit {
       if (!(curvature > 0)) break;
       const double alpha = now / curvature;
       for (size_t i = 0; i < n; ++i) step_[i] += alpha * p_[i], r_[i] -= alpha * q_[i];
-      const double next = size_of(g, r_, arena), beta = next / now;
-      for (size_t i = 0; i < n; ++i) p_[i] = over_mass(i) + beta * p_[i];
+      precondition();
+      const double next = dot_of(g, r_, z_, arena), beta = next / now;
+      for (size_t i = 0; i < n; ++i) p_[i] = z_[i] + beta * p_[i];
       now = next;
     }
   }
@@ -394,7 +431,8 @@ class Implicit {
   static constexpr double kStill = 1e-9, kPass = 1e-9, kRound = 1e-12, kNear = 100;
   const Setting* set_ = nullptr;
   double h_ = 0, push_ = 0, speed_ = 0;
-  Vector v_, anchor_, gradient_, step_, r_, p_, q_, tangents_;
+  Vector v_, anchor_, gradient_, step_, r_, p_, q_, z_, tangents_;
+  Vector inverse_;  ///< of a node's block: xx, xy, xz, yy, yz, zz
   std::vector<double> sums_, stored_;
   std::vector<Contact> contacts_;
   std::vector<Held> held_;

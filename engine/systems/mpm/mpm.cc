@@ -18,8 +18,20 @@ std::unique_ptr<const Setting> settle(const MpmDef& def, const std::string& id) 
                                                .exact = Texts(def.exact, def.dimension, "/exact"),
                                                .id = id});
   size_t first = 0;
-  const auto add = [&](const MaterialDef& m, double volume, size_t count, const std::string& at) {
-    Piece p{material_of(m), m.density, volume * m.density, volume, first, first + count, nullptr};
+  const std::vector<int> fields = velocity_fields(def);
+  out->fields = std::max<size_t>(fields.size(), 1);
+  const auto add = [&](const MaterialDef& m, const Vec3& spacing, size_t count, const std::string& at) {
+    const double volume = spacing.x * spacing.y * (def.dimension == 3 ? spacing.z : 1);
+    const auto field = std::find(fields.begin(), fields.end(), m.velocity_field) - fields.begin();
+    Piece p{material_of(m),
+            static_cast<size_t>(field),
+            spacing,
+            m.density,
+            volume * m.density,
+            volume,
+            first,
+            first + count,
+            nullptr};
     if (m.material == Law::elastic)
       p.energy = std::make_shared<const EnergyLaw>(m.energy, def.dimension, p.material, at + "/energy");
     out->pieces.push_back(std::move(p));
@@ -29,18 +41,12 @@ std::unique_ptr<const Setting> settle(const MpmDef& def, const std::string& id) 
     const BodyDef& b = def.bodies[k];
     const size_t count = places_of(def, b).size();
     // A box is divided evenly; of a ball every particle has the lattice's share.
-    const Vec3 reach = b.shape == Shape::ball ? Vec3{b.radius, b.radius, b.radius} : b.half_extents;
-    const double r[3] = {reach.x, reach.y, reach.z}, target = def.cell / def.particles_per_axis;
-    double volume = 1;
-    for (int a = 0; a < def.dimension; ++a) {
-      volume *= 2 * r[a] / std::max(1.0, std::floor(2 * r[a] / target + 0.5));
-    }
-    add(b, volume, count, "/bodies/" + std::to_string(k));
+    add(b, spacing_of(def, b), count, "/bodies/" + std::to_string(k));
   }
   for (size_t k = 0; k < def.emitters.size(); ++k) {
     out->inlets.emplace_back(def, def.emitters[k]);
     const double s = def.spacing();
-    add(def.emitters[k], def.dimension == 2 ? s * s : s * s * s, 0, "/emitters/" + std::to_string(k));
+    add(def.emitters[k], {s, s, s}, 0, "/emitters/" + std::to_string(k));
   }
   out->capacity = largest_count(def, first);
   return out;
@@ -69,6 +75,7 @@ Mpm::Mpm(const MpmDef& def, const BuildContext& context)
     skip_stage("removal", "no kill regions given");
   }
   if (def.colliders.empty()) skip_stage("colliders", "none given");
+  if (setting_->fields == 1) skip_stage("contact of fields", "everything moves in one field of velocities");
   if (def.force.empty()) skip_stage("force", "no acceleration by place");
   const Scalar real = def.precision == Precision::f32 ? Scalar::f32 : Scalar::f64;
   PartInfo points;

@@ -29,6 +29,7 @@ struct MaterialDef {
   double hardening = 10, critical_compression = 0.025, critical_stretch = 0.0075;
   double friction_angle = 0.61, yield_stress = 1e3;
   std::string energy;
+  int velocity_field = 0;
 };
 
 /// A piece of one material that fills a shape.
@@ -60,7 +61,7 @@ struct MpmDef : KillDefs {
   double wall_friction = 0;
   Contact contact = Contact::separate;
   ColliderDefs colliders;
-  double body_friction = 0.4;
+  double body_friction = 0.4, field_friction = 0.4;
   std::vector<std::string> force, exact;
   Precision precision = Precision::f32;
 
@@ -76,8 +77,12 @@ const Outputs& mpm_outputs();
 Cost mpm_cost(const void* def);
 const Resolution& mpm_resolution();
 
+/// Numbers of the fields of velocities that bodies and nozzles name, in order.
+std::vector<int> velocity_fields(const MpmDef& def);
 /// Lame's parameters and what else the law needs.
 Material material_of(const MaterialDef& of);
+/// m, between the particles of a body along each axis.
+Vec3 spacing_of(const MpmDef& def, const BodyDef& body);
 /// m, where the particles of a body are at t = 0, in the order of rows.
 std::vector<Vec3> places_of(const MpmDef& def, const BodyDef& body);
 /// Particles of all bodies, by the lattices that fill them.

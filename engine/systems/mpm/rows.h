@@ -27,9 +27,10 @@ class Rows {
     arena.for_blocks(to.slots(), kBlockRows, [&](size_t begin, size_t end) {
       for (size_t s = begin; s < end; s += kLanes) {
         uint32_t row[kLanes];
+        uint32_t last = to.row[s];
         for (size_t lane = 0; lane < kLanes; ++lane) {
-          row[lane] = to.row[s + lane];
-          if (row[lane] == Sorted<D, T>::kNone) row[lane] = row[lane - 1];
+          if (to.row[s + lane] != Sorted<D, T>::kNone) last = to.row[s + lane];
+          row[lane] = last;
         }
         T* group = to.group(s);
         if constexpr (D == 2) {

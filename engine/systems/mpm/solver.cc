@@ -5,6 +5,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/short_number.h"
+#include "engine/systems/mpm/field_contact.h"
 #include "engine/systems/mpm/implicit.h"
 #include "engine/systems/mpm/rows.h"
 
@@ -22,12 +23,14 @@ class SolverOf final : public Solver {
   void step(State& s, const StepInput& in) const override {
     auto& grid = in.workspace.object<Grid<D, Nodes, T>>("mpm.grid");
     const bool first = grid.blocks.table.empty();
-    if (first) grid.blocks.set(set_.def.low, set_.def.high, set_.def.cell);
+    if (first) grid.blocks.set(set_.def.low, set_.def.high, set_.def.cell, set_.fields);
     grid.piece_of_row = set_.pieces_of(s);
     const Rows<D, T> rows(s);
     load_rows(rows, grid, in);
     if (first) {
       grid.reserve(set_);
+      if (set_.fields > 1)
+        in.workspace.object<FieldContact<D, Nodes, T>>("mpm.field_contact").reserve(grid.now.row.capacity());
       if constexpr (sizeof(T) == 8) {
         if (set_.def.is_implicit())
           in.workspace.object<Implicit<D, Nodes>>("mpm.implicit").reserve(grid, grid.blocks.keys.capacity());
@@ -93,9 +96,13 @@ class SolverOf final : public Solver {
             speed = found.fastest;
           }
         }
+        if (set_.fields > 1) {
+          auto& contact = in.workspace.object<FieldContact<D, Nodes, T>>("mpm.field_contact");
+          speed = std::max(speed, contact.act(grid, set_, t, h, in.arena));
+        }
         if (grid.bodies.any()) speed = std::max(speed, grid.touch_bodies(set_, gravity, t, length));
       }
-      // Nodes may be faster than any particle was: tiles hold a cell of drift, no more.
+      // A node may be faster than any particle was, and tiles have room for one cell of drift.
       if (!(drift + speed * h / cell <= kMostDrift)) {
         if (drift > 0) {
           drift = 1;
@@ -106,7 +113,7 @@ class SolverOf final : public Solver {
       }
       {
         const ProfileScope scope(in.profile, "mpm gather");
-        // Nobody asks for the stress after the last.
+        // The stress after a step's last substep is not used.
         const bool last = !(h < left);
         grid.gather_all(set_, length, last ? Then::flow : Then::both, in.arena);
       }
@@ -117,12 +124,16 @@ class SolverOf final : public Solver {
     throw Instability(set_.id, "velocity", -1, "no substep keeps nodes from crossing a cell, or is solved");
   }
 
+  size_t field_of(const Grid<D, Nodes, T>& grid, size_t row) const {
+    return set_.fields == 1 ? 0 : set_.pieces[set_.piece_of(row, grid.piece_of_row)].field;
+  }
   /// From grid.next to grid.now.
   void sort(Grid<D, Nodes, T>& grid, const StepInput& in) const {
     const ProfileScope scope(in.profile, "mpm sort");
     grid.blocks.sort(
         grid.next, grid.now, set_.pieces.size(),
-        [&](uint32_t row) { return set_.piece_of(row, grid.piece_of_row); }, in.arena);
+        [&](uint32_t row) { return set_.piece_of(row, grid.piece_of_row); },
+        [&](uint32_t row) { return field_of(grid, row); }, in.arena);
   }
 
   [[noreturn]] void refuse(double allowed) const {
@@ -141,7 +152,7 @@ class SolverOf final : public Solver {
     auto& blocks = grid.blocks;
     blocks.keys.resize(n);
     in.arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) blocks.keys[i] = blocks.block_of(rows.place(i));
+      for (size_t i = begin; i < end; ++i) blocks.keys[i] = blocks.block_of(rows.place(i), field_of(grid, i));
     });
     blocks.arrange(
         n, set_.pieces.size(), [&](size_t i) { return set_.piece_of(i, grid.piece_of_row); },

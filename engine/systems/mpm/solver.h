@@ -33,6 +33,8 @@ inline constexpr size_t emitted = 0, killed = 1, refused = 2, born = 3, count = 
 /// What all particles of a body, or of a nozzle, share; its rows at the start are [first, last).
 struct Piece {
   Material material;
+  size_t field = 0;              ///< of velocities, in which it moves
+  Vec3 spacing;                  ///< m, between particles along each axis at the start
   double density, mass, volume;  ///< kg/m^3, kg and m^3 of a particle
   size_t first, last;
   std::shared_ptr<const EnergyLaw> energy;  ///< of material elastic
@@ -49,6 +51,7 @@ struct Setting {
   std::vector<Piece> pieces;  ///< bodies, then nozzles
   std::vector<Inlet> inlets;
   size_t capacity = 0;  ///< most particles at once
+  size_t fields = 1;    ///< of velocities
   ColliderSet colliders;
   Texts force, exact;  ///< m/s^2; m, of a particle that starts at x, y, z
   std::string id;
@@ -84,8 +87,8 @@ void for_runs(const Setting& set, const State& s, const Visit& visit) {
   }
 }
 
-/// Adds the layers that nozzles have given birth to before time t (s), where they are then; nothing where
-/// something is already.
+/// Adds the layers that nozzles have emitted by time t (s), at the places they have reached; a particle whose
+/// place is occupied is left out.
 void pour(const Setting& set, State& s, double t, Workspace& workspace);
 /// Removes the particles that are in kill regions.
 void remove_killed(const Setting& set, State& s, const StepInput& in);

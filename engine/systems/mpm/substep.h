@@ -1,40 +1,27 @@
-// One substep on sorted particles: the parts of solver.h.
+// One substep on sorted particles: particles to tiles, tiles to nodes, nodes to particles. Bodies and other
+// fields of velocities act on nodes in between (solver.cc).
 #pragma once
 #include <cmath>
 
-#include "engine/systems/mpm/blocks.h"
 #include "engine/systems/mpm/bodies_in.h"
-#include "engine/systems/mpm/solver.h"
-#include "engine/systems/mpm/transfer.h"
+#include "engine/systems/mpm/boundaries.h"
+#include "engine/systems/mpm/groups.h"
+#include "engine/systems/mpm/tiles.h"
 
 namespace truestep::mpm {
 
-/// Velocity of a node at a boundary with unit normal n into the free side that moves with `of`.
-template <class T>
-Vec3T<T> bounded(const Vec3T<T>& v, const Vec3T<T>& n, const Vec3T<T>& of, Contact kind, T friction) {
-  if (kind == Contact::sticky) return of;
-  const Vec3T<T> relative = v - of;
-  const T into = dot(relative, n);
-  if (kind == Contact::separate && into >= 0) return v;
-  const Vec3T<T> along = relative - n * into;
-  if (kind == Contact::slip) return of + along;
-  // Coulomb's bound on the impulse along the boundary.
-  const T speed = norm(along);
-  return speed > -friction * into ? of + along * (1 + friction * into / speed) : of;
-}
-
-/// What follows from a deformation: the stress; the flow back to what the law allows; or both, flow first.
-enum class Then : unsigned char { stress, flow, both };
-
 template <int D, int Nodes, class T>
-struct Grid {
+struct Grid : Boundaries<D, Nodes, T>, Group<D, T> {
   using Size = Tiling<D, Nodes>;
   using L = Layout<D>;
   using W = Wide<T>;
-  static constexpr size_t kBlockNumbers = 4 * Size::kBlockNodes, kTileNumbers = 4 * Size::kTileNodes;
-  static constexpr size_t kRowNumbers = (D + 1) * 4 * W::kLanes;  ///< of a group at its nodes
+  using Own = Group<D, T>;
+  using Edges = Boundaries<D, Nodes, T>;
+  using Edges::blocks, Edges::place_of, Edges::held, Edges::is_free;
+  using Own::kRowNumbers, Own::largest_lane, Own::respond, Own::speed2, Own::contributions, Own::deform;
+  static constexpr size_t kBlockNumbers = Tiles<D, Nodes, T>::kBlockNumbers,
+                          kTileNumbers = Tiles<D, Nodes, T>::kTileNumbers;
 
-  Blocks<D, Nodes, T> blocks;
   Sorted<D, T> now, next;
   BodiesIn bodies;
   Aligned<T> tiles, nodes;
@@ -62,57 +49,6 @@ struct Grid {
     fastest.reserve(blocks.reserved()), modulus.reserve(blocks.reserved());
   }
 
-  static Square<D, T> load_square(const T* group, int component) {
-    Square<D, T> out;
-    for (int k = 0; k < D * D; ++k) out.m[k] = load(group + (component + k) * W::kLanes);
-    return out;
-  }
-  static void store_square(T* group, int component, const Square<D, T>& a) {
-    for (int k = 0; k < D * D; ++k) store(group + (component + k) * W::kLanes, a.m[k]);
-  }
-
-  static T largest_lane(W a) {
-    T most = 0;
-    for (int i = 0; i < W::kLanes; ++i) most = std::max(most, a[i]);
-    return most;
-  }
-  /// A pressure alone.
-  static T respond_fluid(const Material& mat, T* group) {
-    const Response<D, T> r = fluid_response<D, T>(mat, load(group + L::jacobian * W::kLanes));
-    int c = L::tau;
-    for (int i = 0; i < D; ++i) {
-      for (int k = i; k < D; ++k) store(group + c++ * W::kLanes, i == k ? r.tau(0, 0) : W::zero());
-    }
-    return largest_lane(r.modulus);
-  }
-
-  /// Returns the largest modulus of a group; 0 where no stress was asked for.
-  static T respond(const Piece& piece, T* group, Then then) {
-    const Material& mat = piece.material;
-    const bool plastic_law = mat.law == Law::snow || mat.law == Law::sand || mat.law == Law::foam;
-    if (then == Then::flow && !plastic_law) return 0;
-    if (mat.law == Law::fluid) return respond_fluid(mat, group);
-    const W j = load(group + L::jacobian * W::kLanes);
-    W plastic = load(group + L::plastic * W::kLanes);
-    const Square<D, T> f = load_square(group, L::f);
-    Response<D, T> r;
-    if (then != Then::stress && plastic_law) {
-      Svd<D, T> d = svd(f);
-      return_map(mat, d, plastic);
-      store_square(group, L::f, compose(d.u, d.s, d.v));
-      store(group + L::plastic * W::kLanes, plastic);
-      if (then == Then::flow) return 0;
-      r = solid_response(mat, d, plastic);
-    } else {
-      r = response(piece, f, j, plastic);
-    }
-    int c = L::tau;
-    for (int i = 0; i < D; ++i) {
-      for (int k = i; k < D; ++k) store(group + c++ * W::kLanes, r.tau(i, k));
-    }
-    return largest_lane(r.modulus);
-  }
-
   /// Stress of all particles from their deformation, and what limits the first substep.
   void stresses(const Setting& set, const ThreadArena& arena) {
     fastest.assign(blocks.owners.size(), 0), modulus.assign(blocks.owners.size(), 0);
@@ -132,15 +68,6 @@ struct Grid {
       }
     });
   }
-  static double speed2(const T* group) {
-    W sum = W::zero();
-    for (int a = 0; a < D; ++a) {
-      const W v = load(group + (L::v + a) * W::kLanes);
-      sum = madd(v, v, sum);
-    }
-    return double{largest_lane(sum)};
-  }
-
   /// Where the particles of a group are in the tile of their block.
   void locate(const Block& b, const T* group, T dx, Stencils<D, Nodes, T>& out) const {
     W place[D];
@@ -149,26 +76,6 @@ struct Grid {
       place[a] = (load(group + (L::x + a) * W::kLanes) - W(blocks.low[a])) * W(blocks.inverse_dx) + W(first);
     }
     out.template set<Size::kReach, Size::kRow>(place, dx);
-  }
-
-  /// Rows of numbers that a group gives to its nodes: mass and momentum, then columns of `keep` m C + `push`
-  /// tau (transfer.h).
-  static void contributions(const T* group, T mass, T keep, T push, T* rows) {
-    const W zero = W::zero();
-    const auto number = [&](int c) { return load(group + c * W::kLanes); };
-    W four[4] = {W(mass), zero, zero, zero};
-    for (int i = 0; i < D; ++i) four[i + 1] = W(mass) * number(L::v + i);
-    to_rows(four, rows);
-    W tau[D][D];
-    int c = L::tau;
-    for (int i = 0; i < D; ++i) {
-      for (int q = i; q < D; ++q) tau[i][q] = tau[q][i] = W(push) * number(c++);
-    }
-    four[0] = zero;
-    for (int q = 0; q < D; ++q) {
-      for (int i = 0; i < D; ++i) four[i + 1] = madd(W(keep), number(L::c + D * i + q), tau[i][q]);
-      to_rows(four, rows + (q + 1) * 4 * W::kLanes);
-    }
   }
 
   /// m/s^2, of the particles in slots [s, end), no more than texts take at once: all of one component, then
@@ -236,47 +143,6 @@ struct Grid {
     });
   }
 
-  /// Rows of nodes that a block and its neighbour's tile share: visit(first number in the block, first number
-  /// in the tile, numbers). `k` is the neighbour's place among the block's.
-  template <class Visit>
-  static void shared_rows(int k, const Visit& visit) {
-    int from[3] = {}, to[3] = {1, 1, 1}, shift[3] = {};
-    for (int a = D - 1; a >= 0; --a, k /= 3) {
-      shift[a] = 1 - (k % 3 - 1) * Size::kBlock;
-      from[a] = std::max(0, -shift[a]);
-      to[a] = std::min(Size::kBlock, Size::kReach - shift[a]);
-      if (from[a] >= to[a]) return;
-    }
-    const auto many = static_cast<size_t>(4 * (to[D - 1] - from[D - 1]));
-    for (int i = from[0]; i < to[0]; ++i) {
-      if constexpr (D == 2) {
-        visit(static_cast<size_t>(4 * (i * Size::kBlock + from[1])),
-              static_cast<size_t>(4 * ((i + shift[0]) * Size::kRow + from[1] + shift[1])), many);
-      } else {
-        for (int j = from[1]; j < to[1]; ++j) {
-          visit(static_cast<size_t>(4 * ((i * Size::kBlock + j) * Size::kBlock + from[2])),
-                static_cast<size_t>(
-                    4 * (((i + shift[0]) * Size::kReach + j + shift[1]) * Size::kRow + from[2] + shift[2])),
-                many);
-        }
-      }
-    }
-  }
-
-  /// The nodes of a block from the tiles around it.
-  void sum_tiles(const Block& b, const Aligned<T>& from, T* own) const {
-    std::fill(own, own + kBlockNumbers, T{0});
-    for (int m = 0; m < Size::kNeighbours; ++m) {
-      if (b.neighbours[m] < 0) continue;
-      const Block& other = blocks.blocks[static_cast<size_t>(b.neighbours[m])];
-      if (other.tile < 0) continue;
-      const T* tile = from.data() + static_cast<size_t>(other.tile) * kTileNumbers;
-      shared_rows(m, [&](size_t to, size_t at, size_t many) {
-        for (size_t i = 0; i < many; ++i) own[to + i] += tile[at + i];
-      });
-    }
-  }
-
   /// Sums tiles into blocks and moves on the nodes' velocities. Returns the fastest node's speed.
   double move_nodes(const Setting& set, const Vec3& gravity, double t, T h, const ThreadArena& arena) {
     nodes.resize(blocks.blocks.size() * kBlockNumbers);
@@ -288,23 +154,14 @@ struct Grid {
         const Block& b = blocks.blocks[k];
         T* own = nodes.data() + k * kBlockNumbers;
         T* change = flip ? changes.data() + k * kBlockNumbers : nullptr;
-        sum_tiles(b, tiles, own);
-        if (flip) sum_tiles(b, impulses, change);
+        Tiles<D, Nodes, T>::sum(blocks, b, tiles, own);
+        if (flip) Tiles<D, Nodes, T>::sum(blocks, b, impulses, change);
         fastest[k] = move_block(set, b, gravity, t, h, own, change);
       }
     });
     return std::sqrt(largest(fastest));
   }
 
-  /// No node of the block is at a wall.
-  bool is_inside(const MpmDef& def, const Block& b) const {
-    const double far[3] = {def.high.x, def.high.y, def.high.z};
-    for (int a = 0; a < D; ++a) {
-      const int first = b.at[a] * Size::kBlock - Size::kPad;
-      if (first <= 0 || blocks.low[a] + (first + Size::kBlock) * def.cell >= far[a]) return false;
-    }
-    return true;
-  }
   /// Velocities from momenta where nothing holds a node. Returns the square of the largest.
   static double move_free(const T* g, T h, T* own) {
     const W zero = W::zero();
@@ -345,7 +202,8 @@ struct Grid {
                     T* change) const {
     const MpmDef& def = set.def;
     const T g[3] = {static_cast<T>(gravity.x), static_cast<T>(gravity.y), static_cast<T>(gravity.z)};
-    if (!change && is_free(set, b)) return move_free(g, h, own);
+    const bool free = is_free(set, b, t);
+    if (!change && free && set.colliders.empty()) return move_free(g, h, own);
     double most = 0;
     for (size_t n = 0; n < Size::kBlockNodes; ++n) {
       T* node = own + 4 * n;
@@ -358,7 +216,7 @@ struct Grid {
         v += Vec3T<T>{impulse[1], impulse[2], D == 3 ? impulse[3] : T{0}} * inverse;
       }
       // Boundaries are part of an implicit step's solve.
-      if (!def.is_implicit()) v = held(set, place_of(def, b, n), t, v);
+      if (!free && !def.is_implicit()) v = held(set, place_of(def, b, n), t, v);
       if (change) {
         T* c = change + 4 * n;
         c[0] = 0, c[1] = v.x - before.x, c[2] = v.y - before.y, c[3] = v.z - before.z;
@@ -368,57 +226,6 @@ struct Grid {
       if (!(speed <= most)) most = speed;
     }
     return most;
-  }
-
-  /// m, of a node of a block.
-  Vec3 place_of(const MpmDef& def, const Block& b, size_t n) const {
-    double x[3] = {};
-    for (int a = D - 1; a >= 0; --a, n /= Size::kBlock) {
-      const int at = b.at[a] * Size::kBlock + static_cast<int>(n % Size::kBlock) - Size::kPad;
-      x[a] = blocks.low[a] + at * def.cell;
-    }
-    return {x[0], x[1], x[2]};
-  }
-  /// Visits what holds a node at place x, in its order: visit(normal into the free side, velocity, kind,
-  /// friction).
-  template <class Visit>
-  void for_boundaries(const Setting& set, const Vec3& place, double t, const Visit& visit) const {
-    const MpmDef& def = set.def;
-    const double x[3] = {place.x, place.y, place.z}, far[3] = {def.high.x, def.high.y, def.high.z};
-    const Contact floor = def.floor == MpmDef::Floor::as_walls ? def.walls : static_cast<Contact>(def.floor);
-    const auto single = [](const Vec3& a) {
-      return Vec3T<T>{static_cast<T>(a.x), static_cast<T>(a.y), D == 3 ? static_cast<T>(a.z) : T{0}};
-    };
-    if (!set.colliders.empty()) {
-      const NearSurface near = set.colliders.nearest(place, t);
-      if (near.collider != NearSurface::kNone && near.distance < 0) {
-        const double mu = set.colliders.colliders()[near.collider].surface.friction;
-        visit(single(near.normal), single(near.velocity), def.contact, static_cast<T>(mu));
-      }
-    }
-    for (const Inlet& inlet : set.inlets) {
-      if (inlet.holds(place, t, 0.5 * def.cell))
-        visit(single(inlet.along), single(inlet.velocity()), Contact::sticky, T{0});
-    }
-    const T slack = static_cast<T>(1e-6 * def.cell), mu = static_cast<T>(def.wall_friction);
-    for (int a = 0; a < D; ++a) {
-      const bool below = x[a] <= blocks.low[a] + slack, above = x[a] >= far[a] - slack;
-      if (!below && !above) continue;
-      const T side = below ? T{1} : T{-1};
-      const Vec3T<T> n_wall{a == 0 ? side : 0, a == 1 ? side : 0, a == 2 ? side : 0};
-      visit(n_wall, Vec3T<T>{}, below && a == 1 ? floor : def.walls, mu);
-    }
-  }
-  /// Velocity of a node at place x as colliders, nozzles and walls let it.
-  Vec3T<T> held(const Setting& set, const Vec3& place, double t, Vec3T<T> v) const {
-    for_boundaries(set, place, t, [&](const Vec3T<T>& n, const Vec3T<T>& of, Contact kind, T friction) {
-      v = bounded(v, n, of, kind, friction);
-    });
-    return v;
-  }
-  /// Whether nothing can hold a node of the block.
-  bool is_free(const Setting& set, const Block& b) const {
-    return set.colliders.empty() && set.inlets.empty() && is_inside(set.def, b);
   }
 
   /// Nodes and the bodies in them, before the substep is taken. Returns the speed of the fastest such node.
@@ -452,7 +259,7 @@ struct Grid {
         }
       }
     };
-    // Walls have the last word; what they take is not the body's.
+    // Walls are applied last; the impulse they take is not given to the body.
     const auto settle = [&](size_t handle, const Vec3& to) {
       T* node = nodes.data() + handle;
       const Vec3 before{double{node[1]}, double{node[2]}, double{node[3]}};
@@ -470,19 +277,6 @@ struct Grid {
     return bodies.push(def, gravity, double{h}, visit, settle);
   }
 
-  /// Velocities of the nodes around a block as its particles see them.
-  void fill_tile(const Block& b, const Aligned<T>& from, T* tile) const {
-    std::fill(tile, tile + kTileNumbers, T{0});
-    for (int m = 0; m < Size::kNeighbours; ++m) {
-      if (b.neighbours[m] < 0) continue;
-      const T* other = from.data() + static_cast<size_t>(b.neighbours[m]) * kBlockNumbers;
-      // Seen from the neighbour, this block is on the opposite side.
-      shared_rows(Size::kNeighbours - 1 - m, [&](size_t at, size_t to, size_t many) {
-        std::copy(other + at, other + at + many, tile + to);
-      });
-    }
-  }
-
   /// Velocities, places, deformations and what follows from them of all particles from the nodes.
   void gather_all(const Setting& set, T h, Then then, const ThreadArena& arena) {
     const MpmDef& def = set.def;
@@ -496,14 +290,15 @@ struct Grid {
     for (int i = 0; i < 3; ++i)
       nearest[i] = lows[i] + 0.01 * def.cell, farthest[i] = highs[i] - 0.01 * def.cell;
     arena.for_blocks(blocks.owners.size(), 4, [&](size_t begin, size_t end) {
-      alignas(64) T tile[kTileNumbers];
+      alignas(64) T tile[kTileNumbers] = {};
       alignas(64) T change[kTileNumbers];
+      if (flip) std::fill(change, change + kTileNumbers, T{0});
       alignas(64) T rows[kRowNumbers], more[kRowNumbers];
       Stencils<D, Nodes, T> at;
       for (size_t k = begin; k < end; ++k) {
         const Block& b = blocks.blocks[blocks.owners[k]];
-        fill_tile(b, nodes, tile);
-        if (flip) fill_tile(b, changes, change);
+        Tiles<D, Nodes, T>::fill(b, nodes, tile);
+        if (flip) Tiles<D, Nodes, T>::fill(b, changes, change);
         for (size_t r = b.first; r < b.last; ++r) {
           const Run& run = blocks.runs[r];
           const Piece& piece = set.pieces[run.body];
@@ -536,18 +331,6 @@ struct Grid {
         }
       }
     });
-  }
-
-  /// F and the volume ratio follow the gradient of the velocity; a fluid has no F.
-  static void deform(const Piece& piece, T* group, T h) {
-    Square<D, T> c = load_square(group, L::c);
-    const W hh(h);
-    for (int k = 0; k < D * D; ++k) {
-      c.m[k] = madd(hh, c.m[k], W(k % (D + 1) == 0 ? T{1} : T{0}));
-    }
-    if (piece.material.law != Law::fluid) store_square(group, L::f, c * load_square(group, L::f));
-    const W j = load(group + L::jacobian * W::kLanes) * determinant(c);
-    store(group + L::jacobian * W::kLanes, max(j, W(kLeastVolume)));
   }
 };
 

@@ -94,7 +94,7 @@ struct Stencils {
   void set(const W* place, T dx) {
     typedef int32_t Index __attribute__((vector_size(4 * kLanes)));
     Index at = {};
-    // What is not a number, or has left the tile, stays within it: the step's end finds it.
+    // A place that is not finite, or beyond the tile, is clamped to it; the check after the step reports it.
     const W shift(Spline<Nodes, T>::kShift), most(Width - Nodes + 0.99);
     for (int a = 0; a < D; ++a) {
       const W from = min(max(place[a] - shift, W::zero()), most);
@@ -115,7 +115,7 @@ struct Stencils {
 /// Adds w (m, p + A d) of one lane to the nodes of a tile. `rows` are four numbers a lane, one group after
 /// another: (m, p), then (0, column k of A) of every axis k.
 template <int D, int Nodes, int Width, int Row, class T>
-void scatter(const Stencils<D, Nodes, T>& s, int lane, const T* rows, T* tile) {
+[[gnu::always_inline]] inline void scatter(const Stencils<D, Nodes, T>& s, int lane, const T* rows, T* tile) {
   using W = Wide<T>;
   using namespace transfer_detail;
   constexpr int kMany = kParts<Nodes, T>, kNodes = W::kLanes / 4, kGroup = 4 * W::kLanes;
@@ -156,7 +156,7 @@ void scatter(const Stencils<D, Nodes, T>& s, int lane, const T* rows, T* tile) {
 
 /// Sums over the nodes around one lane, four numbers each as in `scatter`: w u, then w d_k u of every axis k.
 template <int D, int Nodes, int Width, int Row, class T>
-void gather(const Stencils<D, Nodes, T>& s, int lane, const T* tile, T* rows) {
+[[gnu::always_inline]] inline void gather(const Stencils<D, Nodes, T>& s, int lane, const T* tile, T* rows) {
   using W = Wide<T>;
   using namespace transfer_detail;
   constexpr int kMany = kParts<Nodes, T>, kNodes = W::kLanes / 4, kGroup = 4 * W::kLanes;
