@@ -14,8 +14,8 @@ struct Travel {
   double angle = 0;
 };
 
-/// Takes fast bodies back to where they first touch fixed bodies (a bullet: any body). `travels` are all that
-/// moved, ascending; poses in `pairs` are those at the step's start.
+/// Sets fast bodies back to where they first touch fixed bodies (a bullet: any body). `travels` lists all
+/// bodies that moved, ascending; poses in `pairs` are those at the step's start.
 void stop_fast_bodies(const Model& model, State& s, const Pairs& pairs, std::span<const Travel> travels,
                       double h, const ThreadArena& arena);
 
@@ -25,7 +25,7 @@ struct Sleepers {
   std::vector<double> rested;
   std::vector<uint8_t> unborne, still;  ///< nothing fixed bears it; its velocities are zero
 };
-/// Counts rest (h in s) and puts islands to sleep that rest on something (kernels/sleeping.h).
+/// Counts rest (h in s) and puts islands to sleep that rest on something (rigid/sleeping.h).
 void fall_asleep(const Model& model, State& s, const Pairs& pairs, const SleepRule& rule, double h,
                  Sleepers& scratch);
 
