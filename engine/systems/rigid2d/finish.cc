@@ -121,8 +121,31 @@ struct Way {
   }
 };
 
+/// Marks the bodies that touch others, all of them with friction, and that no joint holds.
+void find_rolling(const Model& model, const State& s, const Pairs& pairs, std::vector<uint8_t>& rolls) {
+  constexpr uint8_t kFree = 0, kRolls = 1, kHeld = 2;
+  const size_t n = model.count();
+  rolls.assign(n, kFree);
+  const auto hold = [&](uint32_t i, uint8_t by) {
+    if (i < n) rolls[i] = std::max(rolls[i], by);
+  };
+  for (const Hit& hit : pairs.hits) {
+    if (hit.what != Hit::What::touching) continue;
+    const bool grips = model.surfaces[hit.body_a].friction * model.surfaces[hit.body_b].friction > 0;
+    for (const uint32_t i : {hit.body_a, hit.body_b}) hold(i, grips ? kRolls : kHeld);
+  }
+  const auto broken = s.span<uint32_t>(columns::joint_broken);
+  for (size_t j = 0; j < model.joints.size(); ++j) {
+    if (broken[j]) continue;
+    hold(model.joints[j].a, kHeld), hold(model.joints[j].b, kHeld);
+  }
+  for (uint8_t& r : rolls) r = r == kRolls;
+}
+
 /// Counts how long bodies have rested; the longest.
-double longest_rest(const Model& model, State& s, const SleepRule& rule, double h) {
+double longest_rest(const Model& model, State& s, const SleepRule& rule, double h,
+                    std::span<const uint8_t> rolls) {
+  const SleepRule of_rolling = rule.of_rolling();
   const auto status = s.span<uint32_t>(columns::status);
   const auto rest = s.f64(columns::sleep_timer), w = s.f64(columns::angular_velocity),
              angle = s.f64(columns::angle);
@@ -134,7 +157,7 @@ double longest_rest(const Model& model, State& s, const SleepRule& rule, double 
     const Light& b = model.light[i];
     if (!is_moved(b, status[i])) continue;
     const double speed = std::max(flat::norm({v[3 * i], v[3 * i + 1]}), std::abs(w[i]) * b.reach);
-    count_rest(rest[i], h, b.can_sleep ? speed : kNoRest, rule,
+    count_rest(rest[i], h, b.can_sleep ? speed : kNoRest, rolls[i] ? of_rolling : rule,
                Way{{x[3 * i], x[3 * i + 1], angle[i]}, place + 6 * i, place + 6 * i + 3, b.reach});
     longest = std::max(longest, rest[i]);
   }
@@ -145,13 +168,14 @@ double longest_rest(const Model& model, State& s, const SleepRule& rule, double 
 
 void fall_asleep(const Model& model, State& s, const Pairs& pairs, const SleepRule& rule, double h,
                  Sleepers& scratch) {
-  if (longest_rest(model, s, rule, h) < rule.time) return;
   const size_t n = model.count();
+  find_rolling(model, s, pairs, scratch.rolls);
+  if (longest_rest(model, s, rule, h, scratch.rolls) < rule.time) return;
   const auto status = s.span<uint32_t>(columns::status);
   const auto rest = s.f64(columns::sleep_timer), w = s.f64(columns::angular_velocity);
   const auto impulse = s.span<float>(columns::contact_impulse);
   double* v = s.f64(columns::velocity).data();
-  auto& [parent, rested, unborne, still] = scratch;
+  auto& [parent, rested, unborne, still, rolls] = scratch;
   parent.resize(n), still.resize(n);
   unborne.assign(n, 1);
   start_islands(parent);

@@ -24,6 +24,7 @@ struct Sleepers {
   std::vector<uint32_t> parent;
   std::vector<double> rested;
   std::vector<uint8_t> unborne, still;  ///< nothing fixed bears it; its velocities are zero
+  std::vector<uint8_t> rolls;           ///< only friction holds it
 };
 /// Counts rest (h in s) and puts islands to sleep that rest on something (rigid/sleeping.h).
 void fall_asleep(const Model& model, State& s, const Pairs& pairs, const SleepRule& rule, double h,

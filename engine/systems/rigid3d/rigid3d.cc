@@ -93,6 +93,18 @@ void Rigid3d::wake(State& s, size_t row) const {
   wake_body(s, row, bodies_.kinds);
 }
 
+bool Rigid3d::asleep(const State& s, size_t row) const {
+  return s.span<uint32_t>(columns::asleep)[row] != 0;
+}
+
+double Rigid3d::sleep_timer(const State& s, size_t row) const {
+  return s.f64(columns::sleep_timer)[row];
+}
+
+void Rigid3d::set_sleep_timer(State& s, size_t row, double seconds) const {
+  s.f64(columns::sleep_timer)[row] = seconds;
+}
+
 Rigid3d::Scratch& Rigid3d::scratch(const StepInput& in) {
   return in.workspace.object<Scratch>("rigid3d");
 }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 
+#include "engine/core/body_sleep.h"
 #include "engine/core/build.h"
 #include "engine/systems/rigid3d/buckling.h"
 #include "engine/systems/rigid3d/contacts.h"
@@ -14,7 +15,7 @@
 
 namespace truestep::rigid3d {
 
-class Rigid3d final : public StagedSystem, public BodyOwner {
+class Rigid3d final : public StagedSystem, public BodyOwner, public BodySleep {
  public:
   Rigid3d(const Rigid3dDef& def, const BuildContext& context);
 
@@ -38,6 +39,9 @@ class Rigid3d final : public StagedSystem, public BodyOwner {
   /// The bodies; sensors touch nothing.
   Ports ports() const override;
   void wake(State& s, size_t row) const override;
+  bool asleep(const State& s, size_t row) const override;
+  double sleep_timer(const State& s, size_t row) const override;
+  void set_sleep_timer(State& s, size_t row, double seconds) const override;
 
   const std::vector<BodyKind>& kinds() const { return bodies_.kinds; }
 
