@@ -19,6 +19,7 @@ struct BodyLink {
   std::array<uint32_t, 3> rows{};
   std::array<double, 3> weights{1, 0, 0};
   uint32_t count = 1, body = 0;
+  enum class Body : uint8_t { moves, stays } answers = Body::moves;  ///< stays: it sleeps
 
   Vec3 blend(auto&& of_row) const {
     Vec3 sum;
@@ -42,14 +43,14 @@ struct BodyLink {
   }
   /// Impulse (N s) on the points and the opposite on the body, at the points' place.
   void push(Points& points, Bodies& bodies, const Vec3& j) const {
-    bodies.push(body, arm(points, bodies), -j);
+    if (answers == Body::moves) bodies.push(body, arm(points, bodies), -j);
     for (uint32_t i = 0; i < count; ++i) {
       points.accelerate(rows[i], j * (weights[i] * points.inverse_mass(rows[i])));
     }
   }
   /// Position correction (kg m) likewise; angular momentum is conserved.
   void shift(Points& points, Bodies& bodies, const Vec3& p) const {
-    bodies.shift(body, arm(points, bodies), -p, gained(points, bodies, p));
+    if (answers == Body::moves) bodies.shift(body, arm(points, bodies), -p, gained(points, bodies, p));
     for (uint32_t i = 0; i < count; ++i) {
       points.shift(rows[i], p * (weights[i] * points.inverse_mass(rows[i])));
     }

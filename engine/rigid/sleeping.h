@@ -8,6 +8,7 @@
 // for 20 s and more. (Box2D and Rapier test speeds alone, 0.05 and 0.4 m/s for 0.5 and 2 s; Jolt tests for
 // points within 15 mm for 0.5 s.)
 #pragma once
+#include <cmath>
 
 namespace truestep {
 
@@ -30,6 +31,21 @@ struct SleepRule {
 /// rest began.
 inline double rest_after(double before, double h, double speed, double moved, const SleepRule& rule) {
   return speed <= rule.speed && (before == 0 || moved <= rule.drift()) ? before + h : 0;
+}
+
+/// Speed of a body that must not rest.
+inline constexpr double kNoRest = HUGE_VAL;
+
+/// Counts a step of h into `timer`, s that a body has rested. `way` knows how it went: begin() notes the
+/// place where its rest begins, moved() is the distance from there (m), pass() notes the place halfway
+/// through sleep_time, bend() how far that lies beside the middle between both ends (m).
+template <class Way>
+void count_rest(double& timer, double h, double speed, const SleepRule& rule, Way&& way) {
+  const double before = timer;
+  if (before == 0) way.begin();
+  timer = rest_after(before, h, speed, way.moved(), rule);
+  if (before <= 0.5 * rule.time) way.pass();
+  if (before < rule.time && timer >= rule.time && way.bend() > rule.bend()) timer = 0;
 }
 
 }  // namespace truestep

@@ -24,6 +24,25 @@ bool unlimited(const Integrator& row, const Integration& s) {
   return std::isinf(stability_interval(row, *s.options).imaginary);
 }
 
+/// What a trial changes in the system that failed.
+using Change = std::function<void(json::object&)>;
+Change method_of(std::string_view name) {
+  return [name](json::object& system) { system["integrator"] = name; };
+}
+
+// Systems without a force field that take a method: those that choose their own steps, and a tolerance that
+// more of them meet; kLoose where the scene says none.
+constexpr const char* kOwnSteps[] = {"tsit5", "dop853", "radau5", "rodas5p"};
+constexpr double kLooser = 1000, kLoose = 1e-5;
+void loosen(json::object& system) {
+  bool said = false;
+  for (const char* name : {"tolerance", "relative_tolerance", "absolute_tolerance"}) {
+    json::value* v = system.if_contains(name);
+    if (v && v->is_number()) *v = kLooser * v->to_number<double>(), said = true;
+  }
+  if (!said) system["tolerance"] = kLoose;
+}
+
 // Methods that are stable at any step or choose their own, in the order in which they are worth a trial.
 std::vector<const Integrator*> other_methods(const Integration& s) {
   using Kind = Integrator::Kind;
@@ -55,13 +74,13 @@ class Trials {
   }
   uint64_t steps() const { return steps_; }
 
-  /// Whether the scene, with this many substeps and optionally another method in one of its systems, gets
-  /// from `before` to the end of the trial.
-  bool holds(int64_t substeps, size_t system = 0, const Integrator* method = nullptr) {
+  /// Whether the scene, with this many substeps and optionally a change in one of its systems, gets from
+  /// `before` to the end of the trial.
+  bool holds(int64_t substeps, size_t system = 0, const Change& change = {}) {
     json::object d = world_.scene().canonical();
     d.erase("accuracy");
     d["time"].as_object()["substeps"] = substeps;
-    if (method) d["systems"].as_array()[system].as_object()["integrator"] = method->name;
+    if (change) change(d["systems"].as_array()[system].as_object());
     try {
       const World changed(require_scene(read_scene(d)));
       WorldState state = begin(changed);
@@ -146,13 +165,25 @@ Remedies try_remedies(const World& world, const WorldState& before, uint64_t fai
   const size_t index = world.index_of(system);
   if (const Integration own = world.system(index).integration(); own.field) {
     for (const Integrator* method : other_methods(own)) {
-      if (!trials.holds(substeps, index, method)) continue;
+      if (!trials.holds(substeps, index, method_of(method->name))) continue;
       out.sentences.push_back("the integrator " + std::string(method->name) + " (" +
                               std::string(method->title) + ")" + tried);
       break;
     }
+  } else if (world.scene().systems[index].row->table->find("integrator")) {
+    for (const char* name : kOwnSteps) {
+      if (!trials.holds(substeps, index, method_of(name))) continue;
+      out.sentences.push_back("the integrator " + std::string(name) + tried);
+      break;
+    }
+    if (trials.holds(substeps, index, loosen)) {
+      out.sentences.push_back("a tolerance " + short_number(kLooser, 4) + " times as large" + tried);
+    }
   }
-  if (out.sentences.empty()) out.sentences = world.system(index).remedies();
+  if (out.sentences.empty()) {
+    out.sentences = world.system(index).remedies();
+    if (!out.sentences.empty()) out.sentences.back() += " (no smaller step that was tried held)";
+  }
   if (out.sentences.empty()) {
     out.sentences.push_back(
         "softer forces: lower stiffness, more mass or more damping (no smaller step and no other method that "

@@ -60,26 +60,30 @@ void keep_best(std::span<const ContactPoint> list, const Vec3& normal, Manifold&
     return;
   }
   // The deepest first: it alone decides whether the bodies separate. Differences below a thousandth of the
-  // manifold's width are noise that must not flip the choice, so a fixed direction breaks the tie.
+  // manifold's width are noise that must not flip the choice, so a fixed direction breaks the tie; where that
+  // leaves a tie (points on an edge across the direction, opposite points of a rim), the first counts.
+  constexpr double kTie = 1e-6;
   const Vec3 u =
       normalized(std::fabs(normal.x) < 0.6 ? Vec3{0, -normal.z, normal.y} : Vec3{normal.z, 0, -normal.x});
   double width = 0;
   for (int i = 1; i < count; ++i) width = std::max(width, norm(all[i].position - all[0].position));
-  const auto pick = [&](auto&& score) {
+  const auto pick = [&](double tie, auto&& score) {
     int best = 0;
     double most = score(all[0]);
     for (int i = 1; i < count; ++i) {
       const double s = score(all[i]);
-      if (s > most + 1e-12 * width * width) most = s, best = i;
+      if (s > most + tie) most = s, best = i;
     }
     return std::pair(best, most);
   };
-  const int a = pick([&](const ContactPoint& p) { return dot(u, p.position) * 1e-3 - p.separation; }).first;
+  const auto depth = [&](const ContactPoint& p) { return dot(u, p.position) * 1e-3 - p.separation; };
+  const int a = pick(kTie * width, depth).first;
   const Vec3 pa = all[a].position;
-  const int b = pick([&](const ContactPoint& p) { return norm2(p.position - pa); }).first;
+  const double tie = kTie * width * width;
+  const int b = pick(tie, [&](const ContactPoint& p) { return norm2(p.position - pa); }).first;
   const Vec3 side = cross(normal, all[b].position - pa);
-  const auto [c, left] = pick([&](const ContactPoint& p) { return dot(side, p.position - pa); });
-  const auto [d, right] = pick([&](const ContactPoint& p) { return -dot(side, p.position - pa); });
+  const auto [c, left] = pick(tie, [&](const ContactPoint& p) { return dot(side, p.position - pa); });
+  const auto [d, right] = pick(tie, [&](const ContactPoint& p) { return -dot(side, p.position - pa); });
   const double thin = 1e-9 * norm2(side);
   out.points[out.count++] = all[a];
   if (b != a) out.points[out.count++] = all[b];

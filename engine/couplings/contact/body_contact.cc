@@ -14,12 +14,17 @@ namespace {
 /// Columns of the coupling's own state, for the last substep.
 enum : State::Column {
   kContacts = exchange_columns::end,  ///< u64
-  kDeepest                            ///< f64, m
+  kDeepest,                           ///< f64, m
+  kLoads                              ///< f64 x 3, N, per body of the start while awake; where they sleep
 };
 /// Searches per substep, at most; anything that has passed after the last one is found by the guard.
 constexpr int kMostRounds = 3;
 /// m; touches deeper than this at the end are answered again.
 constexpr double kPassed = 1e-9;
+/// m/s, the default sleep_speed of bodies: points that meet a body no faster do not disturb its rest.
+constexpr double kCalm = 0.05;
+/// m/s^2: a change of load that would accelerate a sleeping body by more wakes it.
+constexpr double kLoadSlack = 0.1;
 }  // namespace
 
 struct BodyContact::Scratch {
@@ -28,6 +33,10 @@ struct BodyContact::Scratch {
   std::vector<uint32_t> form_of;
   BodyTouchSearch search;
   std::vector<SolvedTouch> solved;
+  std::vector<BodyTouch> touches;     ///< of bodies that may sleep
+  std::vector<uint8_t> calm;          ///< per body: whether these leave it at rest
+  std::vector<double> timer;          ///< s, of those
+  std::vector<Vec3> load;             ///< N s on every body in this substep
   std::vector<double> singles, left;  ///< positions as left by this coupling
   double deepest = 0;
 
@@ -89,6 +98,8 @@ std::unique_ptr<const BodyContact> BodyContact::make(const ContactDef& def, cons
       std::ranges::any_of(out->hulls_.segments, [](const auto& s) { return s[0] != s[1]; });
   out->reach_ = columns.radius + kContactSlop;
   const BodyAccess* access = on_bodies.bodies->access();
+  if (!access) out->sleep_ = dynamic_cast<const BodySleep*>(on_bodies.bodies->owner);
+  if (out->sleep_) out->remembered_ = ConstBodies(bodies.state, *on_bodies.bodies).count();
   const auto space = access ? access->space() : BodyAccess::Space::space;
   for (const BodyForm& f : on_bodies.bodies->forms) out->forms_.push_back(touch_form(f, space));
   if (std::ranges::any_of(out->forms_, [](const TouchForm& f) { return !f.edges.empty(); })) {
@@ -101,6 +112,7 @@ State BodyContact::initial_state() const {
   State s = exchange_state();
   s.add({"contacts", "1", Scalar::u64}, 1);
   s.add({"deepest", "m"}, 1);
+  if (sleep_) s.add({"load", "N", Scalar::f64, 3}, remembered_);
   return s;
 }
 
@@ -134,9 +146,52 @@ void BodyContact::end(const CoupledStates& s, const StepInput& in) const {
   Bodies bodies(this->bodies(s), body_columns_, &in.workspace);
   scratch.form_of.resize(bodies.count());
   for (size_t i = 0; i < bodies.count(); ++i) scratch.form_of[i] = bodies.form_index(i);
+  scratch.load.assign(sleep_ ? bodies.count() : 0, {});
   s.own.span<uint64_t>(kContacts)[0] = answer(s, in, scratch, BodyTouchSolver::Bounces::yes, sum);
   s.own.f64(kDeepest)[0] = scratch.deepest;
   book_sum(s.own, sum);
+  if (sleep_) compare_loads(s.own, this->bodies(s), in.h, scratch);
+}
+
+void BodyContact::find_rest(std::vector<BodyTouch>& touches, const BodyTouchQuery& q, const State& bodies,
+                            double h, Scratch& scratch) const {
+  const size_t n = q.bodies.count();
+  scratch.calm.assign(n, 1), scratch.timer.assign(n, 0);
+  for (const BodyTouch& t : touches) {
+    if (!(t.s < 1) && BodyTouchSolver::gap(t, q.points, q.bodies) > 0) continue;
+    // What lies still has only what forces have added in the substep, or nothing once it was answered.
+    const Vec3 now = t.link.relative(q.points, q.bodies), before = now - h * BodyTouchSolver::pull(t, q, h);
+    if (std::min(norm2(now), norm2(before)) > kCalm * kCalm) scratch.calm[t.link.body] = 0;
+  }
+  std::fill(scratch.calm.begin() + static_cast<std::ptrdiff_t>(std::min(n, remembered_)), scratch.calm.end(),
+            0);
+  for (size_t i = 0; i < n; ++i) scratch.timer[i] = sleep_->sleep_timer(bodies, i);
+  for (BodyTouch& t : touches) {
+    if (scratch.calm[t.link.body] && sleep_->asleep(bodies, t.link.body))
+      t.link.answers = BodyLink::Body::stays;
+  }
+}
+
+void BodyContact::keep_rest(State& bodies, Scratch& scratch) const {
+  for (const SolvedTouch& t : scratch.solved) {
+    const uint32_t i = t.touch.link.body;
+    if (scratch.calm[i]) sleep_->set_sleep_timer(bodies, i, scratch.timer[i]);
+    if (i < scratch.load.size()) scratch.load[i] -= t.touch.n * t.impulse + t.rub;
+  }
+}
+
+void BodyContact::compare_loads(State& own, State& bodies, double h, const Scratch& scratch) const {
+  const ConstBodies all(bodies, body_columns_);
+  const size_t n = std::min(all.count(), remembered_);
+  double* before = own.f64(kLoads).data();
+  for (size_t i = 0; i < n; ++i) {
+    const Vec3 load = scratch.load[i] / h;
+    if (!sleep_->asleep(bodies, i)) {
+      store3(before, i, load);
+    } else if (norm(load - load3(before, i)) > kLoadSlack * all.form(i).mass) {
+      body_columns_.owner->wake(bodies, i);
+    }
+  }
 }
 
 // Answers bend paths, which may lead to touches not found yet.
@@ -148,14 +203,16 @@ size_t BodyContact::answer(const CoupledStates& s, const StepInput& in, Scratch&
   BodyTouchSolver solver(def_, points, bodies, in.h);
   size_t acted = 0;
   for (int round = 0; round < kMostRounds; ++round) {
-    const std::vector<BodyTouch>* touches;
+    std::vector<BodyTouch>& touches = scratch.touches;
     {
       const ProfileScope scope(in.profile, "search");
-      touches = &scratch.search.run(query, in.arena);
+      touches = scratch.search.run(query, in.arena);
     }
     const ProfileScope scope(in.profile, "contacts");
-    if (round > 0 && !Scratch::passed(*touches, points, bodies)) break;
-    const size_t more = solver.run(*touches, query, bounces, scratch.solved, sum);
+    if (round > 0 && !Scratch::passed(touches, points, bodies)) break;
+    if (sleep_) find_rest(touches, query, this->bodies(s), in.h, scratch);
+    const size_t more = solver.run(touches, query, bounces, scratch.solved, sum);
+    if (sleep_) keep_rest(this->bodies(s), scratch);
     if (more == 0) break;
     acted += more;
     bounces = BodyTouchSolver::Bounces::no;

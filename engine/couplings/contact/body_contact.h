@@ -5,10 +5,13 @@
 // point responds by its own mass, so the step has to resolve the springs between the points: a system whose
 // method solves for its points together (linear_implicit_euler, implicit_euler) is refused, because the
 // response of a single point there, m d / h^2, is less than that of its springs, and the difference would be
-// energy from nothing. Runs once more after all couplings, like contact_guard.h.
+// energy from nothing. Runs once more after all couplings, like contact_guard.h. What lies on a free body or
+// slides over it slowly does not keep it awake: it may fall asleep, is an obstacle while it sleeps, and wakes
+// when something meets it faster or the load on it changes.
 #pragma once
 #include <memory>
 
+#include "engine/core/body_sleep.h"
 #include "engine/couplings/contact/body_touch_solver.h"
 
 namespace truestep::contact {
@@ -37,10 +40,20 @@ class BodyContact final : public Coupling {
   size_t answer(const CoupledStates& s, const StepInput& in, Scratch& scratch,
                 BodyTouchSolver::Bounces bounces, Exchange& sum) const;
   void book_sum(State& own, Exchange sum) const;
+  /// Finds which bodies these touches leave at rest, those that no point meets fast: `calm`, with their sleep
+  /// timers; touches of those that sleep get a body that stays.
+  void find_rest(std::vector<BodyTouch>& touches, const BodyTouchQuery& q, const State& bodies, double h,
+                 Scratch& scratch) const;
+  /// After the touches were answered: calm bodies rest on, and every body's load is added up.
+  void keep_rest(State& bodies, Scratch& scratch) const;
+  /// Wakes bodies that sleep under another load than they fell asleep under.
+  void compare_loads(State& own, State& bodies, double h, const Scratch& scratch) const;
 
   ContactDef def_;
   PointPort point_columns_;
   BodyPort body_columns_;
+  const BodySleep* sleep_ = nullptr;  // of free bodies; null: they never sleep
+  size_t remembered_ = 0;  // bodies of the start, whose loads are kept; others stay awake while touched
   bool bodies_first_ = false;
   bool points_are_tied_ = false;  // energy taken up by springs cannot be told from energy lost
   std::string points_id_, bodies_id_;

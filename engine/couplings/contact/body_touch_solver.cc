@@ -36,6 +36,11 @@ double BodyTouchSolver::gap(const BodyTouch& t, const Points& points, const Bodi
   return dot(t.n, t.link.place(points) - place) - t.reach;
 }
 
+Vec3 BodyTouchSolver::pull(const BodyTouch& t, const BodyTouchQuery& q, double h) {
+  return t.link.blend([&](size_t i) { return (load3(q.start.free_v(), i) - load3(q.start.v(), i)) / h; }) -
+         q.body_start.acceleration(t.link.body, t.link.arm(q.points, q.bodies), h);
+}
+
 void BodyTouchSolver::prepare(const BodyTouch& t, const BodyTouchQuery& q, Bounces bounces,
                               SolvedTouch& s) const {
   s = {};
@@ -45,13 +50,13 @@ void BodyTouchSolver::prepare(const BodyTouch& t, const BodyTouchQuery& q, Bounc
   const double w = l.inverse_mass(points_);
   const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   for (int j = 0; j < 3; ++j) {
-    const Vec3 column = axes[j] * w + bodies_.answer(l.body, arm, axes[j]);
+    Vec3 column = axes[j] * w;
+    if (l.answers == BodyLink::Body::moves) column += bodies_.answer(l.body, arm, axes[j]);
     s.mass[j] = column.x, s.mass[3 + j] = column.y, s.mass[6 + j] = column.z;
   }
   s.normal = dot(t.n, times(s.mass, t.n));
   const double now = gap(t, points_, bodies_);
-  s.pull = l.blend([&](size_t i) { return (load3(q.start.free_v(), i) - load3(q.start.v(), i)) / h_; }) -
-           q.body_start.acceleration(l.body, arm, h_);
+  s.pull = pull(t, q, h_);
   if (now <= 0) s.kind = SolvedTouch::Kind::touches;
   if (bounces == Bounces::no || !(t.s < 1) || now > 0) return;
   const double left = (1 - t.s) * h_;

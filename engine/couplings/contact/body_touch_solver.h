@@ -37,6 +37,8 @@ class BodyTouchSolver {
   /// Solves all touches; returns how many were active. `out` is what the points gave to the bodies.
   size_t run(const std::vector<BodyTouch>& touches, const BodyTouchQuery& q, Bounces bounces,
              std::vector<SolvedTouch>& solved, Exchange& out);
+  /// m/s^2, averaged over the substep, of the points of a touch relative to the body.
+  static Vec3 pull(const BodyTouch& t, const BodyTouchQuery& q, double h);
   /// m, present gap of a touch.
   static double gap(const BodyTouch& t, const Points& points, const Bodies& bodies);
 

@@ -221,7 +221,7 @@ Cost articulation_cost(const void* def) {
   const auto& d = *static_cast<const ArticulationDef*>(def);
   double n = 0;
   for (const LinkDef& l : d.links) n += l.copies ? static_cast<double>(l.copies->count) : 1;
-  // Every row of a loop is a solve of the tree, and a column of up to six numbers per link.
+  // Every row of a loop takes one solve of the tree, and a column of up to six numbers per link.
   const double rows = 3 * static_cast<double>(d.closures.size());
   return {.state_bytes = 512 + 80 * n,
           .workspace_bytes = 4096 + 1500 * n + 8 * rows * (6 * n + rows),

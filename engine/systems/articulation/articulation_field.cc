@@ -42,7 +42,7 @@ ArticulationField::ArticulationField(Model model, const Vec3& gravity)
     : model_(std::move(model)), gravity_(gravity) {
   refuse_empty_joints();
   close_start();
-  // Joints that pull at one another are faster than each alone.
+  // Coupled joints are faster than each of them alone.
   const Spectrum whole = estimate_spectrum(*this, initial_state(), 0, kRoughSpectrum);
   stiffness_.omega = std::max(stiffness_.omega, whole.omega);
   stiffness_.damping = std::max(stiffness_.damping, whole.damping);
@@ -60,7 +60,7 @@ void ArticulationField::close_start() {
 }
 
 void ArticulationField::refuse_empty_joints() {
-  // Without what closes loops: pivots of the tree itself.
+  // Without closures: the pivots of the tree itself.
   Work work(model_.tree.nodes.size());
   const std::vector<double> rest(model_.v.size(), 0.0);
   std::vector<double> a(model_.v.size());

@@ -41,7 +41,7 @@ void reach(const Node& n, const Node* next, const Pose& to, double* q) {
     case Move::revolute: {
       const double angle = next ? turn_between(n.axis, next->axis, to.orientation)
                                 : animation::swing_twist(to.orientation, n.axis).twist;
-      // Joints that turned more than once go on from there.
+      // Joints that have turned more than once continue from that turn.
       q[n.q] = angle + kTurn * std::nearbyint((q[n.q] - angle) / kTurn);
       return;
     }

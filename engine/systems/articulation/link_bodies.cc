@@ -200,7 +200,7 @@ void LinkBodies::shift(State& s, size_t row, const BodyImpulse& by, const Vec3& 
     wanted = momentum(s, root, scratch);
     wanted.n += cross(by.impulse, motion(s, row).velocity) - gained;
   }
-  // Along the answer of where somebody began to look: ways are short, and who wants a gap looks again.
+  // Along the answer at the place where the search began: corrections are short, and gaps are measured again.
   const bool known = row < scratch.responses.size() && scratch.responses[row].version > 0;
   const LinkResponse& r = known ? scratch.responses[row] : response(s, row, scratch);
   scratch.change.assign(m.tree.velocities, 0.0);

@@ -92,7 +92,7 @@ constexpr Matrix transposed(const Matrix& m) {
            {m.row[0].z, m.row[1].z, m.row[2].z}}};
 }
 
-// Inertia and bias force that the node shows its parent when its own joint gives way, in its own frame.
+// Articulated inertia and bias force that the node passes to its parent, in its own frame.
 struct Shown {
   ArticulatedInertia inertia;
   Force p;

@@ -131,7 +131,7 @@ bool TreeFactors<T>::factor(const LinearTree& tree, T with_x, T with_v, T half_z
   return true;
 }
 
-// d of the node, and what the rest shows its parent.
+// d of the node, and what is passed on to its parent.
 template <class T>
 bool TreeFactors<T>::eliminate(const NodeSlope& n, Node& f, T with_x, size_t width) {
   const size_t m = velocities_of(n.move);

@@ -4,7 +4,6 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/nearest_name.h"
-#include "engine/base/short_number.h"
 #include "engine/integrators/control/step_work.h"
 #include "engine/systems/ode/ode.h"
 
@@ -137,26 +136,9 @@ std::optional<double> Ode::limit(Limit which, const State& s, double h) const {
 }
 
 std::vector<std::string> Ode::remedies() const {
-  if (!method_) return {"a shorter dt or more substeps"};
-  std::vector<std::string> out;
-  const bool adaptive = method_->stepping == Integrator::Stepping::adaptive;
-  if (adaptive) {
-    out.push_back("a larger tolerance than relative " + short_number(tolerance_.relative, 3) + ", absolute " +
-                  short_number(tolerance_.absolute, 3));
-  } else {
-    out.push_back("a shorter dt or more substeps");
-  }
-  if (method_->kind != Integrator::Kind::implicit) {
-    out.push_back(
-        adaptive ? "the integrator radau5 if the equations are stiff"
-                 : "an integrator that chooses its own steps: tsit5, or radau5 if the equations are stiff");
-  } else if (!adaptive) {
-    out.push_back("the integrator radau5, which chooses its own steps");
-  }
-  out.push_back(
+  return {
       "a look at the equations: where their solution ends at a finite time or jumps, no method goes on "
-      "(an event can stop before, or set states)");
-  return out;
+      "(an event can stop before, or set states)"};
 }
 
 void Ode::apply(State& s, const Command& c) const {

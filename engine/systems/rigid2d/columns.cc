@@ -18,7 +18,7 @@ State state_at_start(const Model& model, const Vec3& gravity) {
   s.add({"contact.key", "1", S::u64, 1}, 0);
   s.add({"contact.id", "1", S::u32, 2}, 0);
   s.add({"contact.impulse", "N s", S::f32, 5}, 0);
-  s.add({"contact.penetration_offset", "m", S::f32, 1}, 0);
+  s.add({"contact.penetration_offset", "m", S::f32, 2}, 0);
   s.add({"joint.impulse", "N s", S::f64, 6}, model.joints.size());
   s.add({"joint.broken", "1", S::u32, 1}, model.joints.size());
   s.add({"small_steps", "1", S::u32, 1}, 1);

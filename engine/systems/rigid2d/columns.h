@@ -21,7 +21,7 @@ enum : State::Column {
   contact_key,       // u64, shape a << 32 | shape b, ascending
   contact_id,        // u32 x 2, features; kNoPoint for a missing second point
   contact_impulse,   // f32 x 5, N s: normal and normal, tangential and tangential, rolling (N m s)
-  contact_offset,    // f32, m, by which the contact gives way under its load
+  contact_offset,    // f32 x 2, m, by which each point gives way under its load
   joint_impulse,     // f64 x 6, see solver_joint.h
   joint_broken,      // u32
   small_steps,       // u32 x 1, that the last step was divided into; 0 before the first

@@ -12,7 +12,7 @@ namespace {
 
 using flat::Sweep;
 
-/// The core of a fast shape stops that share of its radius before it touches.
+/// The core of a fast shape stops this share of its radius short of touching.
 constexpr double kCoreGap = 0.25;
 
 Sweep sweep_of(const Pairs& pairs, const Travel& t) {
@@ -57,12 +57,12 @@ double first_stop(const Model& model, const State& s, const Pairs& pairs, const 
               0) {
         return;
       }
-      // What touches from the start may move on, but never so far that its core goes through.
+      // A body that touches from the start may go on moving, but its core must not pass through.
       const Pose seen = theirs.from.to(mine.from);
       const bool separate = flat::distance(wall, shape, seen).distance > 2 * gap;
       const auto hit = flat::time_of_impact(wall, theirs, separate ? shape : core, mine,
                                             separate ? gap : kCoreGap * core.radius);
-      // What is in a wall may leave it.
+      // A body inside a wall may leave it.
       if (hit && hit->fraction == 0 && flat::dot(hit->normal, mine.shift - theirs.shift) > 0) return;
       if (hit) stop = std::min(stop, hit->fraction);
     };
@@ -91,9 +91,9 @@ void stop_fast_bodies(const Model& model, State& s, const Pairs& pairs, std::spa
       if (f >= 1) continue;
       const Vec2 p = pairs.pose[t.body].p + f * t.shift;
       x[3 * t.body] = p.x, x[3 * t.body + 1] = p.y;
-      // At its place already, it still turns, or it would stay in what it got into with a corner.
+      // A body that is stopped at once still turns, or a corner that is stuck would stay stuck.
       if (f > 0) angle[t.body] -= (1 - f) * t.angle;
-      // The time that it loses is lost for gravity too: what is put back up must not keep the fall's speed.
+      // Gravity does not act during the time that it loses: a body set back must not keep the fall's speed.
       const double fall = (1 - f) * h * model.dynamics[t.body].gravity_scale;
       v[3 * t.body] -= fall * g[0], v[3 * t.body + 1] -= fall * g[1];
     }
@@ -102,8 +102,50 @@ void stop_fast_bodies(const Model& model, State& s, const Pairs& pairs, std::spa
 
 namespace {
 
+/// Place and angle of a body against those that sleep_place keeps.
+struct Way {
+  double now[3];
+  double *first, *middle;
+  double reach;
+
+  double size(auto&& part) const {
+    return std::max(flat::norm({part(0), part(1)}), std::abs(part(2)) * reach);
+  }
+  void begin() { std::copy(now, now + 3, first); }
+  void pass() { std::copy(now, now + 3, middle); }
+  double moved() const {
+    return size([&](int k) { return now[k] - first[k]; });
+  }
+  double bend() const {
+    return size([&](int k) { return middle[k] - 0.5 * (first[k] + now[k]); });
+  }
+};
+
+/// Marks the bodies that touch others, all of them with friction, and that no joint holds.
+void find_rolling(const Model& model, const State& s, const Pairs& pairs, std::vector<uint8_t>& rolls) {
+  constexpr uint8_t kFree = 0, kRolls = 1, kHeld = 2;
+  const size_t n = model.count();
+  rolls.assign(n, kFree);
+  const auto hold = [&](uint32_t i, uint8_t by) {
+    if (i < n) rolls[i] = std::max(rolls[i], by);
+  };
+  for (const Hit& hit : pairs.hits) {
+    if (hit.what != Hit::What::touching) continue;
+    const bool grips = model.surfaces[hit.body_a].friction * model.surfaces[hit.body_b].friction > 0;
+    for (const uint32_t i : {hit.body_a, hit.body_b}) hold(i, grips ? kRolls : kHeld);
+  }
+  const auto broken = s.span<uint32_t>(columns::joint_broken);
+  for (size_t j = 0; j < model.joints.size(); ++j) {
+    if (broken[j]) continue;
+    hold(model.joints[j].a, kHeld), hold(model.joints[j].b, kHeld);
+  }
+  for (uint8_t& r : rolls) r = r == kRolls;
+}
+
 /// Counts how long bodies have rested; the longest.
-double count_rest(const Model& model, State& s, const SleepRule& rule, double h) {
+double longest_rest(const Model& model, State& s, const SleepRule& rule, double h,
+                    std::span<const uint8_t> rolls) {
+  const SleepRule of_rolling = rule.of_rolling();
   const auto status = s.span<uint32_t>(columns::status);
   const auto rest = s.f64(columns::sleep_timer), w = s.f64(columns::angular_velocity),
              angle = s.f64(columns::angle);
@@ -114,20 +156,9 @@ double count_rest(const Model& model, State& s, const SleepRule& rule, double h)
   for (size_t i = 0; i < model.count(); ++i) {
     const Light& b = model.light[i];
     if (!is_moved(b, status[i])) continue;
-    const double now[3] = {x[3 * i], x[3 * i + 1], angle[i]};
-    double *first = place + 6 * i, *middle = first + 3;
-    if (rest[i] == 0) std::copy(now, now + 3, first);
-    const auto size = [&](auto&& part) {
-      return std::max(flat::norm({part(0), part(1)}), std::abs(part(2)) * b.reach);
-    };
     const double speed = std::max(flat::norm({v[3 * i], v[3 * i + 1]}), std::abs(w[i]) * b.reach);
-    const double moved = size([&](int k) { return now[k] - first[k]; });
-    const double before = rest[i];
-    rest[i] = b.can_sleep ? rest_after(before, h, speed, moved, rule) : 0;
-    if (before <= 0.5 * rule.time) std::copy(now, now + 3, middle);
-    if (before < rule.time && rest[i] >= rule.time &&
-        size([&](int k) { return middle[k] - 0.5 * (first[k] + now[k]); }) > rule.bend())
-      rest[i] = 0;
+    count_rest(rest[i], h, b.can_sleep ? speed : kNoRest, rolls[i] ? of_rolling : rule,
+               Way{{x[3 * i], x[3 * i + 1], angle[i]}, place + 6 * i, place + 6 * i + 3, b.reach});
     longest = std::max(longest, rest[i]);
   }
   return longest;
@@ -137,13 +168,14 @@ double count_rest(const Model& model, State& s, const SleepRule& rule, double h)
 
 void fall_asleep(const Model& model, State& s, const Pairs& pairs, const SleepRule& rule, double h,
                  Sleepers& scratch) {
-  if (count_rest(model, s, rule, h) < rule.time) return;
   const size_t n = model.count();
+  find_rolling(model, s, pairs, scratch.rolls);
+  if (longest_rest(model, s, rule, h, scratch.rolls) < rule.time) return;
   const auto status = s.span<uint32_t>(columns::status);
   const auto rest = s.f64(columns::sleep_timer), w = s.f64(columns::angular_velocity);
   const auto impulse = s.span<float>(columns::contact_impulse);
   double* v = s.f64(columns::velocity).data();
-  auto& [parent, rested, unborne, still] = scratch;
+  auto& [parent, rested, unborne, still, rolls] = scratch;
   parent.resize(n), still.resize(n);
   unborne.assign(n, 1);
   start_islands(parent);
@@ -156,7 +188,7 @@ void fall_asleep(const Model& model, State& s, const Pairs& pairs, const SleepRu
     const bool moved_a = a < n && is_moved(model.light[a], status[a]);
     const bool moved_b = b < n && is_moved(model.light[b], status[b]);
     if (moved_a && moved_b) return link_islands(parent, a, b);
-    // A belt or lift keeps awake what it carries.
+    // Belts and lifts keep what they carry awake.
     const auto carries = [&](uint32_t i) {
       return pairs.active[i] || (i < n && model.surfaces[i].speed != 0);
     };
@@ -177,7 +209,7 @@ void fall_asleep(const Model& model, State& s, const Pairs& pairs, const SleepRu
     const Joint& d = model.joints[j];
     if (broken[j]) continue;
     join(d.a, d.b, true);
-    // A motor that wants to turn does not let its bodies sleep.
+    // A running motor keeps its bodies awake.
     if (d.has_motor && d.motor_speed != 0) {
       for (const uint32_t i : {d.a, d.b}) {
         if (i < n) rested[i] = 0;

@@ -14,8 +14,8 @@ struct Travel {
   double angle = 0;
 };
 
-/// Takes fast bodies back to where they first touch fixed bodies (a bullet: any body). `travels` are all that
-/// moved, ascending; poses in `pairs` are those at the step's start.
+/// Sets fast bodies back to where they first touch fixed bodies (a bullet: any body). `travels` lists all
+/// bodies that moved, ascending; poses in `pairs` are those at the step's start.
 void stop_fast_bodies(const Model& model, State& s, const Pairs& pairs, std::span<const Travel> travels,
                       double h, const ThreadArena& arena);
 
@@ -24,8 +24,9 @@ struct Sleepers {
   std::vector<uint32_t> parent;
   std::vector<double> rested;
   std::vector<uint8_t> unborne, still;  ///< nothing fixed bears it; its velocities are zero
+  std::vector<uint8_t> rolls;           ///< only friction holds it
 };
-/// Counts rest (h in s) and puts islands to sleep that rest on something (kernels/sleeping.h).
+/// Counts rest (h in s) and puts islands to sleep that rest on something (rigid/sleeping.h).
 void fall_asleep(const Model& model, State& s, const Pairs& pairs, const SleepRule& rule, double h,
                  Sleepers& scratch);
 

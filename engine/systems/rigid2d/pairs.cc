@@ -6,7 +6,8 @@ namespace truestep::rigid2d {
 namespace {
 
 constexpr size_t kBlock = 512;
-constexpr double kFat = 0.15;  // of a body's size: how far it may move before it is sorted in again
+constexpr double kFat =
+    0.15;  // of a body's size: how far it may move before the broad phase sorts it in again
 
 bool moves(const double* v, double w) {
   return v[0] != 0 || v[1] != 0 || w != 0;
@@ -44,7 +45,7 @@ void place(const Model& model, const State& s, double h, Pairs& p, const ThreadA
     for (size_t i = begin; i < end; ++i) {
       const uint32_t body = model.body_of[i];
       const Light& owner = model.light[body];
-      // What touches nothing is not looked for.
+      // Shapes that collide with nothing are left out.
       const bool gone = (status[body] & kRemoved) || owner.sensor || (owner.mask == 0 && owner.group <= 0);
       p.mobility[i] = owner.motion == Motion::dynamic ? Mobility::moving : Mobility::fixed;
       p.boxes[i] = gone ? Box::nothing()
@@ -73,7 +74,7 @@ void match(const Model& model, const State& s, Pairs& p, std::span<const BodyPai
   if (p.contacts.size() < count) p.contacts.resize(count);
 }
 
-/// A platform to jump through holds what comes down on it from outside, and goes on holding it.
+/// A one-way platform holds what comes down on it from outside, and goes on holding it.
 bool passes(const Model& model, const State& s, const Hit& h, const flat::Contact& contact) {
   if (!(model.light[h.body_a].one_way || model.light[h.body_b].one_way) || h.old != kNoPoint) return false;
   const Body &a = model.bodies[h.body_a], &b = model.bodies[h.body_b];
@@ -122,7 +123,7 @@ void find_contacts(const Model& model, State& s, double h, Pairs& p, const Threa
   const size_t n = model.count();
   std::vector<uint8_t>& seeds = p.seeds;
   seeds.assign(n, 0);
-  // Whoever is touched wakes with its island, and may touch others in turn.
+  // A body that is touched wakes with its island, and may touch others in turn.
   for (;;) {
     arena.for_blocks(p.hits.size(), kBlock, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {

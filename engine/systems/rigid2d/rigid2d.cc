@@ -10,7 +10,7 @@
 
 namespace truestep::rigid2d {
 
-/// One session's scratch; thrown away at will.
+/// Scratch of a session; may be discarded at any time.
 struct Rigid2d::Scratch {
   Pairs pairs;
   Solver<float> f32;
@@ -29,7 +29,7 @@ constexpr std::string_view kScratch = "rigid2d";
 // of (w h)^2 = 2: stiffer contacts than that feed every slow mode of a pile, softer ones let towers buckle
 // (docs/standing.md).
 constexpr double kContactHertz = 0.21;
-/// Steps between looks whether columns need more small steps, and whether loads need fewer.
+/// Steps between checks whether columns need more small steps, and whether loads need fewer.
 constexpr uint64_t kStepsPerColumnLook = 4, kStepsPerLook = 16;
 
 }  // namespace
@@ -105,12 +105,12 @@ int Rigid2d::small_steps(const State& s) const {
 void Rigid2d::choose_small_steps(State& s, const StepInput& in) const {
   const int least = static_cast<int>(settings_.substeps), now = small_steps(s);
   const double h = in.h / now;
-  // Contacts of a frequency of their own get no stiffer.
+  // Contacts with a given frequency do not become stiffer.
   const double rate = settings_.contact_hertz ? 0 : 2 * std::numbers::pi * kContactHertz / h;
   Scratch& w = in.workspace.object<Scratch>(kScratch);
   const int wanted =
       w.small_steps.wanted(model_, s, w.pairs, {least, now, h, rate, in.step % kStepsPerColumnLook == 1});
-  // At a look half of what is too many goes, or one where a blow may follow soon.
+  // At a check half of the surplus goes, or one small step where another impact may follow soon.
   const int less = w.small_steps.uneven() ? 1 : (now - wanted + 1) / 2;
   const int next = wanted < now ? now - (in.step % kStepsPerLook == 1 ? less : 0) : wanted;
   s.span<uint32_t>(columns::small_steps)[0] = static_cast<uint32_t>(next);
@@ -121,7 +121,7 @@ void Rigid2d::choose_small_steps(State& s, const StepInput& in) const {
   for (const auto c : {columns::joint_impulse, columns::drag_impulse}) {
     for (double& p : s.f64(c)) p *= share;
   }
-  // Pads are what the contacts' springs give way.
+  // Offsets are what the contacts' springs give way by.
   if (!settings_.contact_hertz) {
     for (float& offset : s.span<float>(columns::contact_offset)) offset *= static_cast<float>(share * share);
   }
@@ -247,10 +247,10 @@ Cost rigid2d_cost(const void* def) {
   // Measured on a pyramid of 5,050 boxes and a grid of 19,800 joints at four small steps.
   const double steps = static_cast<double>(d.substeps) / 4;
   const double wide = d.precision == Precision::f64 ? 1.5 : 1;
-  // What turns by itself keeps a heap from resting: other pairs in every step, and fast ones.
+  // A kinematic body that turns keeps a heap moving: new pairs in every step, and fast ones.
   const bool stirred = std::ranges::any_of(
       d.bodies, [](const BodyDef& b) { return b.motion == Motion::kinematic && b.angular_velocity != 0; });
-  // What is joined touches less.
+  // Joined bodies have fewer contacts.
   const double touching =
       (stirred ? 3 : 1) * (3e-7 + 5e-7 * steps) * std::max(n.moving_shapes - 0.5 * n.joints, 0.0);
   const double joined = 5e-7 * steps * n.joints;

@@ -322,10 +322,11 @@ const DefTable& rigid2d_table() {
               "restitution_speed", &D::restitution_speed, "m/s", at_least(0),
               "slower impacts do not bounce; absent: half of what gravity adds in a step, hops of one step")
           .boolean("sleeping", &D::sleeping, "bodies at rest cost nothing until something touches them")
-          .number("sleep_speed", &D::sleep_speed, "m/s", at_least(0),
-                  "slower counts as at rest where it also stays within an eighth of this times sleep_time: "
-                  "so sleep takes no "
-                  "mean momentum above an eighth of this times the mass")
+          .number(
+              "sleep_speed", &D::sleep_speed, "m/s", at_least(0),
+              "bodies whose points are slower may rest, where they also stay within 0.4 of this times "
+              "sleep_time (an eighth where joints or contacts without friction hold them): sleep takes no "
+              "mean speed above that")
           .number("sleep_time", &D::sleep_time, "s", at_least(0),
                   "rest needed before sleep; what floats free does not sleep")
           .vector("color", &D::color, "1", between(0, 1),

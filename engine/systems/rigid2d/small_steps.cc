@@ -8,13 +8,13 @@
 namespace truestep::rigid2d {
 namespace {
 
-/// Bodies that a contact carries, below which nothing buckles.
+/// Columns buckle only where a contact carries more bodies than this.
 constexpr double kTallLoad = 10;
 /// Quotient below which small steps are added, that they are added for, and from which on fewer are tried.
 constexpr double kTooSoft = 1.1, kStiff = 1.4, kMoreThanStiff = 2.2;
-/// Loads of a light body in its own weights that the usual small steps carry.
+/// Load of a light body, in its own weights, up to which the usual small steps are enough.
 constexpr double kEasyBurden = 3;
-/// Small steps of free fall whose speed is a hit.
+/// Small steps of free fall that make an approach speed count as an impact.
 constexpr double kHits = 30;
 
 /// integral_0^s of (t (2 - t))^2.
@@ -103,7 +103,7 @@ double SmallSteps::least_quotient(const Model& model, const State& s, double rat
     if (!(impulse[5 * k] + impulse[5 * k + 1] > 0) || (!moved[0] && !moved[1])) continue;
     Island& all = island_[island_of(parent_, ends[moved[0] ? 0 : 1])];
     if (!moved[0] || !moved[1]) all.stands = true;
-    // A corner on a face tilts as it likes.
+    // A corner on a face does not resist tilting.
     all.bearings += ids[2 * k + 1] == kNoPoint ? all.bodies + 1 : 1;
     double turns = 0, tilt[2] = {};
     for (int e = 0; e < 2; ++e) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr size_t kBlock = 1024;    // bodies a task
 constexpr size_t kPackBlock = 64;  // packs a task
-/// Impacts may run to and fro between bodies that often in a small step; what is left does not bounce.
+/// Most rounds of impacts that bodies pass on to one another in a small step; what is left does not bounce.
 constexpr int kImpactRounds = 64;
 
 /// body(pack) for all packs, colour after colour; those of a colour side by side.
@@ -91,7 +91,7 @@ void Solver<T>::hit_contacts(const SolverSettings& settings, const ThreadArena& 
   each_colour(arena, contacts_, contact_colours_, [&](const ContactPack<T>& p) {
     if (p.bounces && hit<Hits::bouncing>(p, bodies, h, threshold)) any = true;
   });
-  // A blow goes on through what does not bounce.
+  // An impact passes on through contacts that do not bounce.
   for (int round = 1; round < kImpactRounds && any; ++round) {
     any = false;
     each_colour(arena, contacts_, contact_colours_, [&](const ContactPack<T>& p) {
@@ -203,7 +203,7 @@ void Solver<T>::small_step(const SolverSettings& settings, const ThreadArena& ar
       r[0] = (r[0] + p[0]) * p[3], r[1] = (r[1] + p[1]) * p[3], r[2] = (r[2] + p[2]) * p[4];
     }
   });
-  // Before the impulses of the last small step act again: bodies meet with the velocities that they have.
+  // Before warm starting: impacts use the velocities that bodies really have.
   if (bounces_) hit_contacts(settings, arena);
   for (JointRow<T>& j : joints_) solve_joint(j, rows, moved, JointPass::warm, h);
   each_colour(arena, hinges_, hinge_colours_, [&](HingePack<T>& p) { warm_start(p, rows, moved); });
@@ -255,7 +255,7 @@ void Solver<T>::store_bodies(State& state, double dt, const ThreadArena& arena) 
         x[3 * body] += static_cast<double>(r[4]), x[3 * body + 1] += static_cast<double>(r[5]);
         angle[body] += static_cast<double>(r[6]);
       } else {
-        // What nothing can push goes exactly as it is told.
+        // A kinematic body moves exactly as its velocity says.
         x[3 * body] += dt * v[3 * body], x[3 * body + 1] += dt * v[3 * body + 1], angle[body] += dt * w[body];
       }
     }
@@ -307,7 +307,7 @@ void Solver<T>::solve(const Model& model, State& state, const Pairs& pairs, Hand
   const uint32_t packs = contact_colours_.empty() ? 0 : contact_colours_.back();
   bounces_ =
       std::any_of(contacts_.begin(), contacts_.begin() + packs, [](const auto& p) { return p.bounces != 0; });
-  // Loads that joints carry are not known.
+  // What joints carry is not known here.
   if (packs > 0 && state.rows(columns::contact_key) == 0 && model.joints.empty()) {
     start_contacts(pairs, settings.h);
   }
@@ -354,7 +354,7 @@ void Solver<T>::store_contacts(const Pairs& pairs, const PenetrationOffsetRule& 
     if (h.what == Hit::What::carried) {
       std::copy_n(old_id_.data() + 2 * h.old, 2, id);
       std::copy_n(old_impulse_.data() + 5 * static_cast<size_t>(h.old), 5, impulse);
-      *offset = old_offset_[h.old];
+      std::copy_n(old_offset_.data() + 2 * static_cast<size_t>(h.old), 2, offset);
     } else {
       const uint32_t place = place_[next++];
       const ContactPack<T>& c = contacts_[place / Wide<T>::kLanes];
@@ -372,14 +372,27 @@ void Solver<T>::store_contacts(const Pairs& pairs, const PenetrationOffsetRule& 
       impulse[4] = static_cast<float>(c.rolling_impulse[k]);
       const double mobility =
           rows_[8 * static_cast<size_t>(c.a[k]) + 3] + rows_[8 * static_cast<size_t>(c.b[k]) + 3];
-      const double before = contact.point[0].separation - static_cast<double>(c.point[0].separation[k]);
+      double before[2] = {}, largest = 0;
+      for (uint32_t i = 0; i < 2; ++i) {
+        const uint32_t at = std::min(i, contact.points - 1);
+        before[i] = contact.point[at].separation - static_cast<double>(c.point[at].separation[k]);
+        largest = std::max({largest, std::abs(contact.point[at].separation), before[i]});
+      }
+      // Offsets that differ by no more than the rounding of separations are one.
+      if (std::abs(before[1] - before[0]) <= 0x1p-22 * largest) before[1] = before[0];
       const double yields = (1 - c.mass_scale[k]) / (c.mass_scale[k] * c.bias_rate[k]);  // m per m/s of load
       const PenetrationOffsetRule own{rule.learnt, kMostOffset * yields};
-      *offset = load > 0
-                    ? static_cast<float>(next_penetration_offset(before, depth / load, load * mobility, own))
-                    : 0;
+      offset[0] = offset[1] = 0;
+      if (load > 0) {
+        const double first = impulse[0] / load;
+        const double mean = before[0] == before[1] ? before[0] : first * before[0] + (1 - first) * before[1];
+        const double next = next_penetration_offset(mean, depth / load, load * mobility, own);
+        for (int i = 0; i < 2; ++i) {
+          offset[i] = static_cast<float>(before[i] == mean ? next : std::max(before[i] + next - mean, 0.0));
+        }
+      }
     }
-    id += 2, impulse += 5, ++offset;
+    id += 2, impulse += 5, offset += 2;
   }
 }
 

@@ -7,6 +7,7 @@
 #pragma once
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <vector>
 
 #include "engine/base/cache_line.h"
@@ -173,8 +174,18 @@ class Solver {
     int lane = 0;
     double lean = 0, height = 0;
   };
+  /// What a row carries at the start: N s of a small step with the moment about its centre along the
+  /// horizontal, from where to where it is held there, and the sum of cos^2 over what it rests on.
+  struct Seat {
+    double load = 0, moment = 0, low = HUGE_VAL, high = -HUGE_VAL, share = 0;
+    uint32_t bearings = 0;
+  };
+  /// Where along the horizontal a point of a bearing is, seen from the centre of one of its bodies.
+  double across(const Bearing& b, uint32_t body, int i) const;
+  /// Shares of the two points in what a bearing carries.
+  std::array<double, 2> parts_of(const Bearing& b) const;
   std::vector<Bearing> bearings_;
-  std::vector<double> load_, share_;
+  std::vector<Seat> seats_;
 };
 
 }  // namespace truestep::rigid2d

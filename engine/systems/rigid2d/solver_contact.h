@@ -76,7 +76,7 @@ void separations(const ContactPack<T>& c, const Ends<T>& e, Wide<T> out[2]) {
   }
 }
 
-/// Share of push_out_speed up to which pushes may leave their speed to the relaxation, which takes back most
+/// Share of push_out_speed up to which the speed of pushes is left to the relaxation, which takes back most
 /// of it: walls and towers lean where positions are corrected apart from velocities.
 inline constexpr double kGentlePush = 1.0 / 32;
 
@@ -149,7 +149,7 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
   W vx, vy, most_push = W::all(push_out_speed);
   if (kPass == Pass::bias && start) most_push = push_left(c, e, start, push_out_speed);
 
-  // Friction first: what keeps bodies apart has the last word. The tangent is the normal turned left.
+  // Friction first, so that the normals have the last word. The tangent is the normal turned left.
   W load = zero;
   for (auto& p : c.point) {
     e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
@@ -188,7 +188,7 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
     e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
     q[i] = madd(vx, c.nx, madd(vy, c.ny, bias));
     if constexpr (kPass == Pass::relax) {
-      // What bounces is not slowed before it hits.
+      // A contact that will bounce is not slowed down before it hits.
       if (c.bounces) {
         const W waits = select(apart, select(p.normal > zero, zero, c.restitution), zero);
         q[i] = select(waits > zero, W::all(T(1e6)), q[i]);

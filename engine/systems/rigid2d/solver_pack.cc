@@ -57,10 +57,10 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
         (c.a[k] < moved_ && c.b[k] < moved_ ? settings.contact : settings.contact_fixed)[crowd];
     c.bias_rate.set(k, t(soft.bias_rate)), c.mass_scale.set(k, t(soft.mass_scale));
     c.impulse_scale.set(k, t(soft.impulse_scale));
-    const double offset = hit.old == kNoPoint ? 0 : offsets[hit.old];
     const double rolling = std::max(a.rolling_resistance, b.rolling_resistance);
     const uint32_t* id = hit.old == kNoPoint ? nullptr : ids.data() + 2 * hit.old;
     const float* old = hit.old == kNoPoint ? nullptr : impulses.data() + 5 * static_cast<size_t>(hit.old);
+    const float* pads = hit.old == kNoPoint ? nullptr : offsets.data() + 2 * static_cast<size_t>(hit.old);
     if (rolling > 0) {
       c.rolls = 1;
       c.rolling.set(k, t(rolling));
@@ -71,11 +71,14 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
       auto& p = c.point[i];
       const Vec2 rb = at.at - apart;
       p.ax.set(k, t(at.at.x)), p.ay.set(k, t(at.at.y)), p.bx.set(k, t(rb.x)), p.by.set(k, t(rb.y));
-      p.separation.set(k, t(at.separation - offset));
       there[i].set(k, 1);
+      double offset = pads ? 0.5 * (double(pads[0]) + double(pads[1])) : 0;
       for (uint32_t m = 0; m < 2 && id; ++m) {
-        if (id[m] == at.id) p.normal.set(k, old[m]), p.tangent.set(k, old[2 + m]);
+        if (id[m] != at.id) continue;
+        p.normal.set(k, old[m]), p.tangent.set(k, old[2 + m]);
+        offset = pads[m];
       }
+      p.separation.set(k, t(at.separation - offset));
     }
   }
   // The rest side by side: masses and approach speeds from the bodies' rows.
@@ -93,8 +96,8 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
   }
   c.stiffness0 = k[0] * there[0], c.stiffness1 = k[1] * there[1];
   c.coupling = there[1] * madd(e.a[7] * arm_a[0], arm_a[1], madd(e.b[7] * arm_b[0], arm_b[1], m));
-  // Points that feel each other fully (bodies that do not turn) leave K without an inverse: taken as a little
-  // apart, they share the load.
+  // Points that are fully coupled (bodies that do not turn) leave K singular: with a slightly smaller
+  // coupling they share the load.
   const W all = c.stiffness0 * c.stiffness1;
   c.held = select(c.coupling * c.coupling > W::all(T(0.99)) * all, W::all(T(0.995)) * sqrt(all), c.coupling);
   if (c.rolls) {
@@ -142,7 +145,7 @@ void Solver<T>::pack_contacts(const Model& model, const State& state, const Pair
         place_[order_[first[p] + static_cast<uint32_t>(k)]] =
             static_cast<uint32_t>(p) * kLanes + static_cast<uint32_t>(k);
       }
-      // Contacts of a colour lie far apart: those of the pack after the next are asked for in time.
+      // Contacts of a colour lie far apart in memory: those of the pack after the next are prefetched.
       if (p + kPacksAhead + 1 < first.size()) {
         for (uint32_t k = first[p + kPacksAhead]; k < first[p + kPacksAhead + 1]; ++k) {
           const uint32_t index = pairs.touching[order_[k]];

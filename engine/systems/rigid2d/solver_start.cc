@@ -2,11 +2,13 @@
 // and a sweep passes a load on by a row or two, so that a tall pile would plunge before its lowest contacts
 // knew of its top. Where no contact continues another, loads are handed down once, from the highest body to
 // the lowest: what a body carries and weighs is shared by the contacts below it as  N_c = load cos_c / sum
-// cos^2  (cos between normal and vertical), and the offsets of these contacts start as thick as they give way
-// under N_c. Exact for stacks, near it for piles of boxes; the sweeps correct the rest. Islands with a body
-// whose load lies beside what it rests on start without: they topple, and springs under load would throw them
-// up. It knows nothing of thrust along the horizontal (arches).
+// cos^2  (cos between normal and vertical), by the two points of a single one as by a lever, and the offsets
+// of their points start as thick as these give way. Exact for stacks, near it for piles of boxes;
+// the sweeps correct the rest. Islands with a body whose load lies beside what it rests on start without:
+// they topple, and springs under load would throw them up. It knows nothing of thrust along the horizontal
+// (arches).
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "engine/rigid/islands.h"
@@ -30,7 +32,7 @@ void Solver<T>::list_bearings(const Pairs& pairs, double h) {
   for (uint32_t p = 0; p < contact_colours_.back(); ++p) {
     const ContactPack<T>& c = contacts_[p];
     for (int k = 0; k < Wide<T>::kLanes; ++k) {
-      // Held apart by more than it falls in a small step, or about to hit: not a bearing.
+      // Further apart than a fall of one small step, or about to hit: not a bearing.
       if (!(c.point[0].normal_mass[k] > 0) || c.point[0].separation[k] > h * speed) continue;
       const T *a = rows_.data() + 8 * static_cast<size_t>(c.a[k]),
               *b = rows_.data() + 8 * static_cast<size_t>(c.b[k]);
@@ -54,62 +56,67 @@ template <class T>
 void Solver<T>::start_contacts(const Pairs& pairs, double h) {
   list_bearings(pairs, h);
   if (bearings_.empty()) return;
-  load_.assign(movers_.size() + 1, 0), share_.assign(movers_.size() + 1, 0);
+  seats_.assign(movers_.size() + 1, {});
   for (size_t r = 0; r < moved_; ++r) {
-    load_[r] = flat::norm(Vec2{push_[8 * r], push_[8 * r + 1]}) / static_cast<double>(rows_[8 * r + 3]);
+    seats_[r].load = flat::norm(Vec2{push_[8 * r], push_[8 * r + 1]}) / static_cast<double>(rows_[8 * r + 3]);
   }
-  for (const Bearing& b : bearings_) share_[b.upper] += b.lean * b.lean;
   find_balance();
   for (const Bearing& b : bearings_) {
-    const double normal = load_[b.upper] * b.lean / share_[b.upper];
-    load_[b.lower] += normal * b.lean;
     if (!parts_[b.upper]) continue;
+    const double normal = seats_[b.upper].load * b.lean / seats_[b.upper].share;
+    const std::array<double, 2> part = parts_of(b);
     ContactPack<T>& c = contacts_[b.pack];
-    const int points = c.point[1].normal_mass[b.lane] > 0 ? 2 : 1;
-    double offset = 0;
-    for (int i = 0; i < points; ++i) {
+    double offset[2] = {};
+    for (int i = 0; i < 2 && c.point[i].normal_mass[b.lane] > 0; ++i) {
       auto& p = c.point[i];
-      p.normal.set(b.lane, static_cast<T>(normal / points));
+      p.normal.set(b.lane, static_cast<T>(normal * part[i]));
       // Rest of the soft constraint:  x (1 - scale) = -mass scale bias_rate C.
-      offset += normal / points * (1 - static_cast<double>(c.mass_scale[b.lane])) /
-                static_cast<double>(c.mass_scale[b.lane] * c.bias_rate[b.lane] * p.normal_mass[b.lane]) /
-                points;
+      offset[i] = normal * part[i] * (1 - static_cast<double>(c.mass_scale[b.lane])) /
+                  static_cast<double>(c.mass_scale[b.lane] * c.bias_rate[b.lane] * p.normal_mass[b.lane]);
     }
-    for (int i = 0; i < points; ++i) {
+    if (part[0] == part[1]) offset[0] = offset[1] = 0.5 * offset[0] + 0.5 * offset[1];
+    for (int i = 0; i < 2 && c.point[i].normal_mass[b.lane] > 0; ++i) {
       auto& p = c.point[i];
-      p.separation.set(b.lane, p.separation[b.lane] - static_cast<T>(offset));
+      p.separation.set(b.lane, p.separation[b.lane] - static_cast<T>(offset[i]));
     }
   }
 }
 
 template <class T>
-void Solver<T>::find_balance() {
+double Solver<T>::across(const Bearing& b, uint32_t body, int i) const {
+  const ContactPack<T>& c = contacts_[b.pack];
+  const auto& p = c.point[i];
+  const bool first = body == static_cast<uint32_t>(c.a[b.lane]);
   const double speed = flat::norm(Vec2{push_[0], push_[1]});
-  const Vec2 along{-push_[1] / speed, push_[0] / speed};
-  struct Seat {
-    double load = 0, moment = 0, low = HUGE_VAL, high = -HUGE_VAL;
-  };
-  std::vector<Seat> seat(movers_.size() + 1);
-  for (size_t r = 0; r <= movers_.size(); ++r) seat[r].load = load_[r];
-  // Where along the horizontal a point of a contact is, seen from a body's centre.
-  const auto place = [&](const Bearing& b, uint32_t body, int i) {
-    const ContactPack<T>& c = contacts_[b.pack];
-    const auto& p = c.point[i];
-    const bool first = body == static_cast<uint32_t>(c.a[b.lane]);
-    return along.x * static_cast<double>(first ? p.ax[b.lane] : p.bx[b.lane]) +
-           along.y * static_cast<double>(first ? p.ay[b.lane] : p.by[b.lane]);
-  };
+  return (-push_[1] * static_cast<double>(first ? p.ax[b.lane] : p.bx[b.lane]) +
+          push_[0] * static_cast<double>(first ? p.ay[b.lane] : p.by[b.lane])) /
+         speed;
+}
+
+template <class T>
+std::array<double, 2> Solver<T>::parts_of(const Bearing& b) const {
+  if (!(contacts_[b.pack].point[1].normal_mass[b.lane] > 0)) return {1, 0};
+  const Seat& on = seats_[b.upper];
+  const double x0 = across(b, b.upper, 0), x1 = across(b, b.upper, 1);
+  if (on.bearings > 1 || x0 == x1) return {0.5, 0.5};
+  const double first = std::clamp((x1 - on.moment / on.load) / (x1 - x0), 0.0, 1.0);
+  return {first, 1 - first};
+}
+
+template <class T>
+void Solver<T>::find_balance() {
+  for (const Bearing& b : bearings_) seats_[b.upper].share += b.lean * b.lean, ++seats_[b.upper].bearings;
   for (const Bearing& b : bearings_) {
-    const int points = contacts_[b.pack].point[1].normal_mass[b.lane] > 0 ? 2 : 1;
+    Seat &on = seats_[b.upper], &under = seats_[b.lower];
+    const std::array<double, 2> part = parts_of(b);
     double middle = 0;
-    for (int i = 0; i < points; ++i) {
-      const double x = place(b, b.upper, i);
-      seat[b.upper].low = std::min(seat[b.upper].low, x),
-      seat[b.upper].high = std::max(seat[b.upper].high, x);
-      middle += place(b, b.lower, i) / points;
+    for (int i = 0; i < 2 && contacts_[b.pack].point[i].normal_mass[b.lane] > 0; ++i) {
+      const double x = across(b, b.upper, i);
+      on.low = std::min(on.low, x), on.high = std::max(on.high, x);
+      middle += part[i] * across(b, b.lower, i);
     }
-    const double handed = seat[b.upper].load * b.lean * b.lean / share_[b.upper];
-    seat[b.lower].load += handed, seat[b.lower].moment += handed * middle;
+    const double handed = on.load * b.lean * b.lean / on.share;
+    under.load += handed, under.moment += handed * middle;
   }
   start_islands(island_);
   for (const Bearing& b : bearings_) {
@@ -117,7 +124,7 @@ void Solver<T>::find_balance() {
   }
   std::fill(parts_.begin(), parts_.end(), uint8_t{1});
   for (uint32_t r = 0; r < moved_; ++r) {
-    const Seat& on = seat[r];
+    const Seat& on = seats_[r];
     const double slack = 1e-3 * (on.high - on.low);
     parts_[r] = on.high < on.low ||
                 (on.moment >= (on.low - slack) * on.load && on.moment <= (on.high + slack) * on.load);

@@ -39,8 +39,8 @@ Solid part_solid(const AnyPartDef& d) {
 
 // Distances are compared by their squares, which underflow or overflow beyond these.
 constexpr double kSmallest = 1e-150, kLargest = 1e150;  // m
-/// Radius of the patch on which balls and ends of capsules touch, of their own: what hard balls of a
-/// centimetre to a metre have under loads of their weight (Hertz).
+/// Radius of the patch on which balls and capsule ends touch, as a share of theirs: that of hard balls of a
+/// centimetre to a metre under their own weight (Hertz).
 constexpr double kPatchShare = 0.01;
 
 std::vector<uint32_t> checked_triangles(const MeshBodyDef& d) {
@@ -196,7 +196,7 @@ bool is_surface(const BodyKind& k) {
   return k.solid.kind == SolidKind::mesh || k.solid.kind == SolidKind::height_field;
 }
 
-/// Surfaces of triangles do not meet one another: one that forces move would fall through the other.
+/// Triangle surfaces do not collide with each other: a dynamic one would fall through the other.
 void refuse_surfaces_that_meet(const BodyList& list, std::vector<Issue>& issues) {
   std::vector<size_t> copies(list.kinds.size(), 0);
   for (const BodyStart& b : list.starts) ++copies[b.kind];

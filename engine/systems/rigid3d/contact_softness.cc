@@ -6,7 +6,7 @@ namespace truestep::rigid3d {
 
 namespace {
 
-/// Pads rest while depths are below this share of them.
+/// Offsets stay as they are while depths are below this share of them.
 constexpr double kOffsetSlack = 0.5;
 /// Contacts are springs of this share of the substeps' rate; from 0.14 on slow modes of walls grow
 /// (docs/standing.md).

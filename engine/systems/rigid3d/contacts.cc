@@ -8,9 +8,9 @@ namespace truestep::rigid3d {
 namespace {
 
 constexpr size_t kPairsPerBlock = 128;
-/// Bodies feel one another this share of their size apart, at most kMostMargin.
+/// Contacts begin at this share of a body's size, at most kMostMargin.
 constexpr double kMarginShare = 0.005, kMostMargin = 0.02;
-/// Least cosine between the normals of a contact that goes on though none of its points has kept its name.
+/// Least cosine between the normals of a contact that continues although none of its points kept its id.
 constexpr double kSameNormal = 0.98;
 
 using Part = BodyNow::Part;
@@ -41,7 +41,7 @@ void ContactList::update_bounds(const State& s, std::span<const BodyKind> kinds,
              : moves                            ? Part::kinematic
                                                 : Part::fixed;
     b.margin = std::min(kMarginShare * k.reach, kMostMargin) + std::abs(k.gravity_scale) * fall;
-    // A plane reaches for ever.
+    // A plane's reach is infinite.
     b.turn_speed = turn == Vec3{} ? 0 : std::min(norm(turn) * k.reach, k.reach / h);
     mobility_[i] = k.motion == BodyDef::Motion::fixed ? Mobility::fixed : Mobility::moving;
     if (k.mask == 0 || k.category == 0) {
@@ -84,7 +84,7 @@ void ContactList::narrow_phase(const State& s, std::span<const BodyKind> kinds, 
       const BodyNow &na = bodies_[a], &nb = bodies_[b];
       double margin = ka.moved_by_forces() ? na.margin : nb.margin;
       if (kb.moved_by_forces()) margin = std::min(margin, nb.margin);
-      // Further ahead than their own size, a body would run into planes beside those it meets.
+      // With a larger margin than its own size, a body would touch planes beside those that it meets.
       const double size =
           ka.moved_by_forces() ? (kb.moved_by_forces() ? std::min(ka.reach, kb.reach) : ka.reach) : kb.reach;
       margin += std::min(in.h * (norm(load3(v, b) - load3(v, a)) + na.turn_speed + nb.turn_speed), size);
@@ -110,7 +110,7 @@ void ContactList::narrow_phase(const State& s, std::span<const BodyKind> kinds, 
   }
 }
 
-/// Wakes resting bodies that something active touches; true when there were any.
+/// Wakes sleeping bodies that something awake touches; true when there were any.
 bool ContactList::wake(State& s, std::span<const BodyKind> kinds) {
   const auto asleep = s.span<uint32_t>(columns::asleep);
   bool any = false;
@@ -195,7 +195,7 @@ void ContactList::match_pair(const State& s, std::span<Contact* const> contacts,
       continue;
     }
     go_on(*c, whole);
-    // Points that came bear what those bore that went, where these bore it.
+    // New points take over the load of those that vanished, with its mean offset.
     for (uint32_t k = 0; k < ids[5 * whole]; ++k) {
       const double load = impulse[4 * whole + k];
       left += load, lifted += load * uneven[4 * whole + k];
@@ -208,7 +208,7 @@ void ContactList::match_pair(const State& s, std::span<Contact* const> contacts,
     }
   }
   if (!strangers) return;
-  // Points change their names where a face becomes an edge; their load does not know of it.
+  // Points change their ids where a face becomes an edge, while the load goes on.
   for (Contact* c : contacts) {
     const bool stranger =
         std::all_of(c->impulse, c->impulse + Manifold::kMost, [](double l) { return l == 0; });
@@ -228,7 +228,7 @@ void ContactList::match_pair(const State& s, std::span<Contact* const> contacts,
 }
 
 void ContactList::store(State& s) {
-  // What resting bodies do to one another stays as it was.
+  // Contacts between sleeping bodies are kept unchanged.
   rows_.clear();
   const auto bodies = s.span<uint32_t>(columns::contact_bodies);
   const auto resting = [&](uint32_t i) {

@@ -18,11 +18,11 @@ using Part = BodyNow::Part;
 
 namespace {
 
-/// Bodies that may be spawned on top of those of the scene.
+/// Bodies that may be spawned in addition to those of the scene.
 constexpr size_t kSpare = 10'000;
-/// Steps between looks whether columns need other substeps.
+/// Steps between checks whether columns need another number of substeps.
 constexpr uint64_t kStepsPerLook = 4;
-/// Share of the speed at which bodies rest that a motor may still want.
+/// Share of sleep_speed below which a motor's wanted speed lets its bodies sleep.
 constexpr double kMotorAtRest = 0.01;
 /// Rotation vector between two orientations, for small angles; rad.
 Vec3 turned(const Quat& from, const Quat& to) {
@@ -51,7 +51,7 @@ Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
   for (const BodyKind& k : bodies_.kinds)
     forms_.push_back({k.sensor ? nullptr : &k.solid, k.moved_by_forces() ? k.mass : 0, k.moments});
   name_parts();
-  // A scene that sleeps skips the stages' work, not the stages: a command may wake it.
+  // A sleeping scene skips the work of the stages, not the stages themselves: a command may wake it.
   const auto awake = [this](void (Rigid3d::*run)(State&, const StepInput&) const) {
     return [this, run](State& s, const StepInput& in) {
       if (!all_asleep(s)) (this->*run)(s, in);
@@ -93,6 +93,18 @@ void Rigid3d::wake(State& s, size_t row) const {
   wake_body(s, row, bodies_.kinds);
 }
 
+bool Rigid3d::asleep(const State& s, size_t row) const {
+  return s.span<uint32_t>(columns::asleep)[row] != 0;
+}
+
+double Rigid3d::sleep_timer(const State& s, size_t row) const {
+  return s.f64(columns::sleep_timer)[row];
+}
+
+void Rigid3d::set_sleep_timer(State& s, size_t row, double seconds) const {
+  s.f64(columns::sleep_timer)[row] = seconds;
+}
+
 Rigid3d::Scratch& Rigid3d::scratch(const StepInput& in) {
   return in.workspace.object<Scratch>("rigid3d");
 }
@@ -115,7 +127,7 @@ void Rigid3d::apply_forces(State& s, const StepInput& in) const {
 }
 
 int Rigid3d::substeps(const State& s, double h) const {
-  // A state from outside may say anything.
+  // A state from outside may hold anything.
   const double most = BucklingWatch::kMostTimes * settings_.substeps;
   return static_cast<int>(std::lround(std::clamp(h / s.f64(columns::substep)[0], 1.0, most)));
 }
@@ -129,7 +141,7 @@ void Rigid3d::choose_substeps(State& s, const StepInput& in) const {
   if (in.step % kStepsPerLook != 1 || scratch(in).parts > 1) return;
   const int now = substeps(s, in.h);
   const int wanted = scratch(in).buckling.substeps(s, bodies_.kinds, settings_, now, in.h);
-  // One at a time: what the springs' stiffness stores changes little by little.
+  // One at a time: the energy stored in contact springs changes with their stiffness.
   const int next = std::clamp(wanted, now - 1, now + 1);
   if (next != now) change_substeps(s, in.h, now, next);
 }
@@ -141,7 +153,7 @@ void Rigid3d::change_substeps(State& s, double h, int now, int next) const {
                        columns::joint_impulse, columns::drive_impulse}) {
     for (double& impulse : s.f64(c)) impulse *= share;
   }
-  // Pads are what the contacts' springs give way.
+  // Offsets are what the contacts' springs give way by.
   if (!settings_.contact_hertz) {
     for (const auto c : {columns::contact_offset, columns::contact_uneven}) {
       for (double& offset : s.f64(c)) offset *= share * share;
@@ -155,7 +167,7 @@ void Rigid3d::find_contacts(State& s, const StepInput& in) const {
   scratch.before.resize(s.rows(columns::position));
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   for (size_t i = 0; i < scratch.before.size(); ++i) scratch.before[i] = {load3(x, i), load_quat(q, i)};
-  // What is joined to a body that moves moves.
+  // Whatever is joined to a moving body moves.
   const auto held = s.span<uint32_t>(columns::joint_bodies);
   const auto asleep = s.span<uint32_t>(columns::asleep);
   const auto moves = [&](uint32_t i) {
@@ -266,7 +278,7 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
     if (now[i].part != Part::active) continue;
     const BodyKind& k = bodies_.kinds[kind[i]];
     const double move = norm(load3(x, i) - scratch.before[i].position);
-    // A surface has no core that could be swept.
+    // A triangle surface has no core to sweep.
     if (k.sensor || !(k.inner > 0) || !may_pass_through(move + in.h * now[i].turn_speed, k.inner)) continue;
     Box box = bounds(k.solid, now[i].at);
     box.cover(bounds(k.solid, transform_of(pose(i))));
@@ -281,13 +293,13 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
           scratch.contacts.joined(i, j)) {
         continue;
       }
-      // What touches from the start may move on, but never so far that its core goes through.
+      // A body that touches from the start may go on moving, but its core must not pass through.
       std::optional<Impact> hit;
       const Sweep other = sweep(j);
       const Contact* c = contact_of(i, j);
       if (!c) hit = time_of_impact(k.solid, own, o.solid, other, 0.25 * now[i].margin);
       if (!hit || hit->t == 0) hit = time_of_impact(core, own, o.solid, other, 0.1 * k.inner);
-      // Cores of bodies that are in one another may part, and what got near a wall may leave it; a core that
+      // Overlapping cores may part, and what is near a wall may leave it; a core that
       // is inside a wall has no side to return to.
       const bool parting = c && dot(c->manifold.normal, moved(c->b) - moved(c->a)) > 0;
       if (hit && hit->t == 0 && o.moved_by_forces() && parting) continue;
@@ -299,12 +311,41 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
   for (const auto& [i, t] : scratch.stopped) {
     const Sweep own = sweep(i);
     store3(x, i, own.from.position + own.move * t);
-    // At its place already, it still turns, or it would stay in what it got into with a corner.
+    // A body that is stopped at once still turns, or a corner that is stuck would stay stuck.
     if (t > 0) store_quat(q, i, normalized(free_rotation::turn(own.turn * t) * own.from.orientation));
-    // The time that it loses is lost for forces too: what is put back up must not keep the fall's speed.
+    // Forces do not act during the time that it loses: a body that is set back must not keep the fall's
+    // speed.
     store3(v, i, load3(v, i) - scratch.change[i] * (1 - t));
   }
 }
+
+namespace {
+
+/// Place and orientation of a body against those that the columns of sleep keep.
+class Way {
+ public:
+  Way(const double* x, const double* q, double* x0, double* q0, double* middle, size_t row, double reach)
+      : x_(x), q_(q), x0_(x0), q0_(q0), middle_(middle), row_(row), reach_(reach) {}
+  void begin() { store3(x0_, row_, load3(x_, row_)), store_quat(q0_, row_, load_quat(q_, row_)); }
+  double moved() {
+    shift_ = load3(x_, row_) - load3(x0_, row_), turn_ = turned(load_quat(q0_, row_), load_quat(q_, row_));
+    return norm(shift_) + reach_ * norm(turn_);
+  }
+  void pass() { store3(middle_, 2 * row_, shift_), store3(middle_, 2 * row_ + 1, turn_); }
+  double bend() const {
+    return norm(load3(middle_, 2 * row_) - 0.5 * shift_) +
+           reach_ * norm(load3(middle_, 2 * row_ + 1) - 0.5 * turn_);
+  }
+
+ private:
+  const double *x_, *q_;
+  double *x0_, *q0_, *middle_;
+  size_t row_;
+  double reach_;
+  Vec3 shift_, turn_;  ///< since its rest began
+};
+
+}  // namespace
 
 void Rigid3d::update_sleeping(State& s, const StepInput& in) const {
   Scratch& scratch = Rigid3d::scratch(in);
@@ -313,10 +354,10 @@ void Rigid3d::update_sleeping(State& s, const StepInput& in) const {
   const auto kind = s.span<uint32_t>(columns::kind);
   const auto calm = s.f64(columns::sleep_timer);
   double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
-  // By what a body is held: by contacts with friction alone, or otherwise too.
+  // What holds a body: contacts with friction alone, or something else too.
   constexpr double kRolls = 2, kHeld = 1;
-  // What rests presses on something, and all that it leans on ends at something that does not move. Bodies
-  // that touch in space go on for ever.
+  // A resting body is supported, in the end by something that does not move. Bodies
+  // that touch while floating free drift for ever.
   scratch.parent.resize(n), scratch.rested.assign(n, 0), scratch.adrift.assign(n, 1);
   start_islands(scratch.parent);
   const auto holds = [&](uint32_t i) { return i == kNoBody || now[i].part == Part::fixed; };
@@ -347,7 +388,7 @@ void Rigid3d::update_sleeping(State& s, const StepInput& in) const {
     if (b != kNoBody && holds(a)) scratch.adrift[b] = 0;
   }
   spread_minimum<uint8_t>(scratch.parent, scratch.adrift);
-  // Bodies of a motor that shall turn are not at rest even where they do not get on.
+  // A running motor keeps its bodies awake even where they are blocked.
   for (size_t k = 0; k < joints_.drives.size(); ++k) {
     const Drive& d = joints_.drives[k];
     const double* motor = s.f64(columns::drive_motor).data() + 2 * k;
@@ -367,19 +408,10 @@ void Rigid3d::update_sleeping(State& s, const StepInput& in) const {
     if (now[i].part != Part::active) continue;
     const double reach = bodies_.kinds[kind[i]].reach;
     if (bodies_.kinds[kind[i]].forced()) scratch.rested[i] = 0;
-    if (calm[i] == 0) store3(x0, i, load3(x, i)), store_quat(q0, i, load_quat(q, i));
     const double speed = std::sqrt(norm2(load3(v, i)) + norm2(load3(w, i)) * (reach * reach));
-    const Vec3 shift = load3(x, i) - load3(x0, i), turn = turned(load_quat(q0, i), load_quat(q, i));
     const bool may_rest = scratch.rested[i] > 0 && (!scratch.adrift[i] || speed == 0);
-    const double before = calm[i];
-    calm[i] = may_rest ? rest_after(before, in.h, speed, norm(shift) + reach * norm(turn),
-                                    scratch.rested[i] == kRolls ? of_rolling : rule)
-                       : 0;
-    if (before <= 0.5 * rule.time) store3(middle, 2 * i, shift), store3(middle, 2 * i + 1, turn);
-    if (before < rule.time && calm[i] >= rule.time) {
-      const Vec3 aside = load3(middle, 2 * i) - 0.5 * shift, twist = load3(middle, 2 * i + 1) - 0.5 * turn;
-      if (norm(aside) + reach * norm(twist) > rule.bend()) calm[i] = 0;
-    }
+    count_rest(calm[i], in.h, may_rest ? speed : kNoRest, scratch.rested[i] == kRolls ? of_rolling : rule,
+               Way{x, q, x0, q0, middle, i, reach});
     scratch.rested[i] = calm[i];
   }
   spread_minimum<double>(scratch.parent, scratch.rested);

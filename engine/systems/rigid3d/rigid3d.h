@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 
+#include "engine/core/body_sleep.h"
 #include "engine/core/build.h"
 #include "engine/systems/rigid3d/buckling.h"
 #include "engine/systems/rigid3d/contacts.h"
@@ -14,13 +15,13 @@
 
 namespace truestep::rigid3d {
 
-class Rigid3d final : public StagedSystem, public BodyOwner {
+class Rigid3d final : public StagedSystem, public BodyOwner, public BodySleep {
  public:
   Rigid3d(const Rigid3dDef& def, const BuildContext& context);
 
   State initial_state() const override;
   void observe(const State& s, double t, Observables& out) const override;
-  /// Closed without motors, hands and bodies that are moved.
+  /// Closed unless motors, user forces or kinematic bodies do work.
   std::optional<Energy> energy(const State& s, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;
   std::optional<double> limit(Limit which, const State&, double) const override {
@@ -38,11 +39,14 @@ class Rigid3d final : public StagedSystem, public BodyOwner {
   /// The bodies; sensors touch nothing.
   Ports ports() const override;
   void wake(State& s, size_t row) const override;
+  bool asleep(const State& s, size_t row) const override;
+  double sleep_timer(const State& s, size_t row) const override;
+  void set_sleep_timer(State& s, size_t row, double seconds) const override;
 
   const std::vector<BodyKind>& kinds() const { return bodies_.kinds; }
 
  private:
-  /// Memory of a step; nothing in it outlives one.
+  /// Scratch memory of a step; nothing in it survives the step.
   struct Scratch {
     ContactList contacts;
     BucklingWatch buckling;
@@ -55,7 +59,7 @@ class Rigid3d final : public StagedSystem, public BodyOwner {
     std::vector<uint8_t> adrift;  ///< 1: nothing that does not move holds the body's island
     std::vector<uint32_t> near;
     std::vector<std::pair<uint32_t, double>> stopped;
-    int parts = 1;  ///< into which this step is cut
+    int parts = 1;  ///< that this step is divided into
   };
   static Scratch& scratch(const StepInput& in);
   /// Whether contacts of the last step are mostly of bodies that turn far in a step of h.
@@ -67,9 +71,9 @@ class Rigid3d final : public StagedSystem, public BodyOwner {
   void apply_forces(State& s, const StepInput& in) const;
   int substeps(const State& s, double h) const;
   void choose_substeps(State& s, const StepInput& in) const;
-  /// From now on there are `next` in a step of h: what the state has of one substep is rewritten.
+  /// Switches to `next` substeps in a step of h and rescales what the state holds per substep.
   void change_substeps(State& s, double h, int now, int next) const;
-  /// As many as keep the turns of what touches small in each.
+  /// Enough that touching bodies turn little in each.
   int substeps_of_turns(const State& s, double h) const;
   void find_contacts(State& s, const StepInput& in) const;
   void solve(State& s, const StepInput& in) const;

@@ -19,7 +19,7 @@ Visual::Motion motion_of(const BodyKind& k) {
   return k.motion == BodyDef::Motion::kinematic ? Motion::kinematic : Motion::dynamic;
 }
 
-/// Numbers that alike solids share.
+/// The numbers that equal solids have in common.
 void describe(std::vector<double>& key, const Solid& s) {
   key.insert(key.end(), {static_cast<double>(s.kind), s.size.x, s.size.y, s.size.z});
   if (s.hull) key.insert(key.end(), {static_cast<double>(s.hull->vertices.size()), s.hull->thickness});
@@ -34,7 +34,7 @@ std::vector<Visual> visuals_of(std::span<const BodyKind> kinds) {
     Visual visual;
     visual.motion = motion_of(k);
     if (k.color) visual.color = {k.color->x, k.color->y, k.color->z};
-    // What stands still takes no colour away from what moves.
+    // Fixed bodies use none of the colours of those that move.
     if (visual.motion == Visual::Motion::dynamic && !k.color) {
       std::vector<double> key;
       describe(key, k.solid);
@@ -92,7 +92,7 @@ void Rigid3d::draw(const State& s, double, Wish wishes, Drawing& out) const {
 
 void Rigid3d::draw_bodies(const State& s, PartDrawing& out) const {
   out.visuals = visuals();
-  // They stand in the order of the kinds, as many as a kind has parts.
+  // In the order of the kinds, one per part.
   std::vector<uint32_t> first;
   uint32_t next = 0;
   const auto count = [](const BodyKind& k) {
@@ -158,7 +158,7 @@ std::vector<ContactMark> Rigid3d::contact_marks(const State& s) const {
   for (size_t begin = 0, end = 0; begin < rows; begin = end) {
     const uint32_t a = pairs[2 * begin], b = pairs[2 * begin + 1];
     for (end = begin; end < rows && pairs[2 * end] == a && pairs[2 * end + 1] == b;) ++end;
-    // The state holds what the points carry, their places are found again.
+    // The state holds the loads of the points; their places are computed again.
     manifolds.clear();
     const Solid &sa = bodies_.kinds[kind[a]].solid, &sb = bodies_.kinds[kind[b]].solid;
     if (single(sa) && single(sb)) {
@@ -188,7 +188,7 @@ std::vector<JointMark> Rigid3d::joint_marks(const State& s) const {
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   const auto pose = [&](uint32_t i) { return i == kNoBody ? Pose{} : Pose{load3(x, i), load_quat(q, i)}; };
   for (size_t k = 0; k < joints_.joints.size(); ++k) {
-    // A gear is no place: it ties two other joints together.
+    // A gear has no place of its own: it couples two other joints.
     if (s.span<uint32_t>(columns::joint_broken)[k] || joints_.joints[k].form == Joint::Form::gear) continue;
     out.push_back(mark_of(joints_.joints[k], pose(held[2 * k]), pose(held[2 * k + 1])));
   }

@@ -114,7 +114,7 @@ void wake_body(State& s, size_t row, std::span<const BodyKind> kinds) {
 
 namespace {
 
-/// Closes over row `gone` of a column.
+/// Removes row `gone` from a column.
 template <class T>
 void erase_row(State& s, State::Column c, size_t gone) {
   const size_t width = s.info(c).width, rows = s.rows(c);

@@ -21,7 +21,7 @@ constexpr double kSubstepTurn = 0.2;
 
 bool Rigid3d::turns_fast(const State& s, uint32_t i, double h) const {
   const BodyKind& k = bodies_.kinds[s.span<uint32_t>(columns::kind)[i]];
-  // Balls meet others where they do however they turn.
+  // Where a ball touches does not depend on how it turns.
   if (s.span<uint32_t>(columns::asleep)[i] || k.reach == k.inner) return false;
   return norm2(load3(s.f64(columns::angular_velocity).data(), i)) * (h * h) > kFastTurn * kFastTurn;
 }

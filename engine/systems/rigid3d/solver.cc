@@ -11,9 +11,9 @@ namespace truestep::rigid3d {
 
 namespace {
 
-/// Impacts may run to and fro between bodies that often in a substep; what is left does not bounce.
+/// Most rounds of impacts that bodies pass on to one another in a substep; what is left does not bounce.
 constexpr int kImpactRounds = 64;
-/// Share of push_out_speed up to which pushes may leave their speed to the relaxation, which takes back most
+/// Share of push_out_speed up to which the speed of pushes is left to the relaxation, which takes back most
 /// of it: walls and towers lean where positions are corrected apart from velocities.
 constexpr double kGentlePush = 0.25;
 /// rad/s; slower bodies change their axis of rotation by less than a float shows.
@@ -49,7 +49,7 @@ void ContactSolver<T>::choose_bodies(const State& s, std::span<const BodyKind> k
   const auto kind = s.span<uint32_t>(columns::kind);
   slot_.assign(kind.size(), kNoBody);
   listed_.clear();
-  // Contacts of two moving bodies come first: what rests on fixed ground is solved after what it carries.
+  // Contacts between two moving bodies come first: the ground is solved after what it carries.
   enum class Ends : uint8_t { both_move, one_moves };
   const auto list = [&](Ends ends) {
     for (uint32_t k = 0; k < contacts.size(); ++k) {
@@ -157,7 +157,7 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
         for (int e = 0; e < 8; ++e) v[i].x[e] *= damping_[i].x[e];
       }
     });
-    // Before the impulses of the last substep act again: bodies meet with the velocities that they have.
+    // Before warm starting: impacts use the velocities that bodies really have.
     if (bounces) hit({T(h), T(settings.restitution_speed)}, settings.substeps - 1 - k);
     each_body([&](size_t i) {
       for (int e = 0; e < 8; ++e) start_[i].x[e] = v[i].x[e] += warm_[i].x[e];
@@ -182,8 +182,8 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
       }
     });
     pass.elapsed = T((k + 1) * h);
-    // Velocities have to suit the joints where they are by now: what swings would lose (h w)^2 of its energy
-    // in every substep by the directions that it had before.
+    // Velocities must satisfy the joints at the new places: what swings would lose (h w)^2 of its energy
+    // per substep with the directions of the old ones.
     const Renewal renewal = k + 1 < settings.substeps ? Renewal::goes_on : Renewal::last;
     joints_.renew(d, warm_.data(), pass.elapsed, renewal, team_);
     balls_.renew(moved_.data(), warm_.data(), renewal, team_);
@@ -286,14 +286,14 @@ void ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
     if (hit_contacts<Hits::bouncing>(g, bodies, end, pass)) any = true;
   });
   if (!any) return;
-  // A blow goes on through what does not bounce.
+  // An impact passes on through contacts that do not bounce.
   for (int round = 1; round < kImpactRounds && any; ++round) {
     any = false;
     each_colour(contact_lanes_, groups_, team_, [&](ContactGroup<T>& g) {
       if (hit_contacts<Hits::all>(g, bodies, end, pass)) any = true;
     });
   }
-  // Whoever turns differently now feels other gyroscopic torques for the rest of the step.
+  // A body whose spin has changed has other gyroscopic torques for the rest of the step.
   for (size_t i = 0; i < n && substeps_left > 0 && !jointed_; ++i) {
     const T *v = velocity_[i].x, *before = start_[i].x;
     if (std::equal(v + 3, v + 6, before + 3)) continue;
@@ -338,7 +338,7 @@ void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, const Jo
     ends_.push_back({slot_[contacts[k]->a], slot_[contacts[k]->b]});
     many_.push_back(contacts[k]->manifold.count > 2);
   }
-  // A group takes as long as the lane with most points.
+  // The lane with the most points decides how long a group takes.
   make_lanes(listed_, ends_, many_, body_.size(), W::kLanes, colouring_, contact_lanes_);
   if (groups_.size() < contact_lanes_.count) groups_.resize(contact_lanes_.count + contact_lanes_.count / 4);
   team_.for_blocks(contact_lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {

@@ -119,7 +119,7 @@ void ContactSolver<T>::store_impulses(std::span<Contact* const> contacts, const 
       c.penetration_offset =
           sum > 0 ? next_penetration_offset(c.penetration_offset, depth / sum, sum * (a * a + b * b), rule)
                   : 0;
-      // No more than the offset: a contact that lost its load keeps no point up.
+      // At most the offset: a contact that lost its load holds no point up.
       for (double& u : c.uneven) u = std::clamp(u, -c.penetration_offset, c.penetration_offset);
       c.slide = get3(g.tangent[0], lane) * g.slide[0][lane] + get3(g.tangent[1], lane) * g.slide[1][lane];
       c.twist = g.twist[lane];

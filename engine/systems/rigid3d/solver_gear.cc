@@ -45,7 +45,7 @@ void prepare_gear(GearRow<T>& gear, std::span<const JointGroup<T>> groups,
     gear.gap += factor * (g.gap[d.row][lane] - d.start[lane]);
     gear.drift += factor * g.drift[d.row][lane];
   }
-  // A body that both joints hold feels both.
+  // A body held by both joints gets both.
   T k = 0;
   for (const auto& i : gear.end) {
     for (const auto& j : gear.end) {

@@ -8,7 +8,7 @@
 namespace truestep::rigid3d {
 
 namespace {
-/// Joints are springs of this share of the substeps' rate, damped that many times the critical.
+/// Joints are springs of this share of the substeps' rate, with this damping ratio.
 constexpr double kJointHertzShare = 0.25, kJointDamping = 2;
 }  // namespace
 
@@ -125,7 +125,7 @@ void JointSolver<T>::fill_group(size_t group, const State& s, const JointList& j
   }
 }
 
-/// What bodies that move by themselves add to J v.
+/// What kinematic bodies add to J v.
 template <class T>
 void JointSolver<T>::set_drift(JointGroup<T>& g, int lane, const State& s,
                                const std::array<uint32_t, 2>& held, const Bodies& bodies,
@@ -182,7 +182,7 @@ void JointSolver<T>::fill_drive(JointGroup<T>& g, int lane, const State& s, cons
   }
 }
 
-/// Places of this step's joints, and gears whose joints both are among them.
+/// Places of this step's joints, and the gears both of whose joints are among them.
 template <class T>
 void JointSolver<T>::fill_gears(const State& s, const JointList& joints) {
   gears_.clear();

@@ -1,8 +1,9 @@
 // The impulses that a scene starts with. Substeps carry loads on from the one before; the first has none, and
 // a sweep passes a load on by a course or two, so that what is tall would plunge before its lowest contacts
 // knew of its top. So gravity's loads are handed down once, from the highest body to the lowest (bearing.h):
-// exact for boxes on one another. Sweeps as if all were at rest add what leans, wedges and arches need. Where
-// all is held then, contacts start with offsets as thick as they give way under their loads.
+// exact for stacked boxes. Sweeps as if everything were at rest add what leaning bodies, wedges and arches
+// need. Where everything is held then, contacts start with offsets as thick as they give way under their
+// loads.
 #include <algorithm>
 #include <cmath>
 
@@ -16,7 +17,7 @@ namespace {
 
 /// Sweeps for the loads that a scene starts with, and groups of contacts that these may take in all.
 constexpr size_t kLoadSweeps = 2000, kLoadGroups = 200'000;
-/// Contacts steeper than that (cosine between normal and vertical) are handed nothing.
+/// Contacts steeper than this (cosine between normal and vertical) get nothing.
 constexpr double kBears = 0.3;
 /// Share of the smaller body's reach that an offset may have at the start: springs under load store energy.
 constexpr double kMostStart = 0.02;
@@ -130,7 +131,7 @@ void ContactSolver<T>::find_loads(const State& s, std::span<const BodyKind> kind
   const double h = step / settings.substeps;
   ContactPass<T> pass{};
   pass.inverse_h = T(1 / h);
-  // As if all were at rest: velocities are what gravity adds in a substep and contacts take back.
+  // As if everything were at rest: velocities are what gravity adds in a substep and contacts take back.
   start_.assign(change_.begin(), change_.end());
   hand_down_loads(contacts, now);
   each_colour(contact_lanes_, groups_, team_,

@@ -69,7 +69,7 @@ std::vector<uint32_t> nodes_of(const GltfModel& m, const GltfAnimation* animatio
   } else if (animation) {
     for (const GltfChannel& c : animation->channels)
       wanted[c.node] = c.path != GltfChannel::Path::weights || wanted[c.node];
-    // What hangs on them says where bones end.
+    // Their children say where bones end.
     for (size_t round = 0, more = 1; more && round < m.nodes.size(); ++round) {
       more = 0;
       for (size_t k = 0; k < m.nodes.size(); ++k) {

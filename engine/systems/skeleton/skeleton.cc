@@ -76,7 +76,7 @@ void Skeleton::learn(const PriorDef& def) {
 }
 
 void Skeleton::plan_stages(const SkeletonDef& def) {
-  // While bodies lead it, it is they who move it.
+  // While bodies lead the skeleton, they alone move it.
   const auto stage = [this](auto&& run) {
     return [this, run](State& s, const StepInput& in) {
       if (is_led(s)) return;
@@ -260,7 +260,7 @@ void Skeleton::reach(State& s, Scratch& scratch) const {
   s.f64(C::kSolved)[2] = r.error <= options_.tolerance ? 1 : 0;
   const int32_t dragged = s.span<int32_t>(C::kDragJoint)[0];
   if (dragged < 0) return;
-  // A hand pulls last; where it cannot follow, least squares go as near as they can.
+  // Drags come last; where a target is out of reach, least squares come as near as possible.
   IkGoal hand;
   hand.joint = static_cast<uint32_t>(dragged), hand.target = load3(s.f64(C::kDragTarget).data(), 0);
   hand.base = hand.joint;

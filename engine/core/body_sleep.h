@@ -1,0 +1,17 @@
+// Bodies that fall asleep, as couplings see them: the owner of a BodyPort may be one of these, too. Impulses
+// wake a body (BodyOwner::wake sets its timer back); a coupling that only rests on it puts the timer back.
+#pragma once
+#include "engine/core/state.h"
+
+namespace truestep {
+
+class BodySleep {
+ public:
+  virtual ~BodySleep() = default;
+  virtual bool asleep(const State& state, size_t row) const = 0;
+  /// s for which the body in that row has rested.
+  virtual double sleep_timer(const State& state, size_t row) const = 0;
+  virtual void set_sleep_timer(State& state, size_t row, double seconds) const = 0;
+};
+
+}  // namespace truestep
