@@ -9,20 +9,20 @@ namespace truestep::xpbd {
 
 namespace {
 
-/// Whether constraints bear load at rest, so that what sweeps leave out is as stiff as the material.
+/// Whether constraints carry load at rest, so that the neglected geometric stiffness is that of the material.
 bool stiff_at_rest(const XpbdDef& def) {
   return is_elastic(def) || (is_membrane(def) && def.membrane == Membrane::neo_hookean);
 }
 
 constexpr double kLongestSubstep = 1.0 / 600;  // s
 
-/// s: of elastic blocks the longest substep that sweeps bear. What they leave out, how gradients turn, is as
-/// stiff as the material: h^2 V (mu + l) sum w |grad|^2 stays below kMostGeometric
-/// (kernels/xpbd/neo_hookean.h).
+/// s: the longest stable substep of elastic blocks and sheets. Sweeps neglect the geometric stiffness (the
+/// rotation of the gradients), which is as stiff as the material, so that h^2 V (mu + l) sum w |grad|^2 has
+/// to stay below kMostGeometric (kernels/xpbd/neo_hookean.h).
 double longest_elastic(const XpbdDef& def, const Body& body) {
   const double nu = def.poisson_ratio.value_or(0.3);
   double most = 0;
-  constexpr double kMostGeometric = 4;  // measured: 8 bears everything from 1e2 to 1e9 Pa, 100 not
+  constexpr double kMostGeometric = 4;  // measured: 8 is stable from 1e2 to 1e9 Pa, 100 is not
   if (stiff_at_rest(def) && !is_elastic(def)) {
     const double mu = 0.5 * *def.youngs_modulus / (1 + nu), l = mu * (1 + nu) / (1 - nu);
     for (const SheetTriangle& t : body.sheet) {
