@@ -4,7 +4,6 @@
 #include <cmath>
 #include <type_traits>
 
-#include "engine/base/interrupt.h"
 #include "engine/kernels/air.h"
 #include "engine/kernels/chebyshev.h"
 #include "engine/kernels/xpbd/dihedral.h"
@@ -43,7 +42,7 @@ template <class T>
 void Solver<T>::weigh(const State& s, const StepInput& in, double h) {
   const double viscous = h * s.f64(Columns::damping)[0];
   const auto w = s.f64(Columns::inverse_mass);
-  loop(in, w.size(), kBlockRows, [&](size_t begin, size_t end) {
+  in.arena.for_blocks(w.size(), kBlockRows, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) rows_[4 * i + 3] = static_cast<T>(w[i] / (1 + viscous * w[i]));
   });
 }
@@ -69,7 +68,7 @@ void Solver<T>::predict(const SolverInput& what, const State& s, const StepInput
     T* v = velocity_.data() + 4 * push.who;
     v[0] += static_cast<T>(by.x), v[1] += static_cast<T>(by.y), v[2] += static_cast<T>(by.z);
   }
-  loop(in, points_, kBlockRows, [&](size_t begin, size_t end) {
+  in.arena.for_blocks(points_, kBlockRows, [&](size_t begin, size_t end) {
     T *rows = rows_.data(), *before = before_.data(), *velocity = velocity_.data();
     for (size_t i = begin; i < end; ++i) {
       const T weight = rows[4 * i + 3];
@@ -103,7 +102,7 @@ double Solver<T>::solve_chain_colours(const SolverInput& what, const StepInput& 
   const PerStep<T> per = per_step<T>(h);
   for (const Colour& colour : chains.colours) {
     const size_t task = std::max<size_t>(1, kTaskLinks / (lanes * colour.longest));
-    loop(in, colour.end - colour.begin, task, [&](size_t begin, size_t end) {
+    in.arena.for_blocks(colour.end - colour.begin, task, [&](size_t begin, size_t end) {
       ChainRow<T> near[kShortChain];
       for (size_t b = colour.begin + begin; b < colour.begin + end; ++b) {
         const ChainBatch& batch = chains.batches[b];
@@ -200,7 +199,7 @@ double Solver<T>::iterate(const SolverInput& what, const State& s, const StepInp
 template <class T>
 void Solver<T>::find_velocities(const SolverInput& what, const StepInput& in, double h) {
   const T per_h = static_cast<T>(1 / h);
-  loop(in, 4 * points_, 4 * kBlockRows, [&](size_t begin, size_t end) {
+  in.arena.for_blocks(4 * points_, 4 * kBlockRows, [&](size_t begin, size_t end) {
     const T *rows = rows_.data(), *before = before_.data();
     T* velocity = velocity_.data();
     for (size_t k = begin; k < end; ++k) velocity[k] = (rows[k] - before[k]) * per_h;
@@ -209,7 +208,7 @@ void Solver<T>::find_velocities(const SolverInput& what, const StepInput& in, do
 
 template <class T>
 void Solver<T>::remember_velocities(const StepInput& in) {
-  loop(in, points_, kBlockRows, [&](size_t begin, size_t end) {
+  in.arena.for_blocks(points_, kBlockRows, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       for (size_t k = 0; k < 3; ++k) v_old_[3 * i + k] = velocity_[4 * i + k];
     }
@@ -219,7 +218,7 @@ void Solver<T>::remember_velocities(const StepInput& in) {
 template <class T>
 void Solver<T>::unpack(const SolverInput& what, const State& s, const StepInput& in) {
   const double* start = s.f64(Columns::position).data();
-  loop(in, points_, kBlockRows, [&](size_t begin, size_t end) {
+  in.arena.for_blocks(points_, kBlockRows, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       for (size_t k = 0; k < 3; ++k) {
         x_old_[3 * i + k] = start[3 * i + k] + before_[4 * i + k];
@@ -282,15 +281,17 @@ double Solver<T>::collide(const SolverInput& what, const State& s, const StepInp
 
 /// Rods are solved in doubles alone (xpbd_rod_def.cc).
 template <class T>
-void Solver<T>::advance(const SolverInput& what, State& s, const StepInput& in) {
+void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
   constexpr bool kRods = std::is_same_v<T, double>;
   const SolverOptions& options = what.options;
   const double longest = in.h / options.substeps, shortest = in.h / kMostSubsteps;
-  const bool rods = kRods && !what.rods.empty();
   double& tightness = s.f64(Columns::tightness)[0];
+  prepare(what, s);
+  load(what, s, in);
+  if (what.folds) self_.begin_step(folds(what));
+  const bool rods = kRods && !what.rods.empty();
   int left = options.substeps;
   for (double done = 0; left > 0; --left) {
-    interruption_point();
     const double rest = in.h - done;
     if (options.division == SolverOptions::Division::by_tension) {
       const double bearable = tightness > 0 ? std::sqrt(kMostQ / tightness) : longest;
@@ -316,25 +317,6 @@ void Solver<T>::advance(const SolverInput& what, State& s, const StepInput& in) 
     // A cloth that has just been pulled tight may be so again: what one substep says is forgotten by and by.
     tightness = std::max(q / (h * h), 0.8 * tightness);
     done += h;
-  }
-}
-
-template <class T>
-void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
-  constexpr bool kRods = std::is_same_v<T, double>;
-  prepare(what, s);
-  load(what, s, in);
-  if (what.folds) self_.begin_step(folds(what));
-  const bool rods = kRods && !what.rods.empty();
-  // Where all loops of a substep are the solver's own its threads stay awake for the whole step: they are
-  // many and short.
-  together_ = what.colliders.empty() && !what.folds && !what.air && !what.tears && what.rods.empty() &&
-              what.matches.empty() && jacobi_.empty();
-  if (together_) {
-    const auto gathered = team_.gather(in.arena);
-    advance(what, s, in);
-  } else {
-    advance(what, s, in);
   }
   store(what, s, in);
   if (rods) cosserat_.store(what.rods, s);

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "engine/base/cache_line.h"
-#include "engine/base/thread_team.h"
 #include "engine/collision/points/collider_set.h"
 #include "engine/core/system.h"
 #include "engine/kernels/xpbd/chain.h"
@@ -113,13 +112,6 @@ class Solver {
   double solve_chain_colours(const SolverInput& what, const StepInput& in, double h);
   template <class Solve>
   void each_batch(const SetSchedule& schedule, const StepInput& in, const Solve& solve);
-  /// body(begin, end) for every block of [0, n), in the threads that are awake or in those of the arena.
-  template <class Body>
-  void loop(const StepInput& in, size_t n, size_t block, Body&& body) const {
-    together_ ? team_.for_blocks(n, block, body) : in.arena.for_blocks(n, block, body);
-  }
-  /// All substeps of a step.
-  void advance(const SolverInput& what, State& state, const StepInput& in);
   void hold_drags(const State& state, double h);
   void find_velocities(const SolverInput& what, const StepInput& in, double h);
   /// The longest way (m) that a collider has put a point back.
@@ -129,9 +121,7 @@ class Solver {
   /// The longest way (m) that the body has put a point of its own back.
   double meet_self(const SolverInput& what, const State& state, const StepInput& in, double h);
 
-  ThreadTeam team_;
-  bool together_ = false;  // whether it is gathered during a step
-  size_t points_ = 0;      // of the state
+  size_t points_ = 0;  // of the state
   const Schedule* built_for_ = nullptr;
   std::vector<double> built_with_;  // stiffnesses, damping
   std::vector<uint32_t> corners_;   // of a cloth that tears
@@ -164,7 +154,7 @@ template <class T>
 template <class Solve>
 void Solver<T>::each_batch(const SetSchedule& schedule, const StepInput& in, const Solve& solve) {
   for (const Colour& c : schedule.colours) {
-    loop(in, c.end - c.begin, kTaskLinks / 8, [&](size_t begin, size_t end) {
+    in.arena.for_blocks(c.end - c.begin, kTaskLinks / 8, [&](size_t begin, size_t end) {
       for (size_t b = c.begin + begin; b < c.begin + end; ++b) solve(b);
     });
   }

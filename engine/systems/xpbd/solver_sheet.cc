@@ -64,7 +64,7 @@ double Solver<T>::solve_sheet(const SolverInput& what, const StepInput& in, doub
 template <class T>
 void Solver<T>::hold_tethers(const SolverInput& what, const State& s, const StepInput& in) {
   const double* start = s.f64(Columns::position).data();
-  loop(in, what.tethers.size(), kBlockRows, [&](size_t begin, size_t end) {
+  in.arena.for_blocks(what.tethers.size(), kBlockRows, [&](size_t begin, size_t end) {
     for (const Tether& t : what.tethers.subspan(begin, end - begin)) {
       T *row = rows_.data() + 4 * size_t{t.point}, *at = rows_.data() + 4 * size_t{t.anchor};
       // A command may have pinned the one or let go of the other.
