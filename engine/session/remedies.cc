@@ -6,6 +6,7 @@
 #include "engine/base/errors.h"
 #include "engine/base/interrupt.h"
 #include "engine/base/short_number.h"
+#include "engine/base/thread_clock.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/scene/admission.h"
 
@@ -17,6 +18,8 @@ namespace json = boost::json;
 
 /// Estimated time of one trial; only a few are made.
 constexpr double kTrialSeconds = 0.5;
+/// CPU s of all trials together: steps of a scene that fails may be far dearer than estimated.
+constexpr double kMostSeconds = 10;
 constexpr int64_t kMostParts = 4096;  // substeps worth a trial
 constexpr size_t kMostMethods = 3;    // tried of each kind
 
@@ -74,18 +77,23 @@ class Trials {
   }
   uint64_t steps() const { return steps_; }
 
-  /// Whether the scene, with this many substeps and optionally a change in one of its systems, gets from
-  /// `before` to the end of the trial.
-  bool holds(int64_t substeps, size_t system = 0, const Change& change = {}) {
+  /// Whether the time for trials is used up; what is left is not tried.
+  bool spent() const { return thread_cpu_seconds() - began_ > kMostSeconds; }
+
+  /// Whether the scene, with this many substeps and optionally another method in one of its systems, gets
+  /// from `before` to the end of the trial.
+  bool holds(int64_t substeps, size_t system = 0, const Integrator* method = nullptr) {
     json::object d = world_.scene().canonical();
     d.erase("accuracy");
     d["time"].as_object()["substeps"] = substeps;
-    if (change) change(d["systems"].as_array()[system].as_object());
+    if (method) d["systems"].as_array()[system].as_object()["integrator"] = method->name;
+    if (spent()) return false;
     try {
       const World changed(require_scene(read_scene(d)));
       WorldState state = begin(changed);
       Workspace workspace;
       for (uint64_t n = 0; n < steps_; ++n) {
+        if (spent()) return false;
         if (n > 0) commands_(changed, state);
         changed.step(state, workspace, arena_, {});
       }
@@ -125,6 +133,7 @@ class Trials {
   const WorldState& before_;
   const Commands& commands_;
   const ThreadArena& arena_;
+  const double began_ = thread_cpu_seconds();
   uint64_t steps_;
 };
 

@@ -51,6 +51,7 @@ void Session::examine() {
     world_->examine(state_, workspace_, *arena_);
   } catch (const Instability& e) {
     Failure failure = diagnose(e);
+    const InterruptScope undisturbed(nullptr);
     state_ = replayed(failure.last_good_step);
     changed();
     fail(std::move(failure));

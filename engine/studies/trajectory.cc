@@ -1,7 +1,5 @@
 #include "engine/studies/trajectory.h"
 
-#include <time.h>
-
 #include <cmath>
 #include <limits>
 
@@ -10,12 +8,6 @@
 #include "engine/session/part_table.h"
 
 namespace truestep {
-
-double thread_cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 std::vector<double> field_values(const System& system, const State& state, const std::string& name) {
   if (name == "state") return configuration(state);

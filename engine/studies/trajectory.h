@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/thread_clock.h"
 #include "engine/session/world.h"
 #include "engine/studies/study.h"
 
@@ -42,8 +43,5 @@ std::vector<double> field_values(const System& system, const State& state, const
 
 /// |a - b|_2 / |b|_2; infinity when the lengths differ or a number is not finite.
 double relative_error(const std::vector<double>& a, const std::vector<double>& b);
-
-/// CPU seconds of this thread so far.
-double thread_cpu_seconds();
 
 }  // namespace truestep

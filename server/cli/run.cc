@@ -8,6 +8,7 @@
 #include <optional>
 #include <thread>
 
+#include "engine/base/interrupt.h"
 #include "engine/scene/admission.h"
 #include "engine/scene/json_write.h"
 #include "engine/session/describe.h"
@@ -29,7 +30,8 @@ namespace json = boost::json;
 
 namespace {
 
-constexpr double kAccuracySeconds = 2;  // CPU time for choosing a method
+constexpr double kAccuracySeconds = 2;      // CPU time for choosing a method
+constexpr size_t kHistoryBytes = 16 << 20;  // to go back when a step fails or is interrupted
 
 struct RunOptions {
   std::string scene, output, picture, csv, from, snapshot, progress = "auto";
@@ -81,6 +83,18 @@ json::array describe_verdicts(const std::vector<Verdict>& verdicts, Reach reach)
   return a;
 }
 
+/// One step, or none when a signal has come. A dear step is made on a copy of the state, so that what a
+/// signal leaves half done need not be made good by repeating the run.
+bool step_taken(Session& session) try {
+  constexpr double kDear = 5e-3;  // s; the copy is a small share of that
+  if (session.step_seconds() < kDear) return session.step(1) == 1;
+  session.begin_aside();
+  session.compute_aside();
+  return session.commit_aside(Session::Output::aloud) == StepOutcome::done;
+} catch (const Interrupted&) {
+  return false;
+}
+
 int run(const RunOptions& options) {
   picture_size(options.look);
   DrawList unused;
@@ -99,7 +113,7 @@ int run(const RunOptions& options) {
   Expectations expectations(scene);
 
   const auto world = std::make_shared<const World>(std::move(scene));
-  Session session(world, arena, {.history_bytes = 0});
+  Session session(world, arena, {.history_bytes = kHistoryBytes});
   if (!options.from.empty()) session.restore(read_snapshot(*world, load_bytes(options.from)));
   const double seconds = options.seconds >= 0 ? options.seconds : std::max(0.0, duration - session.time());
   const uint64_t steps = options.steps >= 0 ? static_cast<uint64_t>(options.steps)
@@ -118,8 +132,9 @@ int run(const RunOptions& options) {
   if (!options.csv.empty()) csv.emplace(options.csv, chosen);
   if (csv) csv->add(session.step_index(), session.time(), session.observe());
   if (!expectations.empty()) expectations.add(session.observe());
+  std::optional<InterruptScope> stoppable(interruption_flag());
   for (uint64_t n = 0; n < steps && !interrupted(); ++n) {
-    if (session.step(1) == 0) break;
+    if (!step_taken(session)) break;
     const bool row = csv && (n + 1) % options.every == 0;
     if (every_step || row) {
       const Observables values = session.observe();
@@ -128,6 +143,7 @@ int run(const RunOptions& options) {
     }
     if (n % 16 == 0) progress.update(n, "");
   }
+  stoppable.reset();
   session.examine();
   progress.finish();
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -1,8 +1,7 @@
 #include "server/persistence/session_keeper.h"
 
-#include <ctime>
-
 #include "engine/base/log.h"
+#include "engine/base/thread_clock.h"
 #include "engine/session/snapshot.h"
 #include "server/persistence/files.h"
 
@@ -19,13 +18,6 @@ constexpr double kLittle = 0.01;        // s of steps that are cheaper to repeat
 constexpr uint64_t kMostLog = 4 << 20;  // bytes after which a state replaces the log
 constexpr auto kTellEvery = std::chrono::milliseconds(100);
 constexpr auto kTryEvery = std::chrono::seconds(1);
-
-// Of this thread.
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 }  // namespace
 
@@ -166,7 +158,7 @@ void SessionKeeper::save_beside() {
     worked_ = 0;
     return;
   }
-  const double begun = cpu_seconds();
+  const double begun = thread_cpu_seconds();
   ++number_;
   base_step_ = session_.step_index();
   worked_ = 0;
@@ -177,10 +169,10 @@ void SessionKeeper::save_beside() {
     shared_->beside = true;
   }
   const std::shared_ptr<const World> world = session_.shared_world();
-  const double copied = cpu_seconds() - begun;
+  const double copied = thread_cpu_seconds() - begun;
   means_.writer.post([shared = shared_, files = files_, world, state, lease, copied, number = number_,
                       step = base_step_, recorded = recorded()] {
-    const double begun = cpu_seconds();
+    const double begun = thread_cpu_seconds();
     try {
       state->second.snapshot = write_snapshot(*world, state->first);
       files->write(number, step, state->second);
@@ -192,7 +184,7 @@ void SessionKeeper::save_beside() {
     shared->written.store(true, std::memory_order_relaxed);
     const std::lock_guard lock(shared->mutex);
     shared->beside = false;
-    shared->seconds = copied + cpu_seconds() - begun;
+    shared->seconds = copied + thread_cpu_seconds() - begun;
   });
 }
 

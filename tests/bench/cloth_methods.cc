@@ -14,6 +14,7 @@
 #include "engine/math/solvers/pcg.h"
 #include "engine/systems/mass_spring/mass_spring.h"
 #include "engine/systems/xpbd/xpbd.h"
+#include "tests/bench/implicit_matrix.h"
 #include "tests/bench/report.h"
 
 namespace {
@@ -57,26 +58,11 @@ double apart(const Outcome& a, const Outcome& b) {
 void solutions(const mass_spring::MassSpring& system, int n, double stiffness) {
   constexpr double kStep = 1.0 / 60;
   State state = system.initial_state();
-  const auto x = state.f64(state.at("position")), v = state.f64(state.at("velocity")),
-             w = state.f64(state.at("inverse_mass"));
-  for (double& place : x) place *= 1.1;
+  for (double& place : state.f64(state.at("position"))) place *= 1.1;
   Workspace workspace;
   const ThreadArena arena(1);
-  Evaluation e{workspace, arena};
-  BlockSparse a, dfdv;
-  const ForceField& field = system.force_field();
-  field.jacobian_pattern(state, a, dfdv);
-  field.definite_jacobian({0, x, v, state}, a, dfdv, e);
-  std::vector<double> b;
-  for (size_t i = 0; i < w.size(); ++i) {
-    for (auto s = a.row_begin(i); s < a.row_begin(i + 1); ++s) {
-      const bool held = !(w[i] > 0) || !(w[a.column(s)] > 0);
-      for (double& value : a.block(s)) value = held ? 0 : -kStep * kStep * value;
-    }
-    const auto diagonal = a.block(a.diagonal_slot(i));
-    for (size_t c = 0; c < 3; ++c) diagonal[4 * c] += w[i] > 0 ? 1 / w[i] : 1;
-    b.insert(b.end(), {0.0, w[i] > 0 ? -9.81 * kStep / w[i] : 0.0, 0.0});
-  }
+  const auto [a, b] =
+      bench::implicit_matrix(system.force_field(), state, kStep, bench::Slopes::definite, workspace, arena);
   std::vector<double> exact(b.size()), plain(b.size());
   BlockLdlt direct;
   direct.analyze(a);

@@ -5,6 +5,7 @@
 
 #include "engine/math/solvers/two_grid.h"
 #include "engine/systems/fem/fem.h"
+#include "tests/bench/implicit_matrix.h"
 #include "tests/bench/report.h"
 
 namespace {
@@ -51,23 +52,9 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
 
 void compare(int cells, double youngs_modulus) {
   Run run(cells, youngs_modulus, 1);
-  const FemField& field = run.system->elements();
-  Evaluation e{run.workspace, run.arena};
-  const auto x = run.state.f64(FemColumns::position), v = run.state.f64(FemColumns::velocity),
-             w = run.state.f64(FemColumns::inverse_mass);
-  BlockSparse a, dfdv;
-  field.jacobian_pattern(run.state, a, dfdv);
-  field.jacobian({0, x, v, run.state}, a, dfdv, e);
-  std::vector<double> b;
-  for (size_t i = 0; i < w.size(); ++i) {
-    for (auto s = a.row_begin(i); s < a.row_begin(i + 1); ++s) {
-      const bool held = !(w[i] > 0) || !(w[a.column(s)] > 0);
-      for (double& value : a.block(s)) value = held ? 0 : -kStep * kStep * value;
-    }
-    const auto diagonal = a.block(a.diagonal_slot(i));
-    for (size_t c = 0; c < 3; ++c) diagonal[4 * c] += w[i] > 0 ? 1 / w[i] : 1;
-    b.insert(b.end(), {0.0, w[i] > 0 ? -9.81 * kStep / w[i] : 0.0, 0.0});
-  }
+  const auto x = run.state.f64(FemColumns::position);
+  const auto [a, b] = bench::implicit_matrix(run.system->elements(), run.state, kStep, bench::Slopes::exact,
+                                             run.workspace, run.arena);
   const std::string what = std::to_string(run.system->body().mesh.cells()) + " tetrahedra of " +
                            (youngs_modulus > 1e8 ? "1e9" : "1e7") + " Pa, ";
   std::vector<double> fine(b.size()), plain(b.size()), exact(b.size());

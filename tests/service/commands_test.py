@@ -127,6 +127,28 @@ class Commands(unittest.TestCase):
         last = (self.folder / "out.csv").read_text().splitlines()[-1].split(",")
         self.assertEqual(int(last[0]), info["last_step"])
 
+    def test_a_signal_ends_a_step_and_the_search_for_remedies(self):
+        """A light, all but inextensible sheet in the wind: steps of many iterations, and after one that fails trials of as many."""
+        scene = {"time": {"dt": 1, "duration": 1000}, "systems": [{
+            "type": "mass_spring", "id": "cloth", "stiffness": 1e9, "shear_stiffness": 1e9, "integrator": "implicit_euler", "mass": 0.01,
+            "cloth_grid": {"origin": [-0.5, 1, -0.5], "nx": 12, "ny": 12}, "pinned": ["corner_00", "corner_10"]}]}
+        path = self.folder / "run.vtkhdf"
+        process = subprocess.Popen([BINARY, "run", "-", "-o", path, "--progress", "none"],
+                                   stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=self.folder)
+        self.addCleanup(process.kill)
+        process.stdin.write(json.dumps(scene))
+        process.stdin.close()
+        process.stdin = None
+        until = time.monotonic() + patience(30)
+        while time.monotonic() < until and not path.exists():
+            time.sleep(0.02)
+        time.sleep(1)
+        process.send_signal(signal.SIGTERM)
+        # It took minutes, whatever was sent.
+        _, said = process.communicate(timeout=patience(10))
+        self.assertIn(process.returncode, (4, 130), said)
+        self.assertIn("interrupted at step", said)
+
     # --- pictures
     def size_of(self, path):
         data = pathlib.Path(path).read_bytes()

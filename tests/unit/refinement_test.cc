@@ -169,17 +169,42 @@ TEST_F(Refining, ARopeStaysTheSameRope) {
   EXPECT_THAT(refused(convergence(heavier, R"("refine":"space")")).what(), testing::HasSubstr("density"));
 }
 
-// A square that slides along two of its sides under an even load except for a smooth bump: no corner reduces
-// the second order that positions have for smooth solutions.
+// A square that slides along two of its sides and is pulled evenly but for a smooth bump: no corner takes
+// from the second order that places have on smooth solutions.
+/// A square that slides on two sides under a smooth load.
+std::string square(const std::string& element, int cells) {
+  const std::string n = std::to_string(cells);
+  return R"j({"schema_version":"1.0","name":"square","gravity":[0,0,0],"time":{"dt":1,"duration":1},"systems":[
+      {"type":"fem","id":"body","element":")j" +
+         element + R"j(","quad":{"cells_x":)j" + n + R"j(,"cells_y":)j" + n +
+         R"j(},"material":"linear","youngs_modulus":1000,"poisson_ratio":0.3,"motion":"quasi_static",
+       "holds":[{"on":"x0","x":"0"},{"on":"y0","y":"0"}],"loads":[{"on":"x1","x":"1+cos(2*pi*Y)"}]}]})j";
+}
+
 TEST_F(Refining, ElementsHaveTheirOrder) {
-  const auto r = run(convergence(
-      R"j({"schema_version":"1.0","name":"square","gravity":[0,0,0],"time":{"dt":1,"duration":1},"systems":[
-      {"type":"fem","id":"body","quad":{"cells_x":64,"cells_y":64},"material":"linear","youngs_modulus":1000,
-       "poisson_ratio":0.3,"motion":"quasi_static","holds":[{"on":"x0","x":"0"},{"on":"y0","y":"0"}],
-       "loads":[{"on":"x1","x":"1+cos(2*pi*Y)"}]}]})j",
-      R"("refine":"space","budget":90)"));
+  const auto r = run(convergence(square("quad4", 64), R"("refine":"space","budget":45)"));
   ASSERT_TRUE(r.summary.at("observed_order").is_double()) << json::serialize(r.summary);
   EXPECT_NEAR(r.summary.at("observed_order").as_double(), 2, 0.05);
+}
+
+// On meshes as coarse as these corners still take from the order: what is left tells linear from quadratic.
+TEST_F(Refining, QuadraticElementsHaveAHigherOrder) {
+  const auto finest = [&](const std::string& element, int cells) {
+    const auto r = run(convergence(square(element, cells), R"("refine":"space","halvings":4,"budget":20)"));
+    const auto& columns = r.table.columns;
+    const auto order = static_cast<size_t>(
+        std::ranges::find(columns, "observed_order", [](const auto& c) { return c.name; }) - columns.begin());
+    double last = 0;
+    for (const auto& row : r.table.rows) {
+      if (const double* p = std::get_if<double>(&row[order]); p && std::isfinite(*p)) last = *p;
+    }
+    return last;
+  };
+  EXPECT_NEAR(finest("tri3", 16), 2, 0.15);
+  for (const char* element : {"tri6", "quad9"}) {
+    EXPECT_GT(finest(element, 8), 2.4) << element;
+    EXPECT_LT(finest(element, 8), 3.5) << element;
+  }
 }
 
 TEST_F(Refining, BodiesOfGivenCellsAreNotDivided) {

@@ -103,23 +103,49 @@ TEST(XpbdRods, AHelicalSpringGivesWayByItsWiresTorsionAndBending) {
   EXPECT_NEAR(sag, expected, 0.15 * expected);
 }
 
-/// Largest distance (m) from the line of a rod twisted by `share` of its buckling twist.
-double off_line(double share) {
-  XpbdDef d = straight(40, {"ends"});
+/// Largest way (m) off the line of a rod between clamped ends, with the moment m = M L / E I and the tension
+/// t = T L^2 / E I.
+double off_line(double m, double t = 0, int links = 40) {
+  XpbdDef d = straight(links, {"ends"});
   d.density = 0.3;
-  // M L / E I = 8.9868, the first root of tan x = x twice, with M = G J phi / L and E I / G J = 1 + nu.
-  d.rod->twist = share * 8.9868 * 1.3, d.rod->damping_time = 1e-3;
+  // M = G J phi / L and E I / G J = 1 + nu.
+  d.rod->twist = m * 1.3, d.rod->damping_time = 1e-3;
   XpbdRun run(d, 1.0 / 60, {0, -1e-3, 0});
+  const double stretch = t * kI / (kPi / 4 * kDiameter * kDiameter);
+  for (double& x : run.state.f64(XpbdColumns::position)) x *= 1 + stretch;
   run.seconds(3);
   double most = 0;
-  for (size_t i = 0; i <= 40; ++i) most = std::max(most, std::hypot(run.position(i).y, run.position(i).z));
+  for (size_t i = 0; i <= size_t(links); ++i)
+    most = std::max(most, std::hypot(run.position(i).y, run.position(i).z));
   return most;
 }
 
 TEST(XpbdRods, ATwistedRodBucklesAtGreenhillsMoment) {
   // Its weight bends it by 1e-6 m, ten times as much near the moment; above it, only its length holds it.
-  EXPECT_LT(off_line(0.95), 1e-4);
-  EXPECT_GT(off_line(1.05), 1e-3);
+  // M L / E I = 8.9868, the first root of tan x = x twice.
+  EXPECT_LT(off_line(0.95 * 8.9868), 1e-4);
+  EXPECT_GT(off_line(1.05 * 8.9868), 1e-3);
+}
+
+// Where a rod under tension begins to coil, from which loops and plectonemes grow (Coyne 1990, "Analysis of
+// the formation and elimination of loops in twisted cable"): w = y + i z with E I w'''' - i M w''' - T w'' =
+// 0 between clamped ends has a solution where 2 d (cos d - cos (m / 2)) = t sin d, d^2 = m^2 / 4 - t; of long
+// rods m = 2 sqrt(t).
+TEST(XpbdRods, ATwistedRodUnderTensionCoilsAtCoynesMoment) {
+  constexpr double kTension = 100;
+  const auto lack = [](double d) {
+    return kTension * std::sin(d) - 2 * d * (std::cos(d) - std::cos(std::sqrt(d * d + kTension)));
+  };
+  double low = 2, high = 4;
+  ASSERT_GT(lack(low), 0);
+  ASSERT_LT(lack(high), 0);
+  for (int k = 0; k < 60; ++k) (lack(0.5 * (low + high)) > 0 ? low : high) = 0.5 * (low + high);
+  const double m = 2 * std::sqrt(low * low + kTension);
+  EXPECT_NEAR(m, 2 * std::sqrt(kTension), 1);
+  // 27 rad in 80 links: a link's twist is measured as twice the sine of half its angle, 0.5 % less. Straight,
+  // its weight bends it by a micrometre; coiled it is a thousandth of its length off the line and more.
+  EXPECT_LT(off_line(0.95 * m, kTension, 80), 1e-4);
+  EXPECT_GT(off_line(1.05 * m, kTension, 80), 1e-3);
 }
 
 TEST(XpbdRods, AreTheSameOnTwoThreadsAndFromASnapshot) {

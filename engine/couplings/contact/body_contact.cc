@@ -33,15 +33,18 @@ struct BodyContact::Scratch {
   std::vector<uint32_t> form_of;
   BodyTouchSearch search;
   std::vector<SolvedTouch> solved;
-  std::vector<BodyTouch> touches;     ///< of bodies that may sleep
-  std::vector<uint8_t> calm;          ///< per body: whether these leave it at rest
-  std::vector<double> timer;          ///< s, of those
-  std::vector<Vec3> load;             ///< N s on every body in this substep
-  std::vector<double> singles, left;  ///< positions as left by this coupling
+  std::vector<double> singles, left;              ///< positions as left by this coupling
+  std::vector<PointEdge> edges;                   ///< of the hulls, empty when no body has any
+  std::vector<std::array<uint32_t, 3>> edges_of;  ///< triangles whose edges those are
   double deepest = 0;
 
-  BodyTouchQuery query(const BodyContact& c, const Points& points, const Bodies& bodies) {
-    return {points, start, bodies, body_start, {c.hulls_, 0}, c.reach_, c.forms_, form_of, c.edges_};
+  BodyTouchQuery query(const BodyContact& c, const State& state, const Points& points, const Bodies& bodies) {
+    const PublishedSolids hulls = c.hulls_.in(state);
+    if (c.meets_edges_ && (edges.empty() || !std::ranges::equal(edges_of, hulls.triangles))) {
+      find_edges(hulls, edges);
+      edges_of.assign(hulls.triangles.begin(), hulls.triangles.end());
+    }
+    return {points, start, bodies, body_start, {hulls, 0}, c.reach_, c.forms_, form_of, edges};
   }
   /// Calls `visit` with every number that touches depend on, in order.
   static void each_place(const Points& points, const Bodies& bodies, auto&& visit) {
@@ -78,7 +81,7 @@ std::unique_ptr<const BodyContact> BodyContact::make(const ContactDef& def, cons
   const bool bodies_first = context.a.system.ports().bodies.has_value();
   const CouplingSide &bodies = bodies_first ? context.a : context.b,
                      &points = bodies_first ? context.b : context.a;
-  const Ports on_bodies = bodies.system.ports(), on_points = points.system.ports();
+  const Ports on_bodies = bodies.system.ports();
   const std::string member = bodies_first ? "b" : "a";
   const PointPort columns = require_points(points, member);
   if (answers_together(points.system)) {
@@ -92,19 +95,17 @@ std::unique_ptr<const BodyContact> BodyContact::make(const ContactDef& def, cons
   std::unique_ptr<BodyContact> out(new BodyContact(def, columns, *on_bodies.bodies));
   out->bodies_first_ = bodies_first;
   out->points_id_ = points.id, out->bodies_id_ = bodies.id;
-  out->hulls_ = on_points.solids;
+  out->hulls_ = SolidsOf(points.system);
   out->points_are_tied_ =
-      !out->hulls_.triangles.empty() ||
-      std::ranges::any_of(out->hulls_.segments, [](const auto& s) { return s[0] != s[1]; });
+      !out->hulls_.start.triangles.empty() ||
+      std::ranges::any_of(out->hulls_.start.segments, [](const auto& s) { return s[0] != s[1]; });
   out->reach_ = columns.radius + kContactSlop;
   const BodyAccess* access = on_bodies.bodies->access();
   if (!access) out->sleep_ = dynamic_cast<const BodySleep*>(on_bodies.bodies->owner);
   if (out->sleep_) out->remembered_ = ConstBodies(bodies.state, *on_bodies.bodies).count();
   const auto space = access ? access->space() : BodyAccess::Space::space;
   for (const BodyForm& f : on_bodies.bodies->forms) out->forms_.push_back(touch_form(f, space));
-  if (std::ranges::any_of(out->forms_, [](const TouchForm& f) { return !f.edges.empty(); })) {
-    out->edges_ = edges_of(out->hulls_);
-  }
+  out->meets_edges_ = std::ranges::any_of(out->forms_, [](const TouchForm& f) { return !f.edges.empty(); });
   return out;
 }
 
@@ -135,7 +136,7 @@ void BodyContact::midway(const CoupledStates& s, const StepInput& in) const {
   const ProfileScope scope(in.profile, "remember");
   ConstPoints points(this->points(s), point_columns_);
   points.copy_singles(scratch.singles);
-  scratch.start.follow(points);
+  scratch.start.follow(points, in.h);
   scratch.body_start.follow(ConstBodies(bodies(s), body_columns_, &in.workspace));
 }
 
@@ -199,7 +200,7 @@ size_t BodyContact::answer(const CoupledStates& s, const StepInput& in, Scratch&
                            BodyTouchSolver::Bounces bounces, Exchange& sum) const {
   Points points(this->points(s), point_columns_);
   Bodies bodies(this->bodies(s), body_columns_, &in.workspace);
-  const BodyTouchQuery query = scratch.query(*this, points, bodies);
+  const BodyTouchQuery query = scratch.query(*this, this->points(s), points, bodies);
   BodyTouchSolver solver(def_, points, bodies, in.h);
   size_t acted = 0;
   for (int round = 0; round < kMostRounds; ++round) {
@@ -228,8 +229,8 @@ bool BodyContact::guard(const CoupledStates& s, const StepInput& in) const {
     Points points(this->points(s), point_columns_);
     Bodies bodies(this->bodies(s), body_columns_, &in.workspace);
     if (scratch.as_left(points, bodies)) return false;
-    if (!Scratch::passed(scratch.search.run(scratch.query(*this, points, bodies), in.arena), points,
-                         bodies)) {
+    if (!Scratch::passed(scratch.search.run(scratch.query(*this, this->points(s), points, bodies), in.arena),
+                         points, bodies)) {
       return false;
     }
   }
@@ -252,13 +253,17 @@ void BodyContact::observe(const ConstCoupledStates& s, Observables& out) const {
 
 std::vector<PlanRow> BodyContact::plan() const {
   using enum PlanRow::Status;
-  const size_t hulls = hulls_.triangles.size() + hulls_.segments.size();
+  const size_t hulls = hulls_.start.triangles.size() + hulls_.start.segments.size();
   std::vector<PlanRow> rows{
       {runs, "remember", "a touch needs the substep's start, and where the systems alone lead"},
       {runs, "search", "points of " + points_id_ + " near bodies of " + bodies_id_}};
   if (hulls > 0) {
     rows.back().reason += ", and bodies' corners near " + std::to_string(hulls) + " triangles and capsules";
-    if (!edges_.empty()) rows.back().reason += ", edges near " + std::to_string(edges_.size()) + " lines";
+    if (meets_edges_) {
+      std::vector<PointEdge> lines;
+      find_edges(hulls_.start, lines);
+      rows.back().reason += ", edges near " + std::to_string(lines.size()) + " lines";
+    }
   }
   rows.push_back({runs, "contacts", "impulses on both sides until all touches hold"});
   rows.push_back({runs, "guard", "no point passes a face, whatever other couplings did"});

@@ -11,7 +11,7 @@
 #pragma once
 #include <memory>
 
-#include "engine/core/body_sleep.h"
+#include "engine/core/changing_triangles.h"
 #include "engine/couplings/contact/body_touch_solver.h"
 
 namespace truestep::contact {
@@ -57,10 +57,10 @@ class BodyContact final : public Coupling {
   bool bodies_first_ = false;
   bool points_are_tied_ = false;  // energy taken up by springs cannot be told from energy lost
   std::string points_id_, bodies_id_;
-  PublishedSolids hulls_;
+  SolidsOf hulls_;
   std::vector<TouchForm> forms_;
-  std::vector<PointEdge> edges_;  // empty when no body has any
-  double reach_ = 0;              ///< m
+  bool meets_edges_ = false;  // whether any body has edges
+  double reach_ = 0;          ///< m
 };
 
 }  // namespace truestep::contact

@@ -267,8 +267,9 @@ void BodyTouchSearch::look_at_edge(const BodyTouchQuery& q, const PointEdge& edg
   });
 }
 
-std::vector<PointEdge> edges_of(const PublishedSolids& hulls) {
-  std::vector<PointEdge> out;
+void find_edges(const PublishedSolids& hulls, std::vector<PointEdge>& out) {
+  out.clear();
+  out.reserve(3 * hulls.triangles.size() + hulls.segments.size());
   const auto add = [&](uint32_t a, uint32_t b) {
     if (a != b) out.push_back({std::min(a, b), std::max(a, b)});
   };
@@ -276,7 +277,6 @@ std::vector<PointEdge> edges_of(const PublishedSolids& hulls) {
   for (const auto& s : hulls.segments) add(s[0], s[1]);
   std::ranges::sort(out);
   out.erase(std::unique(out.begin(), out.end()), out.end());
-  return out;
 }
 
 const std::vector<BodyTouch>& BodyTouchSearch::run(const BodyTouchQuery& q, const ThreadArena& arena) {

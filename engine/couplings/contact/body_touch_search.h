@@ -42,8 +42,8 @@ class BodyMemory {
 
 /// Two points joined by a straight line.
 using PointEdge = std::array<uint32_t, 2>;
-/// Every edge of the hulls, once.
-std::vector<PointEdge> edges_of(const PublishedSolids& hulls);
+/// Every edge of the hulls, once, in place of what is in `out`.
+void find_edges(const PublishedSolids& hulls, std::vector<PointEdge>& out);
 
 /// A blend of points that meets a body in a plane: n from the body to the points, `place` on the body in that
 /// plane.

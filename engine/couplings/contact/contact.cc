@@ -41,7 +41,8 @@ bool more_than_balls(const PublishedSolids& s) {
 std::unique_ptr<const ContactCoupling> ContactCoupling::make(const ContactDef& def,
                                                              const CouplingContext& context) {
   const PointPort a = require_points(context.a, "a"), b = require_points(context.b, "b");
-  const PublishedSolids of_a = context.a.system.ports().solids, of_b = context.b.system.ports().solids;
+  const SolidsOf solids_a(context.a.system), solids_b(context.b.system);
+  const PublishedSolids &of_a = solids_a.start, &of_b = solids_b.start;
   std::unique_ptr<ContactCoupling> out(new ContactCoupling(def));
   if (&context.a.system == &context.b.system) {
     if (of_a.balls == PublishedSolids::Balls::none) {
@@ -59,9 +60,9 @@ std::unique_ptr<const ContactCoupling> ContactCoupling::make(const ContactDef& d
   out->other_ = swapped ? a : b;
   out->points_id_ = swapped ? context.b.id : context.a.id;
   out->solids_id_ = swapped ? context.a.id : context.b.id;
-  out->published_ = swapped ? of_a : of_b;
+  out->published_ = swapped ? solids_a : solids_b;
   out->reach_ = a.radius + b.radius + kContactSlop;
-  if (a.radius + b.radius == 0 && out->published_.triangles.empty()) {
+  if (a.radius + b.radius == 0 && out->published_.start.triangles.empty()) {
     refuse("/b", "points without radius never meet lines or points without radius",
            "a radius (particles) or a thickness (mass_spring) on either side");
   }
@@ -74,8 +75,8 @@ State ContactCoupling::initial_state() const {
   return s;
 }
 
-SolidList ContactCoupling::solids(const Points& of) const {
-  return {published_, published_.balls == PublishedSolids::Balls::every_point ? of.count : 0};
+SolidList ContactCoupling::solids(const State& state, const Points& of) const {
+  return {published_.in(state), published_.start.balls == PublishedSolids::Balls::every_point ? of.count : 0};
 }
 
 void ContactCoupling::begin(const CoupledStates& s, const StepInput& in) const {
@@ -94,8 +95,8 @@ void ContactCoupling::midway(const CoupledStates& s, const StepInput& in) const 
   const bool swapped = roles_ == Roles::b_on_a;
   ConstPoints points(swapped ? s.b : s.a, points_), other(swapped ? s.a : s.b, other_);
   scratch.copy_singles(points, other);
-  scratch.points.follow(points);
-  if (roles_ != Roles::on_itself) scratch.other.follow(other);
+  scratch.points.follow(points, in.h);
+  if (roles_ != Roles::on_itself) scratch.other.follow(other, in.h);
 }
 
 void ContactCoupling::end(const CoupledStates& s, const StepInput& in) const {
@@ -113,7 +114,7 @@ void ContactCoupling::end(const CoupledStates& s, const StepInput& in) const {
                            points.count,
                            {other.x, other.v, other_memory, other_traces},
                            other.count,
-                           solids(other),
+                           solids(swapped ? s.a : s.b, other),
                            itself ? OwnSolids::yes : OwnSolids::no,
                            reach_,
                            in.h};
@@ -145,13 +146,13 @@ void ContactCoupling::end(const CoupledStates& s, const StepInput& in) const {
 }
 
 bool ContactCoupling::guard(const CoupledStates& s, const StepInput& in) const {
-  if (published_.triangles.empty()) return false;
+  if (published_.start.triangles.empty()) return false;
   auto& scratch = in.workspace.object<ContactScratch>("contact");
   const ProfileScope scope(in.profile, "guard");
   const bool swapped = roles_ == Roles::b_on_a;
   Points points(swapped ? s.b : s.a, points_), other(swapped ? s.a : s.b, other_);
   scratch.copy_singles(points, other);
-  const SolidList list = solids(other);
+  const SolidList list = solids(swapped ? s.a : s.b, other);
   const GuardedPoints guarded{scratch.points.x(), scratch.other.x(), points, other, list, reach_, in.h};
   Exchange sum;
   const bool acted = scratch.guard.run(guarded, def_, scratch.search.near(), sum, in.arena);
@@ -172,16 +173,16 @@ std::vector<PlanRow> ContactCoupling::plan() const {
   const auto add = [&](size_t n, const char* noun) {
     if (n > 0) what += (what.empty() ? "" : ", ") + std::to_string(n) + noun;
   };
-  add(published_.triangles.size(), " triangles");
-  add(published_.segments.size(), " capsules");
-  if (published_.balls == PublishedSolids::Balls::every_point) {
+  add(published_.start.triangles.size(), " triangles");
+  add(published_.start.segments.size(), " capsules");
+  if (published_.start.balls == PublishedSolids::Balls::every_point) {
     what += std::string(what.empty() ? "" : ", ") + "a ball around every point";
   }
   std::vector<PlanRow> rows{
       {runs, "remember", "a touch needs the substep's start, and where the systems alone lead"},
       {runs, "search", "points of " + points_id_ + " near the solids of " + solids_id_ + ": " + what},
       {runs, "contacts", "impulses on both sides, in the order of the touches"}};
-  if (published_.triangles.empty()) {
+  if (published_.start.triangles.empty()) {
     rows.push_back({skipped, "guard", "only triangles can be passed"});
   } else {
     rows.push_back({runs, "guard", "no point passes a triangle, whatever the impulses did"});

@@ -12,6 +12,7 @@
 #pragma once
 #include <memory>
 
+#include "engine/core/changing_triangles.h"
 #include "engine/core/coupling.h"
 #include "engine/couplings/contact/contact_def.h"
 #include "engine/couplings/contact/contact_search.h"
@@ -37,13 +38,13 @@ class ContactCoupling final : public Coupling {
   /// Whose points are tested against whose solids.
   enum class Roles : uint8_t { a_on_b, b_on_a, on_itself };
   ContactCoupling(const ContactDef& def) : def_(def) {}
-  SolidList solids(const Points& of) const;
+  SolidList solids(const State& state, const Points& of) const;
 
   ContactDef def_;
   Roles roles_ = Roles::a_on_b;
   std::string points_id_, solids_id_;
   PointPort points_, other_;
-  PublishedSolids published_;
+  SolidsOf published_;
   double reach_ = 0;  ///< m, distance at which a point touches
 };
 

@@ -40,8 +40,9 @@ void PointMemory::store(const ConstPoints& start) {
   ids_.assign(start.ids.begin(), start.ids.end());
 }
 
-void PointMemory::follow(const ConstPoints& end) {
+void PointMemory::follow(const ConstPoints& end, double h) {
   align(end);
+  add_split(end, h);
   free_v_.assign(end.v, end.v + 3 * end.count);
 }
 
@@ -62,6 +63,14 @@ void PointMemory::align(const ConstPoints& now) {
   std::copy(now.x + 3 * kept, now.x + 3 * now.count, x_.begin() + static_cast<std::ptrdiff_t>(3 * kept));
   std::copy(now.v + 3 * kept, now.v + 3 * now.count, v_.begin() + static_cast<std::ptrdiff_t>(3 * kept));
   ids_.assign(now.ids.begin(), now.ids.end());
+}
+
+void PointMemory::add_split(const ConstPoints& now, double h) {
+  for (size_t row = x_.size() / 3; row < now.count; ++row) {
+    const Vec3 v = load3(now.v, row), x = load3(now.x, row) - v * h;
+    x_.insert(x_.end(), {x.x, x.y, x.z});
+    v_.insert(v_.end(), {v.x, v.y, v.z});
+  }
 }
 
 const std::vector<Touch>& ContactSearch::run(const ContactQuery& q, uint32_t round,

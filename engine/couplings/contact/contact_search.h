@@ -18,14 +18,16 @@ namespace truestep::contact {
 class PointMemory {
  public:
   void store(const ConstPoints& start);
-  /// After the systems' step: follows rows that moved (a new point starts where it is).
-  void follow(const ConstPoints& end);
+  /// After the systems' step of h: follows rows that moved. A new point starts where it is; where points have
+  /// no ids it was split off another (cloth that tears) and has come with its velocity.
+  void follow(const ConstPoints& end, double h);
   const double* x() const { return x_.data(); }
   const double* v() const { return v_.data(); }
   const double* free_v() const { return free_v_.data(); }
 
  private:
   void align(const ConstPoints& now);
+  void add_split(const ConstPoints& now, double h);
 
   std::vector<double> x_, v_, free_v_;
   std::vector<uint64_t> ids_;

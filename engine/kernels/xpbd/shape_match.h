@@ -19,7 +19,7 @@ inline Mat3 match_transform(const Mat3& apq, const Mat3& inverse, double beta) {
   const Mat3 turn = d.u * transposed(d.v);
   if (!(beta > 0)) return turn;
   const Mat3 a = apq * inverse;
-  // What is turned inside out, or nearly flat, has no volume to keep: from half of it on goals become rigid.
+  // An inverted or nearly flat body has no volume to preserve: below half of it goals turn rigid.
   constexpr double kRigid = 0.2, kFree = 0.5;
   const double det = determinant(a);
   if (!(det > kRigid)) return turn;

@@ -1,10 +1,10 @@
 // A step of implicit Euler in which nothing ever touches: x is the minimum of the incremental potential
 //   phi(x) = 1/2 |x - x0 - h v0|^2_M + h^2 (V(x) + h R((x - x0) / h) + kappa sum b(gap) + friction)
-// by Newton's method, whose line search goes no further than features can without meeting on their straight
-// ways (Li et al. 2020, "Incremental potential contact"; ways by conservative advancement). Obstacles and
-// held nodes move first, as far as they can without touching, then all else gives way, and so on until they
-// are where they belong. Steps in which features would go through each other by more than an edge are made in
-// parts. Nothing is kept from step to step.
+// by Newton's method, whose line search stops before any two features meet on their straight paths (Li et al.
+// 2020, "Incremental potential contact"; paths by conservative advancement). Obstacles and held nodes move
+// first, as far as they can without touching; the rest then yields, and the two alternate until obstacles and
+// held nodes have reached their targets. A step in which features would pass each other by more than an edge
+// is subdivided. No data is carried over between steps.
 #pragma once
 #include "engine/systems/fem/barrier_newton.h"
 
@@ -14,7 +14,7 @@ class BarrierStep {
  public:
   BarrierStep(const FemField& field, BarrierSurface surface, double reach);
 
-  /// Instability where something is crushed between what is prescribed.
+  /// Instability when a body is crushed between obstacles or held nodes.
   void step(State& state, const StepInput& input) const;
 
   struct Report {

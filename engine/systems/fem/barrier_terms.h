@@ -1,6 +1,6 @@
-// The potential of contact, kappa sum b(gap), and of friction as it was at the last look, with gradients and
-// parts of their second derivatives that are never negative: of a barrier what follows from its curvature
-// along the gap (what is left out, the change of the gap's direction, only makes it softer), of friction all.
+// The contact potential kappa sum b(gap) and the lagged friction potential, with gradients and positive
+// semidefinite Hessians: for the barrier the curvature along the gap (the omitted term, from the change of
+// the gap's direction, is negative), for friction the full one.
 #pragma once
 #include <vector>
 
@@ -61,7 +61,8 @@ struct BarrierOutput {
 double barrier_energy(const BarrierSurface& surface, const BarrierLaw& law, const BarrierPlace& at,
                       std::span<const FeaturePair> pairs, BarrierOutput& out);
 
-/// Normals and normal forces of what is within reach now, slips to be counted from here on.
+/// Updates the lagged friction: normals and normal forces of all pairs within reach; slip is measured from
+/// here.
 void look_at_friction(const BarrierSurface& surface, const BarrierLaw& law, const BarrierPlace& at,
                       double start, std::span<const FeaturePair> pairs, std::vector<FrictionTerm>& out);
 

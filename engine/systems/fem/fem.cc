@@ -6,7 +6,6 @@
 #include "engine/base/errors.h"
 #include "engine/base/short_number.h"
 #include "engine/integrators/implicit/impulse_answer.h"
-#include "engine/integrators/implicit/stage_newton.h"
 #include "engine/integrators/table/integrators.h"
 
 namespace truestep::fem {
@@ -181,116 +180,6 @@ void Fem::name_parts() {
     elements.elements = PartInfo::Elements::triangles;
   }
   set_parts({std::move(points), std::move(elements)});
-}
-
-// Where a node's prescribed components belong at time t; visit(index of the component, place).
-template <class Visit>
-void Fem::prescribed(double t, Visit visit) const {
-  for (const Hold& hold : body().holds) {
-    for (const uint32_t p : hold.nodes) {
-      const Vec3& at = body().mesh.x[p];
-      const double rest[3] = {at.x, at.y, at.z};
-      const ExpressionRows::Column in[] = {{&t, 0}, {&rest[0], 0}, {&rest[1], 0}, {&rest[2], 0}};
-      double moved[3];
-      ExpressionRows::Output out[3];
-      size_t count = 0;
-      for (size_t c = 0; c < 3; ++c) {
-        if (hold.axes >> c & 1) out[count++] = {&moved[c], 1};
-      }
-      hold.displacement.run(in, {out, count}, 0, 1);
-      for (size_t c = 0; c < 3; ++c) {
-        if (hold.axes >> c & 1) visit(3 * p + c, rest[c] + moved[c]);
-      }
-    }
-  }
-}
-
-// A node that is held altogether gets the velocity that brings it there: every method moves what has no
-// acceleration by h v. Single components are there at once and have no velocity during the step: methods that
-// minimise a potential may not meet one that moves without a force.
-void Fem::begin_holds(State& s, double t, double h) const {
-  const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity), w = s.f64(Columns::inverse_mass);
-  prescribed(t + h, [&](size_t k, double place) {
-    if (!(w[k / 3] > 0)) {
-      v[k] = (place - x[k]) / h;
-    } else {
-      x[k] = place, v[k] = 0;
-    }
-  });
-}
-void Fem::end_holds(State& s, double t, double h) const {
-  const auto v = s.f64(Columns::velocity), w = s.f64(Columns::inverse_mass);
-  prescribed(t + h, [&](size_t k, double place) {
-    if (w[k / 3] > 0) v[k] = place / h;
-  });
-  prescribed(t, [&](size_t k, double place) {
-    if (w[k / 3] > 0) v[k] -= place / h;
-  });
-}
-
-// The equation of a stage, M (u - u0) = s f(x0 + s u), for so large an s that what is left of M is below
-// rounding: its solution has f = 0. Where none is found the step is made in parts: what was out of balance at
-// its start is then balanced little by little, and prescribed displacements come little by little.
-void Fem::equilibrium(State& s, const StepInput& in) const {
-  constexpr double kBeyondMass = 1e12;  // times the fastest period
-  constexpr double kShortest = 1.0 / 256;
-  const double scale = kBeyondMass / force_field().stiffness(s)->omega;
-  const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity), w = s.f64(Columns::inverse_mass),
-             balance = s.f64(Columns::balance);
-  const size_t n = x.size();
-  const auto scratch = [&](std::string_view key) { return in.workspace.doubles(key, n); };
-  const auto start = scratch("fem.start"), kept = scratch("fem.v_kept"), reached = scratch("fem.reached"),
-             u = scratch("fem.u"), none = scratch("fem.none"), first = scratch("fem.first");
-  const auto copy = [](std::span<const double> from, std::span<double> to) {
-    std::copy(from.begin(), from.end(), to.begin());
-  };
-  copy(x, start), copy(x, reached), copy(v, kept);
-  std::fill(none.begin(), none.end(), 0.0);
-  std::fill(balance.begin(), balance.end(), 0.0);
-  truestep::Motion m(force_field(), s, in);
-  m.acceleration(in.t + in.h, x, v, first);
-  for (size_t k = 0; k < n; ++k) first[k] *= body().masses[k / 3];
-
-  double done = 0, share = 1;
-  while (done < 1) {
-    share = std::min(share, 1 - done);
-    const double left = 1 - (done + share);
-    // Prescribed components are there at once; the last step's displacements are the guess of the others.
-    prescribed(in.t + (done + share) * in.h, [&](size_t k, double place) { x[k] = place; });
-    for (size_t k = 0; k < n; ++k) {
-      const bool held = body().axes[k / 3] >> (k % 3) & 1 || !(w[k / 3] > 0);
-      u[k] = held ? 0 : share * in.h / scale * kept[k];
-      balance[k] = left * first[k];
-    }
-    const auto take_back = [&] {
-      copy(reached, x), copy(kept, v);
-      std::fill(balance.begin(), balance.end(), 0.0);
-    };
-    try {
-      StageNewton(m, options())
-          .solve({.t = in.t + in.h,
-                  .g = scale,
-                  .s = scale,
-                  .x0 = x,
-                  .u0 = none,
-                  .end = StageEquation::End::correction},
-                 u);
-    } catch (const Instability& failure) {
-      share *= 0.5;
-      take_back();
-      if (share >= kShortest) continue;
-      copy(start, x);
-      throw Instability(
-          "", "position", -1,
-          std::string("no equilibrium was found, not even for a 256th of what the step brings: ") +
-              failure.what());
-    }
-    for (size_t k = 0; k < n; ++k) x[k] += scale * u[k];
-    copy(x, reached);
-    done += share;
-  }
-  std::fill(balance.begin(), balance.end(), 0.0);
-  for (size_t k = 0; k < n; ++k) v[k] = (x[k] - start[k]) / in.h;
 }
 
 void Fem::resolve_contacts(State& s, const StepInput& in) const {

@@ -124,6 +124,10 @@ const DefTable& fem_table();
 const Outputs& fem_outputs();
 Cost fem_cost(const void* def);
 const Resolution& fem_resolution();
+/// All that is wrong with a def.
+void check_fem(const FemDef& def, const DefTable::Report& report);
+/// In the order of Cell.
+const std::vector<std::string>& cell_names();
 /// Never automatic.
 Cell cell_of(const FemDef& def);
 bool in_plane(const FemDef& def);

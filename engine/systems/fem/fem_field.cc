@@ -72,6 +72,10 @@ State FemField::initial_state() const {
   s.add({"push.force", "N", Scalar::f64, 3}, 0);
   s.add({"push.remaining", "s"}, 0);
   s.add({"balance", "N", Scalar::f64, 3}, motion_ == Motion::quasi_static ? n : 0);
+  if (motion_ == Motion::quasi_static) {
+    s.add({"unbalanced", "N"}, 1);
+    s.f64(Columns::unbalanced)[0] = -1;
+  }
   for (size_t i = 0; i < n; ++i) {
     store3(s.f64(Columns::position).data(), i, body_.mesh.x[i]);
     double v[3] = {velocity_.x, velocity_.y, velocity_.z};

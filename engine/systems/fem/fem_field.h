@@ -26,6 +26,7 @@ struct FemColumns {
     push_force,      ///< N
     push_remaining,  ///< s
     balance,         ///< N, a row a node in quasi-static motion: what a part of a step leaves out of balance
+    unbalanced,      ///< N, of quasi-static motion alone: the largest force that its last step left, -1: none
   };
   static constexpr UserForces kHands{{push_row, push_force, push_remaining},
                                      {drag_row, drag_target, drag_stiffness}};

@@ -196,7 +196,7 @@ bool is_surface(const BodyKind& k) {
   return k.solid.kind == SolidKind::mesh || k.solid.kind == SolidKind::height_field;
 }
 
-/// Triangle surfaces do not collide with each other: a dynamic one would fall through the other.
+/// Of the scene's kinds.
 void refuse_surfaces_that_meet(const BodyList& list, std::vector<Issue>& issues) {
   std::vector<size_t> copies(list.kinds.size(), 0);
   for (const BodyStart& b : list.starts) ++copies[b.kind];
@@ -205,9 +205,8 @@ void refuse_surfaces_that_meet(const BodyList& list, std::vector<Issue>& issues)
     if (!is_surface(a) || !a.moved_by_forces() || a.sensor) continue;
     for (size_t j = 0; j < list.kinds.size(); ++j) {
       const BodyKind& b = list.kinds[j];
-      const bool asked = (a.category & b.mask) && (b.category & a.mask) && !b.sensor;
       const bool other = i != j ? !b.moved_by_forces() || i < j : copies[i] > 1;
-      if (!is_surface(b) || !asked || !other) continue;
+      if (!falls_through(a, b) || !other) continue;
       issues.push_back({"/bodies/" + std::to_string(i), "surfaces_do_not_meet",
                         "a mesh that forces move meets planes and convex shapes, not other meshes and height "
                         "fields, as body " +
@@ -221,6 +220,11 @@ void refuse_surfaces_that_meet(const BodyList& list, std::vector<Issue>& issues)
 }
 
 }  // namespace
+
+bool falls_through(const BodyKind& a, const BodyKind& b) {
+  const bool asked = (a.category & b.mask) && (b.category & a.mask) && !a.sensor && !b.sensor;
+  return is_surface(a) && is_surface(b) && asked && (a.moved_by_forces() || b.moved_by_forces());
+}
 
 Pose BodyKind::body_pose(const Pose& shape) const {
   return {shape.position + rotation(shape.orientation).apply(center), normalized(shape.orientation * axes)};

@@ -48,6 +48,10 @@ struct ScaledBody {
 /// Of a body moved by forces, with its principal axes along the columns of R.
 ScaledBody scaled_body(const BodyKind& kind, const Rotation& R);
 
+/// Whether the two are surfaces of triangles that should meet and cannot: one that forces move would fall
+/// through the other.
+bool falls_through(const BodyKind& a, const BodyKind& b);
+
 /// A body at t = 0.
 struct BodyStart {
   uint32_t kind = 0;

@@ -72,6 +72,13 @@ void Rigid3d::apply(State& s, const Command& c) const {
         if (c.name.empty() ? b.moved_by_forces() : b.id == c.name) chosen = k;
       }
       if (!chosen) refuse_command("name", "unknown_body", "no entry of bodies has the id \"" + c.name + "\"");
+      for (const uint32_t k : s.span<uint32_t>(columns::kind)) {
+        if (!falls_through(bodies_.kinds[*chosen], bodies_.kinds[k])) continue;
+        refuse_command("name", "surfaces_do_not_meet",
+                       "a mesh does not meet other meshes and height fields, and one is there: it would fall "
+                       "through",
+                       "a hull, a compound or a box");
+      }
       return append_body(s, {*chosen, bodies_.kinds[*chosen].body_pose({c.vector, {}}), c.velocity, {}});
     }
     case CommandKind::remove: {

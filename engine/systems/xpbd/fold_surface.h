@@ -25,8 +25,8 @@ class FoldSurface {
  public:
   explicit FoldSurface(const Body& body);
   /// Corners of torn cloth, rows and the rows from which they came: every point and edge that tearing has
-  /// made gets a facet of its own. What was near stays near, so that lips of a tear, one place at rest, are
-  /// let be beside it.
+  /// created gets a facet of its own. Kinship is inherited, so that the two lips of a tear, which share one
+  /// place at rest, are ignored next to its tip.
   void follow_tears(std::span<const uint32_t> corners, std::span<const uint32_t> origin);
 
   std::span<const Facet> facets() const { return facets_; }

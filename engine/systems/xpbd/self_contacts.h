@@ -1,14 +1,15 @@
 // Keeps a body from passing through itself: after the constraints have moved its points from x0 to x1 in a
-// substep, facets that would come within the thickness are held apart, with friction, at wherever along
-// their straight paths they first do (kernels/proximity.h). What is nearer than the thickness at x0 is
-// brought to it by and by. Corrections are impulses between four points; those that lead into others are met
-// in the next round. What is left after some rounds moves as one, all points of such a zone by their mean
-// displacement (after Harmon, Vouga, Tamstorf, Grinspun 2008, "Robust treatment of simultaneous collisions",
-// with shifts only), which leaves their distances as they are: nothing that begins apart ends in another.
-// Pairs of facets are found by a tree over boxes that hold a substep's path and some slack, and serve until
-// a point leaves its box.
-// Facets within two rings of each other are kept to half their distance at rest where that is less; what
-// meets at rest is let be.
+// substep, facets that would come within the thickness are held apart, with friction, where they first do so
+// along their straight paths (kernels/proximity.h). Facets already closer than the thickness at x0 are
+// pushed apart gradually. Corrections are impulses between four points; new contacts that they cause are
+// handled in the next round. Contacts left after the last round form rigid zones: all points of a zone move
+// by their mean displacement (after Harmon, Vouga, Tamstorf, Grinspun 2008, "Robust treatment of simultaneous
+// collisions", translations only), which preserves their distances, so that facets which start apart never
+// end up inside one another.
+// Candidate pairs come from a tree of boxes around each facet's path plus some slack; they stay valid until a
+// point leaves its box.
+// Facets within two rings of each other are kept at half their rest distance where that is less than the
+// thickness; facets that touch at rest are ignored.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -64,7 +65,7 @@ class SelfContacts {
     const SelfOptions& options;
     const SelfSweep& sweep;
     Round round;
-    /// m within which features are looked at: what is checked may come much nearer than it should.
+    /// m, search distance: the thickness in the first round, a small share of it when results are checked.
     double reach() const;
   };
 

@@ -71,8 +71,8 @@ struct TearLimits {
   double strain = 0, force = 0;  ///< 1, N
 };
 
-/// Splits what is beyond its limits at the end of a step, what is furthest beyond first; a row is split, and
-/// what is beside it left alone, once a step.
+/// Splits rows at overloaded links at the end of a step, the most overloaded first; a row splits at most once
+/// a step, and its neighbours then wait for the next.
 class Tearing {
  public:
   void run(const TearSurface& surface, const Body& body, const TearLimits& limits, State& state,

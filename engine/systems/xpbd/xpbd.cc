@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/base/errors.h"
 #include "engine/base/hash.h"
+#include "engine/systems/xpbd/division.h"
 
 namespace truestep::xpbd {
 
@@ -41,10 +41,6 @@ RodSet make_rods(const XpbdDef& def, const Body& body) {
   return build_rods(def, body.x, links, link_mass);
 }
 
-bool is_elastic(const XpbdDef& def) {
-  return def.block && def.youngs_modulus;
-}
-
 /// What is solved by itself. Links of rods are solved with their frames; of what is matched or elastic they
 /// are edges alone.
 Body solved(Body body, const XpbdDef& def) {
@@ -52,66 +48,6 @@ Body solved(Body body, const XpbdDef& def) {
     body.links.clear();
   if (def.matching) body.tetrahedra.clear();
   return body;
-}
-
-/// Whether constraints bear load at rest, so that what sweeps leave out is as stiff as the material.
-bool stiff_at_rest(const XpbdDef& def) {
-  return is_elastic(def) || (is_membrane(def) && def.membrane == Membrane::neo_hookean);
-}
-
-constexpr double kLongestSubstep = 1.0 / 600;  // s
-
-struct Division {
-  int substeps;
-  SolverOptions::Division division;
-  std::string why;
-};
-/// s: of elastic blocks the longest substep that sweeps bear. What they leave out, how gradients turn, is as
-/// stiff as the material: h^2 V (mu + l) sum w |grad|^2 stays below kMostGeometric
-/// (kernels/xpbd/neo_hookean.h).
-double longest_elastic(const XpbdDef& def, const Body& body) {
-  const double nu = def.poisson_ratio.value_or(0.3);
-  double most = 0;
-  constexpr double kMostGeometric = 4;  // measured: 8 bears everything from 1e2 to 1e9 Pa, 100 not
-  if (stiff_at_rest(def) && !is_elastic(def)) {
-    const double mu = 0.5 * *def.youngs_modulus / (1 + nu), l = mu * (1 + nu) / (1 - nu);
-    for (const SheetTriangle& t : body.sheet) {
-      const auto& b = t.inverse;
-      const Vec3 g[2] = {{b[0], b[1], 0}, {b[2], b[3], 0}};
-      double sum = norm2(g[0] + g[1]) / body.masses[t.points[0]];
-      for (size_t i = 0; i < 2; ++i) sum += norm2(g[i]) / body.masses[t.points[i + 1]];
-      most = std::max(most, t.volume * (mu + l) * sum);
-    }
-    return most > 0 ? std::sqrt(kMostGeometric / most) : HUGE_VAL;
-  }
-  if (!is_elastic(def)) return HUGE_VAL;
-  const double mu = 0.5 * *def.youngs_modulus / (1 + nu);
-  for (const Tetrahedron& t : body.tetrahedra) {
-    const Vec3 g[3] = {t.inverse.row(0), t.inverse.row(1), t.inverse.row(2)};
-    double sum = norm2(g[0] + g[1] + g[2]) / body.masses[t.points[0]];
-    for (size_t i = 0; i < 3; ++i) sum += norm2(g[i]) / body.masses[t.points[i + 1]];
-    most = std::max(most, t.rest * (mu + mu / (1 - 2 * nu)) * sum);
-  }
-  return std::sqrt(kMostGeometric / most);
-}
-
-Division divide(const XpbdDef& def, const BuildContext& context, const Body& body) {
-  using enum SolverOptions::Division;
-  if (def.substeps) return {*def.substeps, fixed, "named by the scene"};
-  if (def.scheme == Scheme::pbd) return {1, fixed, "the textbook's step is not divided"};
-  constexpr double kMost = 1000;
-  const double longest = std::min(kLongestSubstep, longest_elastic(def, body));
-  const double n = std::max(1.0, std::ceil(context.dt / longest * (1 - 1e-9)));
-  if (n > kMost && stiff_at_rest(def)) {
-    const std::string message = "so stiff a material needs " + std::to_string(static_cast<int64_t>(n)) +
-                                " substeps in a step, of at most 1000: make it softer, its cells larger or "
-                                "time.dt shorter, or use fem";
-    throw Error("scene_invalid", "/youngs_modulus: " + message,
-                {{"/youngs_modulus", "too_stiff", message, std::to_string(*def.youngs_modulus), "", "", ""}});
-  }
-  if (stiff_at_rest(def)) return {static_cast<int>(n), fixed, "as short as its stiffness asks for"};
-  return {static_cast<int>(std::min(n, kMost)), by_tension,
-          "and more while tension would turn links too far in one"};
 }
 
 }  // namespace
@@ -393,12 +329,15 @@ Ports Xpbd::ports() const {
                               .inverse_mass = Columns::inverse_mass,
                               .id = std::nullopt,
                               .radius = options_.radius},
-          .solids = tears_ ? PublishedSolids{.triangles = {},
-                                             .segments = {},
-                                             .balls = PublishedSolids::Balls::every_point}
-                           : PublishedSolids{body_.triangles, segments_},
+          .solids = {body_.triangles, segments_},
           .bodies = std::nullopt,
           .answers = nullptr};
+}
+
+std::span<const std::array<uint32_t, 3>> Xpbd::triangles(const State& s) const {
+  if (!tears_) return body_.triangles;
+  const auto corners = s.span<uint32_t>(tears_->columns.corner);
+  return {reinterpret_cast<const std::array<uint32_t, 3>*>(corners.data()), corners.size() / 3};
 }
 
 void Xpbd::check(StateCheck& check, double) const {

@@ -11,11 +11,12 @@
 #pragma once
 #include <memory>
 
+#include "engine/core/changing_triangles.h"
 #include "engine/systems/xpbd/solver.h"
 
 namespace truestep::xpbd {
 
-class Xpbd final : public StagedSystem {
+class Xpbd final : public StagedSystem, public ChangingTriangles {
  public:
   Xpbd(const XpbdDef& def, const BuildContext& context);
 
@@ -30,6 +31,7 @@ class Xpbd final : public StagedSystem {
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   uint32_t drawing_version(const State& state) const override;
   Ports ports() const override;
+  std::span<const std::array<uint32_t, 3>> triangles(const State& state) const override;
   std::optional<double> limit(Limit which, const State& state, double h) const override;
   std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;

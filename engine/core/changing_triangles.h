@@ -1,0 +1,36 @@
+// Solids whose triangles get other corners as time goes on: cloth that tears.
+#pragma once
+#include "engine/core/ports.h"
+#include "engine/core/system.h"
+
+namespace truestep {
+
+/// Implemented by a system whose port names the triangles at t = 0 alone.
+class ChangingTriangles {
+ public:
+  /// As many as the port has, with the corners that they have in this state; valid as long as its columns.
+  virtual std::span<const std::array<uint32_t, 3>> triangles(const State& state) const = 0;
+
+ protected:
+  ~ChangingTriangles() = default;
+};
+
+/// What a system publishes, in whatever state it is.
+class SolidsOf {
+ public:
+  SolidsOf() = default;
+  explicit SolidsOf(const System& system)
+      : start(system.ports().solids), changing_(dynamic_cast<const ChangingTriangles*>(&system)) {}
+  PublishedSolids in(const State& state) const {
+    PublishedSolids now = start;
+    if (changing_ && !start.triangles.empty()) now.triangles = changing_->triangles(state);
+    return now;
+  }
+
+  PublishedSolids start;  ///< at t = 0
+
+ private:
+  const ChangingTriangles* changing_ = nullptr;
+};
+
+}  // namespace truestep
