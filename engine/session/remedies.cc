@@ -80,13 +80,13 @@ class Trials {
   /// Whether the time for trials is used up; what is left is not tried.
   bool spent() const { return thread_cpu_seconds() - began_ > kMostSeconds; }
 
-  /// Whether the scene, with this many substeps and optionally another method in one of its systems, gets
-  /// from `before` to the end of the trial.
-  bool holds(int64_t substeps, size_t system = 0, const Integrator* method = nullptr) {
+  /// Whether the scene, with this many substeps and optionally a change in one of its systems, gets from
+  /// `before` to the end of the trial.
+  bool holds(int64_t substeps, size_t system = 0, const Change& change = {}) {
     json::object d = world_.scene().canonical();
     d.erase("accuracy");
     d["time"].as_object()["substeps"] = substeps;
-    if (method) d["systems"].as_array()[system].as_object()["integrator"] = method->name;
+    if (change) change(d["systems"].as_array()[system].as_object());
     if (spent()) return false;
     try {
       const World changed(require_scene(read_scene(d)));

@@ -11,6 +11,7 @@
 #pragma once
 #include <memory>
 
+#include "engine/core/body_sleep.h"
 #include "engine/core/changing_triangles.h"
 #include "engine/couplings/contact/body_touch_solver.h"
 
