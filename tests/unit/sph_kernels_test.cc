@@ -5,6 +5,7 @@
 
 #include "engine/kernels/sph/cohesion.h"
 #include "engine/kernels/sph/half_space.h"
+#include "engine/systems/sph/pair_list.h"
 
 namespace truestep::sph {
 namespace {
@@ -89,6 +90,73 @@ TEST(SphCohesion, IsStrongAsTheTensionSays) {
     EXPECT_GT(std::abs(tension_of(kSupport / 1.5) - kTension), 0.05 * kTension)
         << "control: a coarse lattice";
   }
+}
+
+// What passes read of a list: gradients in steps of the steepest, opposite to the bit for opposite offsets,
+// lanes that a comparison picks, and sums.
+TEST(SphLists, RoundedGradientsAreOppositeAndWhole) {
+  for (const float x : {0.4f, 0.5f, 1.5f, 2.6f, 1234.5f, 32'699.7f}) {
+    const Wide<float> up = nearest(Wide<float>::all(x)), down = nearest(Wide<float>::all(-x));
+    EXPECT_EQ(up[3], -down[3]) << x;
+    EXPECT_NEAR(up[0], x, 0.5f);
+    EXPECT_EQ(up[5], std::nearbyint(x));
+    int16_t kept[8];
+    store_as(kept, down);
+    EXPECT_EQ(load_as<float>(kept)[7], -std::nearbyint(x)) << x;
+  }
+  for (const Smoothing kind : kAll) {
+    // No gradient is out of the range of its steps.
+    for (double q = 0.0005; q < 1; q += 0.00071) {
+      EXPECT_LT(-q * smoothing_at(kind, q).s[0], 1.001 * steepest(kind));
+    }
+  }
+}
+
+TEST(SphLists, LanesAreStoredSideBySide) {
+  const auto check = [](auto one) {
+    using T = decltype(one);
+    Wide<T> a;
+    T total = 0;
+    for (int i = 0; i < Wide<T>::kLanes; ++i) a.set(i, T(1) + static_cast<T>(i * i)), total += a[i];
+    EXPECT_EQ(sum(a), total);
+    for (const uint32_t bits : {1u, 6u, 9u, 15u}) {
+      T out[8] = {};
+      uint32_t places[8] = {};
+      const LanesOf<T> lanes(bits);
+      lanes.store(out, a), lanes.store_places(places, 100);
+      size_t k = 0;
+      for (int i = 0; i < 4; ++i) {
+        if (!(bits >> i & 1)) continue;
+        EXPECT_EQ(out[k], a[i]) << bits;
+        EXPECT_EQ(places[k++], 100u + static_cast<uint32_t>(i)) << bits;
+      }
+      EXPECT_EQ(lanes.count(), k);
+    }
+  };
+  check(1.0f), check(1.0);
+}
+
+// A slot that is more than 16 bits above the first of its group, or below it, begins another group.
+TEST(SphLists, SlotsFarApartAreInGroupsOfTheirOwn) {
+  Chunk<float> c;
+  const uint32_t slots[] = {7, 9, 70'000, 70'001, 70'002, 3, 4, 65'539, 65'540};
+  constexpr size_t kCount = 9, kBegin = 16;
+  c.need(kBegin, kBegin, kCount, 0);
+  for (size_t k = 0; k < kCount; ++k) c.near[k] = slots[k], c.square[k] = static_cast<float>(k + 1);
+  const size_t end = c.pack(kBegin, kBegin + kCount, 99, 0);
+  EXPECT_EQ(end, kBegin + 4 * 8);
+  std::vector<uint32_t> found;
+  for (size_t k = kBegin; k < end; ++k) {
+    const Group<float>& g = c.group(k);
+    const float square = c.square[k - kBegin];
+    if (square < 99) {
+      found.push_back(g.base + g.above[k % 8]);
+      EXPECT_EQ(found.back(), slots[static_cast<size_t>(square) - 1]);
+    } else {
+      EXPECT_EQ(g.above[k % 8], 0) << "what fills a group up is its first slot";
+    }
+  }
+  EXPECT_EQ(found, std::vector<uint32_t>(std::begin(slots), std::end(slots)));
 }
 
 }  // namespace

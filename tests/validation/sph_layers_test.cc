@@ -72,25 +72,29 @@ TEST(SphLayers, HeavyAboveLightFalls) {
 }
 
 // Case fluid.rayleigh_taylor: inviscid growth sqrt(A g k) of a small wave with A = 1/3, k = 2 pi. The tank is
-// half a wavelength wide, a wavelength deep on both sides, and full: a lid holds it. The amplitude is that of
-// the interface's first mode, from the particles' moments.
-double growth(double density) {
+// half a wave wide, half a wave deep on both sides (which takes 0.2 % off the rate), and full: a lid holds
+// it. The amplitude is that of the border's first mode, by the particles' moments. A lattice that is sheared
+// sums up to another density than at rest, and pressure holds against that as if it were stiff: by 37 % of
+// the rate with wendland_c2 of three spacings, whatever the resolution. Wide kernels do not see the lattice.
+double growth(double density, Smoothing kernel, double support) {
   constexpr double kSigma = 4.532771332692313;
   SphDef d;
-  d.dimension = 2, d.low = {0, -1, 0}, d.high = {0.5, 1, 1}, d.spacing = 0.02, d.precision = Precision::f64;
-  // With the cubic spline of two spacings a lattice buckles under its own weight before the wave has grown.
-  d.kernel = Smoothing::wendland_c2, d.support = 3, d.density_error = 1e-5, d.xsph = 0, d.viscosity = 0;
-  d.bodies = {{.center = {0.25, -0.5, 0}, .half_extents = {0.25, 0.5, 1}},
-              {.center = {0.25, 0.5, 0}, .half_extents = {0.25, 0.5, 1}, .density = density}};
+  constexpr double kDepth = 0.5;
+  d.dimension = 2, d.low = {0, -kDepth, 0}, d.high = {0.5, kDepth, 1}, d.spacing = 0.0125;
+  d.precision = Precision::f64, d.kernel = kernel, d.support = support;
+  d.density_error = 1e-5, d.xsph = 0, d.viscosity = 0;
+  d.bodies = {{.center = {0.25, -kDepth / 2, 0}, .half_extents = {0.25, kDepth / 2, 1}},
+              {.center = {0.25, kDepth / 2, 0}, .half_extents = {0.25, kDepth / 2, 1}, .density = density}};
   SphRun run(d, 0.005, {0, -9.81, 0});
-  // Started from the linear theory's velocities with a flat interface: the amplitude grows as sinh.
-  constexpr double kStart = 0.08, kK = 2 * kPi;
+  // Started from the linear theory's velocities with the border still flat: amplitude grows by sinh.
+  constexpr double kStart = 0.04, kK = 2 * kPi;
   RealColumn<double> v(run.state, columns::velocity);
   const size_t n = run.system.setting().rows;
   for (size_t i = 0; i < n; ++i) {
     const Vec3 x = run.position(i);
-    const double fade = std::sinh(kK * (1 - std::abs(x.y))) / std::sinh(kK);
-    const double along = std::cosh(kK * (1 - std::abs(x.y))) / std::sinh(kK) * (x.y > 0 ? 1 : -1);
+    const double fade = std::sinh(kK * (kDepth - std::abs(x.y))) / std::sinh(kK * kDepth);
+    const double along =
+        std::cosh(kK * (kDepth - std::abs(x.y))) / std::sinh(kK * kDepth) * (x.y > 0 ? 1 : -1);
     v.set_vector(i, Vec3{std::sin(kK * x.x) * along, std::cos(kK * x.x) * fade, 0} * kStart);
   }
   // The first mode of the vertical displacement of what is within a tenth of the border at the start.
@@ -107,21 +111,19 @@ double growth(double density) {
     return out / norm;
   };
   // sinh(s t2) / sinh(s t1) for t2 = 2 t1 is 2 cosh(s t1).
-  run.seconds(0.2);
+  run.seconds(0.25);
   const double first = amplitude();
-  run.seconds(0.2);
+  run.seconds(0.25);
   const double ratio = amplitude() / first;
-  const double rate = std::acosh(std::max(ratio / 2, 1.0)) / 0.2;
+  const double rate = std::acosh(std::max(ratio / 2, 1.0)) / 0.25;
   return rate / kSigma;
 }
 
 TEST(SphLayers, AWaveBetweenLayersGrows) {
-  // The case demands 10 %, which is missed: 37 % too slow in the first run, after which this bound was set.
-  // With a third of the driving density difference the growth would be a third smaller still.
-  const double rate = growth(2000);
-  EXPECT_GT(rate, 0.5);
-  EXPECT_LT(rate, 1.1);
-  EXPECT_LT(growth(1100), 0.5) << "control: an Atwood number of 1/21";
+  // The case's tolerance.
+  EXPECT_NEAR(growth(2000, Smoothing::wendland_c4, 4), 1, 0.1);
+  EXPECT_LT(growth(1100, Smoothing::wendland_c4, 4), 0.5) << "control: an Atwood number of 1/21";
+  EXPECT_LT(growth(2000, Smoothing::wendland_c2, 3), 0.9) << "control: a kernel that sees the lattice";
 }
 
 }  // namespace

@@ -143,16 +143,17 @@ TEST(SphValidation, StillWaterPressesByItsWeight) {
       }
       floor += (q * yy - y * yq) / (n * yy - y * y) / 30;
     }
-    // The case's 2 %. The weakly compressible density is half a percent off, and sums of gradients over
-    // particles in disorder come 2 to 3 % short.
-    EXPECT_NEAR(floor, 9810, (solver == Method::dfsph ? 0.02 : 0.04) * 9810) << static_cast<int>(solver);
+    // The case's 2 %.
+    EXPECT_NEAR(floor, 9810, 0.02 * 9810) << static_cast<int>(solver);
     // And it has sunk by less than 2 %. Control: the half of it would press with half as much.
     EXPECT_GT(floor, 0.75 * 9810);
     EXPECT_NEAR(run.observe("centre.y"), 0.5, 0.01) << static_cast<int>(solver);
   }
 }
 
-// Martin & Moyce 1952 (case fluid.dam_break): the front of a column twice as high as wide.
+// Martin & Moyce 1952 (case fluid.dam_break): the front of a column twice as high as wide. What is released
+// at once leads water behind a membrane that has to give way first, in every method alike and at every
+// resolution: a lag of the experiment's clock, 0.2 to 0.3 of its unit of 54 ms, accounts for it.
 TEST(SphValidation, ADamBreakRunsAsMeasured) {
   constexpr double kFront[][2] = {{0.832, 1.217}, {1.219, 1.474}, {1.997, 2.292}, {2.547, 2.995},
                                   {3.345, 4.134}, {4.034, 4.944}, {4.418, 5.881}, {5.091, 6.98}};
@@ -162,16 +163,32 @@ TEST(SphValidation, ADamBreakRunsAsMeasured) {
     d.dimension = 2, d.high = {9 * kA, 3 * kA, 1}, d.spacing = kA / 25, d.solver = solver;
     d.bodies = {{.center = {kA / 2, kA, 0}, .half_extents = {kA / 2, kA, 1}}};
     SphRun run(d, 0.002, {0, -9.81, 0});
-    double squares = 0, still = 0, t = 0;
-    for (const auto& [when, where] : kFront) {
-      const double at = when / std::sqrt(2 * 9.81 / kA);
-      run.seconds(at - t), t += std::round((at - t) / 0.002) * 0.002;
-      const double z = (run.observe("high.x") + 0.5 * d.spacing) / kA;
-      squares += (z - where) * (z - where), still += (1 - where) * (1 - where);
+    const double unit = 1 / std::sqrt(2 * 9.81 / kA);
+    std::vector<double> fronts = {1};
+    while (static_cast<double>(fronts.size()) * run.h < 5.2 * unit) {
+      run.step();
+      fronts.push_back((run.observe("high.x") + 0.5 * d.spacing) / kA);
     }
-    // Simulations lead the experiment, whose gate takes time to open and whose floor retards the water, by 5
-    // to 10 %: 0.2 to 0.4 of 4, and here the foremost of all particles counts.
-    EXPECT_LT(std::sqrt(squares / 8), 0.6) << static_cast<int>(solver);
+    const auto rms = [&](double lag) {
+      double squares = 0;
+      for (const auto& [when, where] : kFront) {
+        const double at = std::max(when - lag, 0.0) * unit / run.h;
+        const auto k = static_cast<size_t>(at);
+        const double z = fronts[k] + (at - static_cast<double>(k)) * (fronts[k + 1] - fronts[k]);
+        squares += (z - where) * (z - where);
+      }
+      return std::sqrt(squares / 8);
+    };
+    double still = 0, lag = 0;
+    for (const auto& [when, where] : kFront) still += (1 - where) * (1 - where);
+    for (double other = 0; other < 1; other += 0.01) lag = rms(other) < rms(lag) ? other : lag;
+    // The case's tolerance, once the clocks agree; 22 ms are allowed for that, more than any run wanted.
+    EXPECT_LT(rms(lag), 0.25) << static_cast<int>(solver);
+    EXPECT_LT(lag, 0.4) << static_cast<int>(solver);
+    EXPECT_GT(rms(lag + 0.4), 0.25) << "control: a front that is as far behind";
+    // Simulations lead the experiment, whose gate takes its time and whose floor holds water back, by 5 to
+    // 10 %: 0.2 to 0.4 of 4, and here the foremost of all particles counts.
+    EXPECT_LT(rms(0), 0.6) << static_cast<int>(solver);
     EXPECT_GT(std::sqrt(still / 8), 2) << "control: water that stays";
   }
 }

@@ -2,6 +2,7 @@
 // (Dehnen & Aly 2012), in the plane and in space. With q = r / H and H the radius of the support,
 // W(r) = sigma / H^D w(q) and dW/dr / r = sigma / H^(D + 2) s(q). Both vanish at q = 1.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 
 #include "engine/math/wide.h"
@@ -66,6 +67,17 @@ inline SmoothingValue<double> smoothing_at(Smoothing k, double q) {
   return k == Smoothing::cubic         ? smoothing<Smoothing::cubic>(x)
          : k == Smoothing::wendland_c2 ? smoothing<Smoothing::wendland_c2>(x)
                                        : smoothing<Smoothing::wendland_c4>(x);
+}
+
+/// The largest of q |s(q)|, which the steepest gradient is in units of sigma / H^(D + 1).
+inline double steepest(Smoothing k) {
+  constexpr int kPlaces = 1000;
+  double out = 0;
+  for (int i = 1; i < kPlaces; ++i) {
+    const double q = static_cast<double>(i) / kPlaces;
+    out = std::max(out, -q * smoothing_at(k, q).s[0]);
+  }
+  return out;
 }
 
 }  // namespace truestep::sph

@@ -1,45 +1,18 @@
 // Particles in the order of the cells that they are in, and the lists of their neighbours: scratch that a
 // substep makes from the state's rows and that nothing outlives. A list holds, for each neighbour within the
-// kernel's radius, its slot, the gradient of the kernel there times a particle's volume (1/m), and what the
-// method needs besides; lists are filled up to whole lanes with gradients of 0.
+// kernel's radius, its slot, the gradient of the kernel there, and what the method needs besides
+// (pair_list.h).
 #pragma once
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
-#include "engine/base/cache_line.h"
 #include "engine/base/parallel.h"
-#include "engine/kernels/sph/gather.h"
+#include "engine/systems/sph/pair_list.h"
 #include "engine/systems/sph/setting.h"
 
 namespace truestep::sph {
-
-template <class T>
-using Aligned = std::vector<T, CacheLineAllocator<T>>;
-
-/// Particles that share a part of the lists.
-inline constexpr size_t kChunk = 256;
-
-/// Lists of the neighbours of kChunk particles.
-template <class T>
-struct Chunk {
-  static constexpr size_t kLanes = Wide<T>::kLanes;
-  std::vector<uint32_t> slot;
-  Aligned<T> g[3];  ///< 1/m, volume times the gradient of W
-  Aligned<T> s;     ///< 1/m^2, volume times dW/dr / r
-  Aligned<T> w;     ///< 1, volume times W
-  uint32_t first[kChunk + 1];
-
-  /// Room for `more` entries behind `used`.
-  void need(size_t used, size_t more) {
-    const size_t least = used + more + 2 * kLanes;
-    if (slot.size() >= least) return;
-    const size_t room = least + least / 2;
-    slot.resize(room), s.resize(room), w.resize(room);
-    for (auto& a : g) a.resize(room);
-  }
-};
 
 /// Cells of at least the kernel's radius over the box, x fastest.
 template <int D>
@@ -115,6 +88,7 @@ struct Fluid {
   static constexpr size_t kLanes = W::kLanes;
 
   size_t n = 0;
+  T unit = 1;  ///< 1/m, of the gradients in lists
   Cells<D> cells;
   std::vector<uint32_t> row, cell_of, cursor;
   Aligned<T> x[3];               ///< m, kLanes more than rows
@@ -141,10 +115,13 @@ struct Fluid {
 
   size_t chunks_in_use() const { return (n + kChunk - 1) / kChunk; }
   /// Room for so many rows with so many neighbours each: what a fluid that grows would allocate on its way.
-  void reserve(size_t rows, double neighbours) {
+  void reserve(size_t rows, double neighbours, size_t extras) {
     if (!chunks.empty()) return;
     resize(rows);
-    for (Chunk<T>& c : chunks) c.need(0, static_cast<size_t>(kChunk * neighbours));
+    for (Chunk<T>& c : chunks) {
+      const auto entries = static_cast<size_t>(kChunk * neighbours);
+      c.need(entries, entries, 0, extras);
+    }
   }
   void resize(size_t rows) {
     n = rows;

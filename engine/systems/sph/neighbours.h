@@ -11,9 +11,21 @@ class Neighbours {
  public:
   using W = Wide<T>;
   static constexpr size_t kLanes = W::kLanes;
-  enum class Extras : uint8_t { none, slopes };  ///< whether slopes and weights are kept
+  /// What lists have besides gradients: slopes and weights, and distances too.
+  enum class Extras : uint8_t { none, slopes, distances };
 
-  explicit Neighbours(const Setting& set) : set_(set) {}
+  explicit Neighbours(const Setting& set) : set_(set) {
+    const SphDef& d = set.def;
+    if (d.viscosity > 0 || d.xsph > 0 || d.solver != Method::dfsph) extras_ = Extras::slopes;
+    if (d.surface_tension > 0) extras_ = kRounded<T> ? Extras::distances : Extras::slopes;
+    if constexpr (kRounded<T>) {
+      unit_ = set.kernel_s * set.support * steepest(set.def.kernel) / kGradientSteps;
+    }
+  }
+
+  /// 1/m, of the gradients in lists.
+  T unit() const { return static_cast<T>(unit_); }
+  Extras extras() const { return extras_; }
 
   /// Order of cells for places given as n x 3, ties by row: fills row and x of f.
   void sort(Fluid<D, T>& f, const T* place, const ThreadArena& arena) const {
@@ -52,7 +64,7 @@ class Neighbours {
           for (size_t i = low; i < high; ++i) {
             const size_t begin = chunk.first[i - low], end = chunk.first[i - low + 1];
             measure(f, i, chunk, begin, end);
-            evaluate<decltype(kernel)::value>(f, i, chunk, begin, end, Extras::slopes);
+            evaluate<decltype(kernel)::value>(f, i, chunk, begin, end);
           }
         }
       });
@@ -61,8 +73,8 @@ class Neighbours {
 
   /// Lists of all particles; density, stiffness and pull from them and from the walls' share, which must be
   /// there (walls.h).
-  void list(Fluid<D, T>& f, Extras extras, const ThreadArena& arena) const {
-    with_kernel([&](auto kernel) { list_with<decltype(kernel)::value>(f, extras, arena); });
+  void list(Fluid<D, T>& f, const ThreadArena& arena) const {
+    with_kernel([&](auto kernel) { list_with<decltype(kernel)::value>(f, arena); });
   }
 
  private:
@@ -80,7 +92,7 @@ class Neighbours {
   }
 
   template <Smoothing K>
-  void list_with(Fluid<D, T>& f, Extras extras, const ThreadArena& arena) const {
+  void list_with(Fluid<D, T>& f, const ThreadArena& arena) const {
     arena.for_blocks(f.chunks_in_use(), 4, [&](size_t first, size_t last) {
       for (size_t k = first; k < last; ++k) {
         Chunk<T>& chunk = f.chunks[k];
@@ -89,88 +101,89 @@ class Neighbours {
         chunk.first[0] = 0;
         for (size_t i = low; i < high; ++i) {
           const size_t end = find(f, i, chunk, used);
-          evaluate<K>(f, i, chunk, used, end, extras);
-          used = (end + kLanes - 1) / kLanes * kLanes;
+          evaluate<K>(f, i, chunk, used, end);
+          used = end;
           chunk.first[i - low + 1] = static_cast<uint32_t>(used);
         }
       }
     });
   }
 
-  /// Offsets (m) and squared distances (m^2) of neighbours behind `used`, as g and s; returns the end.
+  /// Appends the neighbours of particle i behind `used` entries, with offsets and squared distances; returns
+  /// the end.
   size_t find(const Fluid<D, T>& f, size_t i, Chunk<T>& chunk, size_t used) const {
     const T here[3] = {f.x[0][i], f.x[1][i], D == 3 ? f.x[2][i] : T{0}};
     int c[3] = {};
     for (int a = 0; a < D; ++a) c[a] = f.cells.along(double{here[a]}, a);
-    const W limit = W::all(static_cast<T>(set_.support * set_.support));
+    const T far = static_cast<T>(set_.support * set_.support);
+    const W limit = W::all(far);
     size_t end = used;
     f.cells.around(c, [&](size_t begin, size_t stop, const double* shift) {
       if (begin == stop) return;
-      chunk.need(end, stop - begin + kLanes);
+      chunk.need(used, end, stop - begin + kLanes, static_cast<size_t>(extras_));
       W from[3];
       for (int a = 0; a < D; ++a) from[a] = W::all(static_cast<T>(here[a] - static_cast<T>(shift[a])));
       for (size_t j = begin; j < stop; j += kLanes) {
-        alignas(32) T offset[3][kLanes], square[kLanes];
-        W r2 = W::zero();
-        for (int a = 0; a < D; ++a) {
-          const W d = from[a] - load(f.x[a].data() + j);
-          r2 = madd(d, d, r2);
-          store(offset[a], d);
+        W way[D], square = W::zero();
+        for (size_t a = 0; a < D; ++a) {
+          way[a] = from[a] - load(f.x[a].data() + j);
+          square = madd(way[a], way[a], square);
         }
-        store(square, r2);
-        uint32_t bits = bits_below(r2, limit);
+        uint32_t bits = bits_below(square, limit);
         if (stop - j < kLanes) bits &= (1u << (stop - j)) - 1;
         if (i - j < kLanes) bits &= ~(1u << (i - j));
-        for (; bits; bits &= bits - 1) {
-          const auto lane = static_cast<size_t>(__builtin_ctz(bits));
-          chunk.slot[end] = static_cast<uint32_t>(j + lane);
-          for (int a = 0; a < D; ++a) chunk.g[a][end] = offset[a][lane];
-          chunk.s[end++] = square[lane];
-        }
+        if (bits == 0) continue;
+        const size_t at = end - used;
+        const LanesOf<T> lanes(bits);
+        lanes.store_places(chunk.near.data() + at, static_cast<uint32_t>(j));
+        for (size_t a = 0; a < D; ++a) lanes.store(chunk.away[a].data() + at, way[a]);
+        lanes.store(chunk.square.data() + at, square);
+        end += lanes.count();
       }
     });
-    return end;
+    chunk.need(used, end, kLanes, static_cast<size_t>(extras_));
+    return chunk.pack(used, end, far, static_cast<size_t>(extras_));
   }
 
   /// Offsets and squared distances of the neighbours that a list has.
   void measure(const Fluid<D, T>& f, size_t i, Chunk<T>& chunk, size_t begin, size_t end) const {
     const T far = static_cast<T>(set_.support * set_.support);
-    for (size_t k = begin; k < end; ++k) {
-      const size_t j = chunk.slot[k];
-      T square = 0;
-      for (int a = 0; a < D; ++a) {
-        T d = f.x[a][i] - f.x[a][j];
+    for (size_t k = begin; k < end; k += kLanes) {
+      W square = W::zero();
+      for (size_t a = 0; a < D; ++a) {
+        W d = W::all(f.x[a][i]) - chunk.of(f.x[a], k);
         if (f.cells.wraps[a]) {
-          const T width = static_cast<T>(f.cells.width[a]);
-          if (d > width / 2) d -= width;
-          if (d < -width / 2) d += width;
+          const W width = W::all(static_cast<T>(f.cells.width[a])), half = W::all(T(0.5)) * width;
+          d = select(d > half, d - width, d);
+          d = select(d < -half, d + width, d);
         }
-        chunk.g[a][k] = d, square += d * d;
+        store(chunk.away[a].data() + (k - begin), d);
+        square += d * d;
       }
-      chunk.s[k] = i == j ? far : std::min(square, far);  // a list is filled up with the particle itself
+      store(chunk.square.data() + (k - begin), min(square, W::all(far)));
+      // A neighbour is in a list once: what has its group's first slot again fills the group up.
+      for (size_t last = kLanes; last-- > 1 && chunk.group(k).above[last] == 0;) {
+        chunk.square[k - begin + last] = far;
+      }
     }
   }
 
+  /// Gradients and what else is kept from offsets and squared distances, and what a list sums up.
   template <Smoothing K>
-  void evaluate(Fluid<D, T>& f, size_t i, Chunk<T>& chunk, size_t begin, size_t end, Extras extras) const {
-    chunk.need(end, kLanes);
-    const T far = static_cast<T>(set_.support * set_.support);
-    for (size_t k = end; k % kLanes != 0; ++k) {
-      chunk.slot[k] = static_cast<uint32_t>(i), chunk.s[k] = far;
-      for (int a = 0; a < D; ++a) chunk.g[a][k] = 0;
-    }
+  void evaluate(Fluid<D, T>& f, size_t i, Chunk<T>& chunk, size_t begin, size_t end) const {
     const W inverse = W::all(static_cast<T>(1 / set_.support)), one = W::all(1);
     const W kw = W::all(static_cast<T>(set_.kernel_w)), ks = W::all(static_cast<T>(set_.kernel_s));
     W density = W::zero(), squares = W::zero(), pull[3] = {W::zero(), W::zero(), W::zero()};
     for (size_t k = begin; k < end; k += kLanes) {
-      const W q = min(sqrt(load(chunk.s.data() + k)) * inverse, one);
+      const W q = min(sqrt(load(chunk.square.data() + (k - begin))) * inverse, one);
       const SmoothingValue<T> value = smoothing<K, T>(q);
       const W w = kw * value.w, s = ks * value.s;
       density += w;
       W square = W::zero();
-      for (int a = 0; a < D; ++a) {
-        const W g = s * load(chunk.g[a].data() + k);
-        store(chunk.g[a].data() + k, g);
+      for (size_t a = 0; a < D; ++a) {
+        W g = s * load(chunk.away[a].data() + (k - begin));
+        if constexpr (kRounded<T>) g = nearest(g * W::all(static_cast<T>(1 / unit_)));
+        store_as(chunk.group(k).g[a], g);
         pull[a] += g;
         if (f.weighted) {
           square = madd(g, g, square);
@@ -178,17 +191,18 @@ class Neighbours {
           squares = madd(g, g, squares);
         }
       }
-      if (f.weighted) squares = madd(square, gather(f.light.data(), chunk.slot.data() + k), squares);
-      if (extras == Extras::slopes) store(chunk.s.data() + k, s), store(chunk.w.data() + k, w);
+      if (f.weighted) squares = madd(square, chunk.of(f.light, k), squares);
+      if (extras_ != Extras::none) store(chunk.s.data() + k, s), store(chunk.w.data() + k, w);
+      if (extras_ == Extras::distances) store(chunk.q.data() + k, q);
     }
     const SmoothingValue<T> self = smoothing<K, T>(W::zero());
     const T* wall = f.wall.data() + 4 * i;
     f.delta[i] = sum(density) + static_cast<T>(set_.kernel_w) * self.w[0] + wall[3];
-    T both = sum(squares);
+    T both = f.unit * f.unit * sum(squares);
     T* total = f.pull.data() + 4 * i;
     total[3] = 0;
     for (int a = 0; a < 3; ++a) {
-      const T inside = a < D ? sum(pull[a]) : T{0}, outside = a < D ? wall[a] : T{0};
+      const T inside = a < D ? f.unit * sum(pull[a]) : T{0}, outside = a < D ? wall[a] : T{0};
       total[a] = inside + outside;
       both += f.lightness(i) * total[a] * total[a];
     }
@@ -196,6 +210,8 @@ class Neighbours {
   }
 
   const Setting& set_;
+  double unit_ = 1;
+  Extras extras_ = Extras::none;
 };
 
 }  // namespace truestep::sph

@@ -17,14 +17,14 @@ inline void push_by(Fluid<D, T>& f, const Aligned<T>& q, const ThreadArena& aren
     W sums[D];
     for (auto& s : sums) s = W::zero();
     for (size_t k = begin; k < end; k += W::kLanes) {
-      const W other = gather(q.data(), c.slot.data() + k);
-      for (size_t a = 0; a < D; ++a) sums[a] = madd(load(c.g[a].data() + k), other, sums[a]);
+      const W other = c.of(q, k);
+      for (size_t a = 0; a < D; ++a) sums[a] = madd(c.gradient(a, k), other, sums[a]);
     }
     const T *pull = f.pull.data() + 4 * i, *wall = f.wall.data() + 4 * i, own = q[i];
     T* out = f.a.data() + 4 * i;
     out[2] = out[3] = 0;
     for (size_t a = 0; a < D; ++a)
-      out[a] = -(own * (A == Answer::mirror ? pull[a] + wall[a] : pull[a]) + sum(sums[a]));
+      out[a] = -(own * (A == Answer::mirror ? pull[a] + wall[a] : pull[a]) + f.unit * sum(sums[a]));
     if (!f.weighted) return;
     for (size_t a = 0; a < D; ++a) out[a] *= f.light[i];
   });
@@ -40,10 +40,10 @@ inline T compression(const Fluid<D, T>& f, const Aligned<T>& u, size_t i, const 
   W sums[2] = {W::zero(), W::zero()};
   for (size_t k = begin; k < end; k += W::kLanes) {
     W other[4];
-    gather_rows4(u.data(), c.slot.data() + k, other);
-    sums[0] = madd(load(c.g[0].data() + k), other[0], sums[0]);
-    sums[1] = madd(load(c.g[1].data() + k), other[1], sums[1]);
-    if constexpr (D == 3) sums[0] = madd(load(c.g[2].data() + k), other[2], sums[0]);
+    c.rows_of(u, k, other);
+    sums[0] = madd(c.gradient(0, k), other[0], sums[0]);
+    sums[1] = madd(c.gradient(1, k), other[1], sums[1]);
+    if constexpr (D == 3) sums[0] = madd(c.gradient(2, k), other[2], sums[0]);
   }
   const T *pull = f.pull.data() + 4 * i, *own = u.data() + 4 * i;
   T out = pull[0] * own[0] + pull[1] * own[1];
@@ -51,14 +51,14 @@ inline T compression(const Fluid<D, T>& f, const Aligned<T>& u, size_t i, const 
   if constexpr (A == Answer::mirror) {
     for (size_t a = 0; a < D; ++a) out += f.wall[4 * i + a] * own[a];
   }
-  return out - sum(sums[0] + sums[1]);
+  return out - f.unit * sum(sums[0] + sums[1]);
 }
 
 /// Of what two particles of different density do to each other's velocities, as a share of what two alike do,
 /// the part of particle i: 2 rho_j / (rho_i + rho_j), so that momentum is kept. 0 for what nothing moves.
 template <int D, class T>
-inline Wide<T> part_of_pair(const Fluid<D, T>& f, size_t i, const uint32_t* slot) {
-  const Wide<T> own = Wide<T>::all(f.light[i]), other = gather(f.light.data(), slot);
+inline Wide<T> part_of_pair(const Fluid<D, T>& f, size_t i, const Chunk<T>& c, size_t k) {
+  const Wide<T> own = Wide<T>::all(f.light[i]), other = c.of(f.light, k);
   return (own + own) / (own + other + Wide<T>::all(static_cast<T>(1e-9)));
 }
 

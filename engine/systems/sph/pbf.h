@@ -60,9 +60,9 @@ class Pbf {
       for (size_t k = begin; k < end; k += W::kLanes) {
         const W ratio = load(c.w.data() + k) * W::all(per_near_), square = ratio * ratio;
         const W p = W::all(strength) * square * square;
-        for (size_t a = 0; a < D; ++a) sums[a] = madd(p, load(c.g[a].data() + k), sums[a]);
+        for (size_t a = 0; a < D; ++a) sums[a] = madd(p, c.gradient(a, k), sums[a]);
       }
-      for (size_t a = 0; a < D; ++a) f.a[4 * i + a] -= sum(sums[a]);
+      for (size_t a = 0; a < D; ++a) f.a[4 * i + a] -= f.unit * sum(sums[a]);
     });
   }
 

@@ -31,14 +31,14 @@ class SolverOf final : public Solver {
     const SphDef& d = setting.def;
     implicit_ = d.solves_viscosity();
     viscous_ = d.viscosity > 0 && !implicit_;
-    const bool pairs = d.viscosity > 0 || d.xsph > 0 || d.surface_tension > 0;
-    if (pairs || d.solver != Method::dfsph) extras_ = Extras::slopes;
   }
 
   void step(State& s, const StepInput& in) const override {
     auto& f = in.workspace.object<Fluid<D, T>>("sph.fluid");
+    f.unit = neighbours_.unit();
     f.weighted = set_.lightest < 1 || set_.ratio || !set_.inlets.empty();
-    if (set_.counts) f.reserve(set_.capacity, expected_neighbours(set_.def));
+    if (set_.counts)
+      f.reserve(set_.capacity, expected_neighbours(set_.def), static_cast<size_t>(neighbours_.extras()));
     auto& bodies = in.workspace.object<BodiesIn<D, T>>("sph.bodies");
     bodies.set(in.bodies, set_);
     const Vec3 gravity = load3(std::as_const(s).f64(columns::gravity).data(), 0);
@@ -64,7 +64,6 @@ class SolverOf final : public Solver {
   }
 
  private:
-  using Extras = typename Neighbours<D, T>::Extras;
   struct Tracks {
     double mean = 0, most = 0, substeps = 0, density = 0, flow = 0, viscous = 0, courant = 0;
   };
@@ -96,6 +95,11 @@ class SolverOf final : public Solver {
     double out = way > 0 ? reach / way : way == 0 ? HUGE_VAL : way;
     if (const double g = norm(gravity); g > 0 && d.solver != Method::wcsph) {
       out = std::min(out, kFall * std::sqrt(d.spacing / g));
+      if (d.solver == Method::pbf) {
+        const double under = std::max(depth(s, f, gravity / g, arena), d.spacing);
+        const double most = d.pbf_iterations == 1 ? kCarriedByOne : kCarried;
+        out = std::min(out, d.spacing * std::sqrt(most * d.pbf_iterations / (g * under)));
+      }
     }
     if (d.surface_tension > 0) {
       const double inertia = d.density * set_.lightest * d.spacing * d.spacing * d.spacing;
@@ -103,6 +107,32 @@ class SolverOf final : public Solver {
     }
     if (viscous_) out = std::min(out, kDiffusion * set_.support * set_.support / d.viscosity);
     return out;
+  }
+
+  /// m, of a pool as deep as this liquid is on the mean: of one that lies on its lowest particle the mean
+  /// square of the height is a third of the depth's.
+  double depth(const State& s, Fluid<D, T>& f, const Vec3& down, const ThreadArena& arena) const {
+    const T* x = s.span<T>(columns::position).data();
+    const double n[3] = {down.x, down.y, down.z};
+    const size_t blocks = (f.n + kBlockRows - 1) / kBlockRows;
+    f.partial.assign(3 * blocks, 0);
+    arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
+      double low = HUGE_VAL, sum = 0, squares = 0;
+      for (size_t i = begin; i < end; ++i) {
+        double height = 0;
+        for (size_t a = 0; a < D; ++a) height -= n[a] * double{x[3 * i + a]};
+        low = std::min(low, height), sum += height, squares += height * height;
+      }
+      double* out = f.partial.data() + 3 * (begin / kBlockRows);
+      out[0] = low, out[1] = sum, out[2] = squares;
+    });
+    double low = HUGE_VAL, sum = 0, squares = 0;
+    for (size_t k = 0; k < blocks; ++k) {
+      low = std::min(low, f.partial[3 * k]), sum += f.partial[3 * k + 1], squares += f.partial[3 * k + 2];
+    }
+    if (f.n == 0) return 0;
+    const double count = static_cast<double>(f.n);
+    return std::sqrt(3 * std::max((squares - 2 * low * sum) / count + low * low, 0.0));
   }
 
   /// One substep of h s that begins at `t`.
@@ -120,7 +150,7 @@ class SolverOf final : public Solver {
       walls_.shares(f, places ? t + h : t, in.arena);
       if (bodies.any()) bodies.touch(f, in.arena);
       if (f.weighted) weigh(s, f, t, in.arena);
-      neighbours_.list(f, extras_, in.arena);
+      neighbours_.list(f, in.arena);
       load(s, f, norm(gravity), in.arena);
     }
     const ProfileScope scope(in.profile, "sph pressure");
@@ -162,16 +192,16 @@ class SolverOf final : public Solver {
       T* out = f.a.data() + 4 * i;
       const T* v = f.v.data() + 4 * i;
       out[0] = g[0], out[1] = g[1], out[2] = D == 3 ? g[2] : T{0}, out[3] = 0;
-      if (extras_ == Extras::slopes && (viscosity > 0 || blend > 0)) {
+      if (viscosity > 0 || blend > 0) {
         using W = Wide<T>;
         W sums[D];
         for (auto& x : sums) x = W::zero();
         for (size_t k = begin; k < end; k += W::kLanes) {
           W other[4];
-          gather_rows4(f.v.data(), c.slot.data() + k, other);
+          c.rows_of(f.v, k, other);
           W share =
               W::all(-viscosity) * sph::load(c.s.data() + k) + W::all(blend) * sph::load(c.w.data() + k);
-          if (f.weighted) share = share * part_of_pair(f, i, c.slot.data() + k);
+          if (f.weighted) share = share * part_of_pair(f, i, c, k);
           for (size_t a = 0; a < D; ++a) sums[a] = madd(share, other[a] - W::all(v[a]), sums[a]);
         }
         for (size_t a = 0; a < D; ++a) out[a] += sum(sums[a]);
@@ -307,6 +337,10 @@ class SolverOf final : public Solver {
   static constexpr double kCapillary = 0.16;
   /// Of the time in which a particle falls by half a spacing: longer substeps keep a pool from resting.
   static constexpr double kFall = 0.09;
+  /// Of pbf, the most of g H (h / s)^2 over the iterations of a substep, which a pool H deep is compressed by
+  /// in order: twice as much, and what is taken back shoots particles out. One iteration that nothing
+  /// corrects goes too far much earlier.
+  static constexpr double kCarried = 0.09, kCarriedByOne = 0.012;
   static constexpr double kDiffusion = 0.03;  ///< of the support's square: Morris, Fox & Zhu 1997
 
   const Setting& set_;
@@ -318,7 +352,6 @@ class SolverOf final : public Solver {
   ImplicitViscosity<D, T> viscosity_;
   bool viscous_ = false;   ///< by substeps that are short enough
   bool implicit_ = false;  ///< by a solve
-  Extras extras_ = Extras::none;
 };
 
 template <class T>

@@ -268,15 +268,15 @@ Cost sph_cost(const void* def) {
   const double n = static_cast<double>(largest_count(d, static_cast<size_t>(expected_particles(d)))),
                scalar = d.precision == Precision::f32 ? 4 : 8;
   const bool plane = d.dimension == 2;
-  // Lists with room to grow: an index, a gradient, a slope and a weight.
+  // Lists with room to grow: a slot, a gradient (of floats 16 bits), a slope and a weight.
   const double pairs = n * expected_neighbours(d);
   const Vec3 size = d.high - d.low;
   const double reach = d.support * d.spacing;
   const double cells = size.x * size.y * (plane ? 1 : size.z) / (reach * reach * (plane ? 1 : reach));
   const double substeps = d.solver == Method::wcsph ? 10 : 2, passes = d.solver == Method::wcsph ? 3 : 30;
   return {.state_bytes = n * scalar * 10,
-          .workspace_bytes =
-              pairs * 1.5 * (4 + scalar * 5) + n * scalar * (d.solves_viscosity() ? 65 : 40) + cells * 4,
+          .workspace_bytes = pairs * 1.5 * (d.precision == Precision::f32 ? 17 : 43) +
+                             n * scalar * (d.solves_viscosity() ? 65 : 40) + cells * 4,
           .elements = n,
           .seconds_per_step = substeps * pairs * (4e-9 + passes * 0.7e-9)};
 }

@@ -8,20 +8,28 @@
 
 namespace truestep::sph {
 
-/// Adds `strength` sum C(|x_ij| / H) x_ji / |x_ij| to f.a (m/s^2). Needs slopes.
+/// Adds `strength` sum C(|x_ij| / H) x_ji / |x_ij| to f.a (m/s^2). Needs slopes, and of
+/// rounded gradients distances.
 template <int D, class T>
 inline void draw_together(Fluid<D, T>& f, T strength, T support, const ThreadArena& arena) {
   using W = Wide<T>;
   f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
     W sums[D];
     for (auto& s : sums) s = W::zero();
-    // Gradients are slopes times offsets, and point to the neighbour.
-    const W tiny = W::all(static_cast<T>(1e-6) / support), per_support = W::all(-1 / support);
+    // Gradients point to the neighbour.
+    const W tiny = W::all(kRounded<T> ? static_cast<T>(1e-20) : static_cast<T>(1e-6) / support);
     for (size_t k = begin; k < end; k += W::kLanes) {
       W g[D], square = W::zero();
-      for (size_t a = 0; a < D; ++a) g[a] = load(c.g[a].data() + k), square = madd(g[a], g[a], square);
-      const W size = max(sqrt(square), tiny), slope = min(load(c.s.data() + k), W::zero() - tiny * tiny);
-      const W q = min(size * per_support / slope, W::all(1));
+      for (size_t a = 0; a < D; ++a) g[a] = c.gradient(a, k), square = madd(g[a], g[a], square);
+      const W size = max(sqrt(square), tiny);
+      W q;
+      if constexpr (kRounded<T>) {
+        q = load(c.q.data() + k);
+      } else {
+        // Gradients are slopes times offsets.
+        const W slope = min(load(c.s.data() + k), W::zero() - tiny * tiny);
+        q = min(size * W::all(-1 / support) / slope, W::all(1));
+      }
       const W by = cohesion(q) / size;
       for (size_t a = 0; a < D; ++a) sums[a] = madd(by, g[a], sums[a]);
     }

@@ -91,11 +91,12 @@ class ImplicitViscosity {
   W weight(const Fluid<D, T>& f, size_t i, const Chunk<T>& c, size_t k, const W* g, T strength) const {
     W out = W::all(-strength) * load(c.s.data() + k);
     if (turns()) {
-      W square = W::all(static_cast<T>(kRim / (set_.support * set_.support)));
+      const double reach = set_.support * double{f.unit};
+      W square = W::all(static_cast<T>(kRim / (reach * reach)));
       for (size_t a = 0; a < D; ++a) square = madd(g[a], g[a], square);
       out = out / square;
     }
-    return f.weighted ? out * part_of_pair(f, i, c.slot.data() + k) : out;
+    return f.weighted ? out * part_of_pair(f, i, c, k) : out;
   }
   static constexpr double kRim = 1e-10;
 
@@ -107,9 +108,9 @@ class ImplicitViscosity {
       for (auto& s : sums) s = W::zero();
       for (size_t k = begin; k < end; k += W::kLanes) {
         W other[4], g[D], along = W::zero();
-        gather_rows4(u.data(), c.slot.data() + k, other);
+        c.rows_of(u, k, other);
         for (size_t a = 0; a < D; ++a) {
-          g[a] = load(c.g[a].data() + k), other[a] = W::all(u[4 * i + a]) - other[a];
+          g[a] = c.gradient(a, k), other[a] = W::all(u[4 * i + a]) - other[a];
           along = madd(g[a], other[a], along);
         }
         const W by = weight(f, i, c, k, g, strength);
@@ -138,7 +139,7 @@ class ImplicitViscosity {
       for (auto& s : sums) s = W::zero();
       for (size_t k = begin; k < end; k += W::kLanes) {
         W g[D];
-        for (size_t a = 0; a < D; ++a) g[a] = load(c.g[a].data() + k);
+        for (size_t a = 0; a < D; ++a) g[a] = c.gradient(a, k);
         const W by = weight(f, i, c, k, g, strength);
         for (size_t a = 0; a < D; ++a) sums[a] = madd(by, turning ? g[a] * g[a] : W::all(1), sums[a]);
       }

@@ -16,15 +16,15 @@ inline void confine_vorticity(Fluid<D, T>& f, T strength, T spacing, T h, const 
     W curl[3] = {W::zero(), W::zero(), W::zero()};
     for (size_t k = begin; k < end; k += W::kLanes) {
       W u[4], g[3] = {W::zero(), W::zero(), W::zero()};
-      gather_rows4(f.v.data(), c.slot.data() + k, u);
+      c.rows_of(f.v, k, u);
       for (size_t a = 0; a < 3; ++a) u[a] = u[a] - W::all(f.v[4 * i + a]);
-      for (size_t a = 0; a < D; ++a) g[a] = load(c.g[a].data() + k);
+      for (size_t a = 0; a < D; ++a) g[a] = c.gradient(a, k);
       curl[0] += g[1] * u[2] - g[2] * u[1];
       curl[1] += g[2] * u[0] - g[0] * u[2];
       curl[2] += g[0] * u[1] - g[1] * u[0];
     }
     T* o = f.omega.data() + 4 * i;
-    for (size_t a = 0; a < 3; ++a) o[a] = sum(curl[a]);
+    for (size_t a = 0; a < 3; ++a) o[a] = f.unit * sum(curl[a]);
     o[3] = std::sqrt(o[0] * o[0] + o[1] * o[1] + o[2] * o[2]);
   });
   f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
@@ -33,8 +33,8 @@ inline void confine_vorticity(Fluid<D, T>& f, T strength, T spacing, T h, const 
     const T* o = f.omega.data() + 4 * i;
     for (size_t k = begin; k < end; k += W::kLanes) {
       W other[4];
-      gather_rows4(f.omega.data(), c.slot.data() + k, other);
-      for (size_t a = 0; a < D; ++a) eta[a] = madd(load(c.g[a].data() + k), other[3] - W::all(o[3]), eta[a]);
+      c.rows_of(f.omega, k, other);
+      for (size_t a = 0; a < D; ++a) eta[a] = madd(c.gradient(a, k), other[3] - W::all(o[3]), eta[a]);
     }
     T n[3] = {};
     for (size_t a = 0; a < D; ++a) n[a] = sum(eta[a]);

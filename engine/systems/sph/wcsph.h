@@ -36,7 +36,7 @@ class Wcsph {
       W sums = W::zero();
       const W own = W::all(f.delta[i]);
       for (size_t k = begin; k < end; k += W::kLanes) {
-        const W other = gather(f.delta.data(), c.slot.data() + k);
+        const W other = c.of(f.delta, k);
         sums = madd(load(c.s.data() + k), own - other, sums);
       }
       const T *pull = f.pull.data() + 4 * i, *wall = f.wall.data() + 4 * i;
@@ -67,16 +67,16 @@ class Wcsph {
       const W tiny = W::all(static_cast<T>(1e-20));
       for (size_t k = begin; k < end; k += W::kLanes) {
         W other[4], g[D];
-        gather_rows4(f.v.data(), c.slot.data() + k, other);
+        c.rows_of(f.v, k, other);
         W along = W::zero(), square = tiny;
         for (size_t a = 0; a < D; ++a) {
-          g[a] = load(c.g[a].data() + k);
+          g[a] = c.gradient(a, k);
           along = madd(g[a], W::all(f.v[4 * i + a]) - other[a], along);
           square = madd(g[a], g[a], square);
         }
         // Gradients point to the neighbour: approaching pairs have a positive product.
         W factor = load(c.s.data() + k) * max(along, W::zero()) / square;
-        if (f.weighted) factor = factor * part_of_pair(f, i, c.slot.data() + k);
+        if (f.weighted) factor = factor * part_of_pair(f, i, c, k);
         for (size_t a = 0; a < D; ++a) out[a] = madd(factor, g[a], out[a]);
       }
       for (size_t a = 0; a < D; ++a) f.a[4 * i + a] += alpha * sum(out[a]);

@@ -1,22 +1,17 @@
 // Particles of a liquid as its smooth surface, computed anew from the places of every frame.
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, Mesh, ShaderMaterial, type IUniform } from "three";
 import { particleSurface } from "./particle_surface";
-import { rampGlsl, rampUniform, shadeGlsl } from "./shading";
+import { litVertexGlsl, rampGlsl, rampUniform, shadeGlsl } from "./shading";
 
 const kCell = 0.75; // of the lattice, in spacings
 const kMany = 30000; // particles from which it is as coarse as their spacing
 
-const vertex = /* glsl */ `
-uniform float valueScale, valueStart;
+const vertex = litVertexGlsl(
+  `uniform float valueScale, valueStart;
 in float value;
-out float vValue;
-out vec3 vNormal, vWorld;
-void main() {
-  vValue = (value - valueStart) * valueScale;
-  vNormal = normal;
-  vWorld = position;
-  gl_Position = projectionMatrix * (viewMatrix * vec4(position, 1.0));
-}`;
+out float vValue;`,
+  "vValue = (value - valueStart) * valueScale;",
+);
 
 const fragment = /* glsl */ `
 uniform vec3 color;

@@ -37,6 +37,19 @@ vec3 shade(vec3 albedo, vec3 n, vec3 toEye) {
 }
 `;
 
+/** A vertex shader that hands on the normal and the place in the world, with what else is declared and done. */
+export function litVertexGlsl(declared = "", done = ""): string {
+  return /* glsl */ `
+${declared}
+out vec3 vNormal, vWorld;
+void main() {
+  ${done}
+  vNormal = normal;
+  vWorld = position;
+  gl_Position = projectionMatrix * (viewMatrix * vec4(position, 1.0));
+}`;
+}
+
 const kStops = 16;
 
 /** The colour map in linear light, shared by everything coloured by a value. */

@@ -1,15 +1,9 @@
 // Cloth and other triangles over the system's shared positions, lit from both sides. Vertex normals are the
 // sum of the adjacent triangles' area vectors, n_i = sum (b - a) x (c - a), normalised in the shader.
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, DynamicDrawUsage, Mesh, ShaderMaterial } from "three";
-import { shadeGlsl } from "./shading";
+import { litVertexGlsl, shadeGlsl } from "./shading";
 
-const vertex = /* glsl */ `
-out vec3 vNormal, vWorld;
-void main() {
-  vNormal = normal;
-  vWorld = position;
-  gl_Position = projectionMatrix * (viewMatrix * vec4(position, 1.0));
-}`;
+const vertex = litVertexGlsl();
 
 const fragment = /* glsl */ `
 uniform vec3 color;
