@@ -33,6 +33,10 @@ struct BodyContact::Scratch {
   std::vector<uint32_t> form_of;
   BodyTouchSearch search;
   std::vector<SolvedTouch> solved;
+  std::vector<BodyTouch> touches;                 ///< of bodies that may sleep
+  std::vector<uint8_t> calm;                      ///< per body: whether these leave it at rest
+  std::vector<double> timer;                      ///< s, of those
+  std::vector<Vec3> load;                         ///< N s on every body in this substep
   std::vector<double> singles, left;              ///< positions as left by this coupling
   std::vector<PointEdge> edges;                   ///< of the hulls, empty when no body has any
   std::vector<std::array<uint32_t, 3>> edges_of;  ///< triangles whose edges those are
