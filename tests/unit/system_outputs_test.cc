@@ -34,7 +34,8 @@ TEST(SystemOutputs, WhatGalleryScenesGiveOutIsListed) {
   // Outputs that occur in no gallery scene.
   std::vector<std::string> texts{
       R"({"systems": [{"type": "pendulum"}, {"type": "oscillator"}, {"type": "rigid2d", "bodies": [
-    {"motion": "fixed", "sensor": true, "shapes": [{"type": "circle"}]}]}]})"};
+    {"motion": "fixed", "sensor": true, "shapes": [{"type": "circle"}]}]},
+    {"type": "grid_fluid", "cells": [8, 8], "viscosity": 0.1, "stepping": "steady"}]})"};
   for (const GalleryScene& g : gallery()) texts.emplace_back(g.text);
   for (const std::string& text : texts) {
     const World world(parse_scene(text));

@@ -333,7 +333,8 @@ Cost mpm_cost(const void* def) {
   // are sorted, whose groups of lanes are filled up for every block and body.
   const double components = plane ? 17 : 32, block = plane ? 8 : 4, lanes = 32 / scalar;
   const double tile = plane ? 12.0 * 13 : 8.0 * 8 * 9;
-  const double owners = expected_blocks(d, n), fields = static_cast<double>(velocity_fields(d).size());
+  const double owners = expected_blocks(d, n),
+               fields = std::max(1.0, static_cast<double>(velocity_fields(d).size()));
   const double side = side_of(owners / fields, d.dimension) + 2;
   double table = fields;
   for (int a = 0; a < d.dimension; ++a) {
