@@ -35,7 +35,9 @@ TEST(SystemOutputs, WhatGalleryScenesGiveOutIsListed) {
   std::vector<std::string> texts{
       R"({"systems": [{"type": "pendulum"}, {"type": "oscillator"}, {"type": "rigid2d", "bodies": [
     {"motion": "fixed", "sensor": true, "shapes": [{"type": "circle"}]}]},
-    {"type": "grid_fluid", "cells": [8, 8], "viscosity": 0.1, "stepping": "steady"}]})"};
+    {"type": "grid_fluid", "cells": [8, 8], "viscosity": 0.1, "stepping": "steady"},
+    {"type": "grid_fluid", "cells": [16, 16], "viscosity": 0.01, "obstacles": [
+    {"center": [0.5, 0.5, 0], "radius": 0.2, "angle": "t"}]}]})"};
   for (const GalleryScene& g : gallery()) texts.emplace_back(g.text);
   for (const std::string& text : texts) {
     const World world(parse_scene(text));
