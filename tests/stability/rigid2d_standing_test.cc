@@ -61,6 +61,24 @@ TEST(Rigid2dStanding, APyramidThatIsKickedComesToRest) {
   EXPECT_LT(kinetic_energy(t, 820), 1e-5);
 }
 
+// A lone box spreads its load over two points by the lever rule; one without a load has nothing to spread.
+TEST(Rigid2dStanding, ABodyWithoutWeightStaysOnTheFloor) {
+  for (const char* precision : {"f32", "f64"}) {
+    std::string bodies = kGround;
+    for (const char* own : {R"("position": [0, 0.5, 0])", R"("position": [3, 0.5, 0], "gravity_scale": 0)",
+                            R"("position": [6, 0.5, 0], "density": 1, "force": [0, 9.81, 0])"}) {
+      bodies += std::string(", {") + own + R"(, "shapes": [{"type": "box", "half_extents": [0.5, 0.5, 0]}]})";
+    }
+    Trial t(R"("bodies": [)" + bodies + R"(], "precision": ")" + precision + '"');
+    t.steps(60);
+    for (size_t i = 1; i <= 3; ++i) {
+      // The soft contact of the first, which has its weight, may give way by the slop of half a centimetre.
+      EXPECT_NEAR(t.position(i).y, 0.5, 5e-3) << precision << ' ' << i;
+      EXPECT_NEAR(t.position(i).x, 3.0 * static_cast<double>(i - 1), 1e-3) << precision << ' ' << i;
+    }
+  }
+}
+
 /// Growth in a minute of a mode of which a sweep removes the fraction eps, in substeps of h: depth S h,
 /// velocity u, warm-start impulse y, offset p; with offsets that adapt in every step of four substeps.
 double growth(double eps, double hertz_share, double damping_ratio, double learnt, double h) {

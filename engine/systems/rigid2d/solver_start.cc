@@ -98,7 +98,7 @@ std::array<double, 2> Solver<T>::parts_of(const Bearing& b) const {
   if (!(contacts_[b.pack].point[1].normal_mass[b.lane] > 0)) return {1, 0};
   const Seat& on = seats_[b.upper];
   const double x0 = across(b, b.upper, 0), x1 = across(b, b.upper, 1);
-  if (on.bearings > 1 || x0 == x1) return {0.5, 0.5};
+  if (on.bearings > 1 || x0 == x1 || !(on.load > 0)) return {0.5, 0.5};
   const double first = std::clamp((x1 - on.moment / on.load) / (x1 - x0), 0.0, 1.0);
   return {first, 1 - first};
 }
