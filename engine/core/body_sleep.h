@@ -8,6 +8,8 @@ namespace truestep {
 class BodySleep {
  public:
   virtual ~BodySleep() = default;
+  /// m/s, below which a body may rest.
+  virtual double sleep_speed() const = 0;
   virtual bool asleep(const State& state, size_t row) const = 0;
   /// s for which the body in that row has rested.
   virtual double sleep_timer(const State& state, size_t row) const = 0;

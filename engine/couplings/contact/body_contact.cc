@@ -21,8 +21,6 @@ enum : State::Column {
 constexpr int kMostRounds = 3;
 /// m; touches deeper than this at the end are answered again.
 constexpr double kPassed = 1e-9;
-/// m/s, the default sleep_speed of bodies: points that meet a body no faster do not disturb its rest.
-constexpr double kCalm = 0.05;
 /// m/s^2: a change of load that would accelerate a sleeping body by more wakes it.
 constexpr double kLoadSlack = 0.1;
 }  // namespace
@@ -161,12 +159,14 @@ void BodyContact::end(const CoupledStates& s, const StepInput& in) const {
 void BodyContact::find_rest(std::vector<BodyTouch>& touches, const BodyTouchQuery& q, const State& bodies,
                             double h, Scratch& scratch) const {
   const size_t n = q.bodies.count();
+  // Points that meet a body no faster than it may rest do not disturb it.
+  const double calm = sleep_->sleep_speed();
   scratch.calm.assign(n, 1), scratch.timer.assign(n, 0);
   for (const BodyTouch& t : touches) {
     if (!(t.s < 1) && BodyTouchSolver::gap(t, q.points, q.bodies) > 0) continue;
     // What lies still has only what forces have added in the substep, or nothing once it was answered.
     const Vec3 now = t.link.relative(q.points, q.bodies), before = now - h * BodyTouchSolver::pull(t, q, h);
-    if (std::min(norm2(now), norm2(before)) > kCalm * kCalm) scratch.calm[t.link.body] = 0;
+    if (std::min(norm2(now), norm2(before)) > calm * calm) scratch.calm[t.link.body] = 0;
   }
   std::fill(scratch.calm.begin() + static_cast<std::ptrdiff_t>(std::min(n, remembered_)), scratch.calm.end(),
             0);
