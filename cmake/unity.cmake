@@ -1,13 +1,13 @@
 # join_sources(TARGET BATCH FOLDER...): compiles the files of each folder BATCH at a time, so that the headers that they share
-# are read once: most of what a file takes. Names in anonymous namespaces of joined files must differ. Apart stay files of
-# which that is not so, those with flags of their own, those that tests/layering and tests/determinism make exceptions for, and the long ones,
-# whose loops take longer than their headers.
+# are read once: half of what most files take. Apart stay files whose names in anonymous namespaces are those of a file beside
+# them, those that tests make exceptions for, and those with flags of their own.
 set(joined_apart
-    dense_lu.cc export_vtu.cc saved_session.cc session_folder.cc osmesa_context.cc flocking_def.cc crowd_observe.cc
+    # names of others
+    export_vtu.cc saved_session.cc session_folder.cc osmesa_context.cc flocking_def.cc crowd_observe.cc
     msh_sections.cc obj.cc mercurius.cc solver_pack.cc heightfield_wave.cc heightfield_observe.cc mesh_ewald.cc contact.cc
     liquid.cc linear_tree.cc skeleton_observe.cc hull_faces.cc ply.cc bdf2.cc rosenbrock.cc radau5.cc implicit_dense.cc joint_build.cc sph_def.cc
     # exceptions of tests
-    step_work.cc mass_spring_cost.cc fem_outputs.cc ode_compiler_axes.cc band_lu.cc sparse_lu_eigen.cc
+    step_work.cc mass_spring_cost.cc fem_outputs.cc ode_compiler_axes.cc dense_lu.cc band_lu.cc sparse_lu_eigen.cc
     # flags of their own
     avx512_loops.cc plain_loops.cc tree_newton.cc skeleton_lead.cc multigrid.cc version.cc engines.cc parallel.cc thread_team.cc)
 function(join_sources target batch)

@@ -106,16 +106,6 @@ double lattice_step_seconds(const LatticeDef& d, std::string_view usual) {
   return kBase + times * (kRow * rows + node * nodes) + exact;
 }
 
-std::optional<std::string> divide_cells(LatticeDef& d, double factor) {
-  for (int64_t& cells : d.cells) {
-    const double wanted = factor * static_cast<double>(cells);
-    if (wanted != std::floor(wanted) || wanted < 2) return "cells are whole numbers of at least 2";
-    if (wanted > kMostNodes) return "more than 5e7 nodes";
-    cells = static_cast<int64_t>(wanted);
-  }
-  return std::nullopt;
-}
-
 void check_lattice(const LatticeDef& d, const DefTable::Report& report) {
   if (!d.size.empty() && d.size.size() != d.cells.size()) {
     report("/size", "as many lengths as cells has numbers");

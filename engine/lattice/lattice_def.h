@@ -9,6 +9,7 @@
 #include "engine/core/def.h"
 #include "engine/core/integrator_def.h"
 #include "engine/core/resolution.h"
+#include "engine/lattice/divide_cells.h"
 #include "engine/lattice/lattice.h"
 
 namespace truestep::lattice {
@@ -53,15 +54,12 @@ double lattice_workspace_bytes(const LatticeDef& d, std::string_view usual);
 /// adaptive one), each at its measured time per node. `usual` is the method if none is named.
 double lattice_step_seconds(const LatticeDef& d, std::string_view usual);
 
-/// Multiplies the numbers of cells; returns the reason if they would not be whole.
-std::optional<std::string> divide_cells(LatticeDef& d, double factor);
-
 /// For a struct D derived from LatticeDef.
 template <class D>
 const Resolution& resolution() {
   static const Resolution kCells{
       .parameter = "cells",
-      .divide = [](void* d, double factor) { return divide_cells(*static_cast<D*>(d), factor); },
+      .divide = [](void* d, double factor) { return divide_cells(static_cast<D*>(d)->cells, factor, 2); },
       .order =
           [](const void* d) { return static_cast<const D*>(d)->order == LatticeDef::Order::fourth ? 4 : 2; }};
   return kCells;

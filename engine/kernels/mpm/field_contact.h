@@ -83,7 +83,7 @@ inline Vec3 normal_between(const Cloud& c) {
   constexpr double kPenalty = 1e-4, kEnough = 1e-2;
   constexpr int kSteps = 24;
   int many_a = 0, many_b = 0;
-  for (const float s : c.side) many_a += s<0, many_b += s> 0;
+  for (const float s : c.side) (s < 0 ? many_a : many_b) += s != 0;
   if (many_a == 0 || many_b == 0) return {};
   const float a = 1 / static_cast<float>(many_a), b = 1 / static_cast<float>(many_b);
   double plane[4] = {}, step[4] = {}, least = HUGE_VAL;

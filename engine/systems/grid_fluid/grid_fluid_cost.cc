@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/lattice/divide_cells.h"
 #include "engine/math/trig.h"
 #include "engine/systems/grid_fluid/grid_fluid_checks.h"
 #include "engine/systems/grid_fluid/steady_flow.h"
@@ -61,24 +62,16 @@ Cost grid_fluid_cost(const void* def) {
 }
 
 const Resolution& grid_fluid_resolution() {
-  static const Resolution kCells{.parameter = "cells",
-                                 .divide = [](void* def, double factor) -> std::optional<std::string> {
-                                   auto& d = *static_cast<GridFluidDef*>(def);
-                                   for (int64_t& cells : d.cells) {
-                                     const double wanted = factor * static_cast<double>(cells);
-                                     if (wanted != std::floor(wanted) || wanted < 4)
-                                       return "cells are whole numbers of at least 4";
-                                     cells = static_cast<int64_t>(wanted);
-                                   }
-                                   if (cell_count(d) > kMostCells) return "more than 5e7 cells";
-                                   return std::nullopt;
-                                 },
-                                 .order =
-                                     [](const void* def) {
-                                       const auto& d = *static_cast<const GridFluidDef*>(def);
-                                       if (d.order == GridFluidDef::Order::fourth) return 4;
-                                       return d.advection == GridFluidDef::Advection::semi_lagrangian ? 1 : 2;
-                                     }};
+  static const Resolution kCells{
+      .parameter = "cells",
+      .divide = [](void* def,
+                   double factor) { return divide_cells(static_cast<GridFluidDef*>(def)->cells, factor, 4); },
+      .order =
+          [](const void* def) {
+            const auto& d = *static_cast<const GridFluidDef*>(def);
+            if (d.order == GridFluidDef::Order::fourth) return 4;
+            return d.advection == GridFluidDef::Advection::semi_lagrangian ? 1 : 2;
+          }};
   return kCells;
 }
 

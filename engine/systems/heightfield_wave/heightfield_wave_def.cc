@@ -1,6 +1,6 @@
 #include "engine/systems/heightfield_wave/heightfield_wave_def.h"
 
-#include <cmath>
+#include "engine/lattice/divide_cells.h"
 
 namespace truestep::heightfield_wave {
 
@@ -152,17 +152,11 @@ Cost heightfield_wave_cost(const void* def) {
 
 const Resolution& heightfield_wave_resolution() {
   static const Resolution kCells{.parameter = "cells",
-                                 .divide = [](void* def, double factor) -> std::optional<std::string> {
-                                   auto& d = *static_cast<HeightfieldWaveDef*>(def);
-                                   for (int64_t& cells : d.cells) {
-                                     const double wanted = factor * static_cast<double>(cells);
-                                     if (wanted != std::floor(wanted) || wanted < 4)
-                                       return "cells are whole numbers of at least 4";
-                                     cells = static_cast<int64_t>(wanted);
-                                   }
-                                   if (cell_count(d) > kMostCells) return "more than 5e7 cells";
-                                   return std::nullopt;
-                                 },
+                                 .divide =
+                                     [](void* def, double factor) {
+                                       return divide_cells(static_cast<HeightfieldWaveDef*>(def)->cells,
+                                                           factor, 4);
+                                     },
                                  .order = [](const void*) { return 2; }};
   return kCells;
 }
