@@ -292,7 +292,7 @@ inline void transpose4(__m256d r[4]) {
 
 /// out[k] lane j = records[index[j]].x[k] for the first six numbers.
 template <class T>
-inline void gather6(const Record8<T>* records, const uint32_t* index, Wide<T> out[6]) {
+[[gnu::always_inline]] inline void gather6(const Record8<T>* records, const uint32_t* index, Wide<T> out[6]) {
 #if defined(__AVX2__) && defined(__FMA__)
   if constexpr (sizeof(T) == 4) {
     __m256 r[8];
@@ -318,7 +318,7 @@ inline void gather6(const Record8<T>* records, const uint32_t* index, Wide<T> ou
 /// records[index[j]].x[k] = in[k] lane j for the first six numbers (the others become 0), unless
 /// index[j] >= end.
 template <class T>
-inline void scatter6(Record8<T>* records, const uint32_t* index, uint32_t end, const Wide<T> in[6]) {
+[[gnu::always_inline]] inline void scatter6(Record8<T>* records, const uint32_t* index, uint32_t end, const Wide<T> in[6]) {
 #if defined(__AVX2__) && defined(__FMA__)
   if constexpr (sizeof(T) == 4) {
     __m256 r[8];
