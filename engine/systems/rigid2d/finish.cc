@@ -111,8 +111,8 @@ struct Way {
   double size(auto&& part) const {
     return std::max(flat::norm({part(0), part(1)}), std::abs(part(2)) * reach);
   }
-  void begin() { std::copy(now, now + 3, first); }
-  void pass() { std::copy(now, now + 3, middle); }
+  void begin() const { std::copy(now, now + 3, first); }
+  void pass() const { std::copy(now, now + 3, middle); }
   double moved() const {
     return size([&](int k) { return now[k] - first[k]; });
   }
@@ -142,10 +142,15 @@ void find_rolling(const Model& model, const State& s, const Pairs& pairs, std::v
   for (uint8_t& r : rolls) r = r == kRolls;
 }
 
-/// Counts how long bodies have rested; the longest.
-double longest_rest(const Model& model, State& s, const SleepRule& rule, double h,
-                    std::span<const uint8_t> rolls) {
+/// Counts how long bodies have rested; the longest. `rolls` is found once a body needs it.
+double longest_rest(const Model& model, State& s, const Pairs& pairs, const SleepRule& rule, double h,
+                    std::vector<uint8_t>& rolls) {
   const SleepRule of_rolling = rule.of_rolling();
+  rolls.clear();
+  const auto rolling = [&](size_t i) {
+    if (rolls.empty()) find_rolling(model, s, pairs, rolls);
+    return rolls[i] != 0;
+  };
   const auto status = s.span<uint32_t>(columns::status);
   const auto rest = s.f64(columns::sleep_timer), w = s.f64(columns::angular_velocity),
              angle = s.f64(columns::angle);
@@ -157,8 +162,10 @@ double longest_rest(const Model& model, State& s, const SleepRule& rule, double 
     const Light& b = model.light[i];
     if (!is_moved(b, status[i])) continue;
     const double speed = std::max(flat::norm({v[3 * i], v[3 * i + 1]}), std::abs(w[i]) * b.reach);
-    count_rest(rest[i], h, b.can_sleep ? speed : kNoRest, rolls[i] ? of_rolling : rule,
-               Way{{x[3 * i], x[3 * i + 1], angle[i]}, place + 6 * i, place + 6 * i + 3, b.reach});
+    const Way way{{x[3 * i], x[3 * i + 1], angle[i]}, place + 6 * i, place + 6 * i + 3, b.reach};
+    // Nearer than this both rules say the same.
+    const bool far = rest[i] > 0 && speed <= rule.speed && way.moved() > rule.drift();
+    count_rest(rest[i], h, b.can_sleep ? speed : kNoRest, far && rolling(i) ? of_rolling : rule, way);
     longest = std::max(longest, rest[i]);
   }
   return longest;
@@ -169,8 +176,7 @@ double longest_rest(const Model& model, State& s, const SleepRule& rule, double 
 void fall_asleep(const Model& model, State& s, const Pairs& pairs, const SleepRule& rule, double h,
                  Sleepers& scratch) {
   const size_t n = model.count();
-  find_rolling(model, s, pairs, scratch.rolls);
-  if (longest_rest(model, s, rule, h, scratch.rolls) < rule.time) return;
+  if (longest_rest(model, s, pairs, rule, h, scratch.rolls) < rule.time) return;
   const auto status = s.span<uint32_t>(columns::status);
   const auto rest = s.f64(columns::sleep_timer), w = s.f64(columns::angular_velocity);
   const auto impulse = s.span<float>(columns::contact_impulse);
