@@ -1,5 +1,5 @@
-// Says in a sentence that a processor lacks what the program is built for, in place of an illegal
-// instruction. Compiled for every x86-64 and run before anything else of the program.
+// Reports in a sentence that the processor lacks instructions the program is built for, instead of crashing
+// with an illegal instruction. Compiled for every x86-64 and run before anything else in the program.
 #if defined(__x86_64__)
 #include <unistd.h>
 

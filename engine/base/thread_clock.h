@@ -1,4 +1,4 @@
-// CPU time of the calling thread, for work that is given so much of it: a busy machine does not shorten it.
+// CPU time of the calling thread, for work with a CPU budget: a busy machine does not shorten it.
 #pragma once
 #include <ctime>
 

@@ -1,21 +1,21 @@
-// Solids whose triangles get other corners as time goes on: cloth that tears.
+// Solids whose triangles change corners over time: cloth that tears.
 #pragma once
 #include "engine/core/ports.h"
 #include "engine/core/system.h"
 
 namespace truestep {
 
-/// Implemented by a system whose port names the triangles at t = 0 alone.
+/// Implemented by a system whose port lists only the triangles at t = 0.
 class ChangingTriangles {
  public:
-  /// As many as the port has, with the corners that they have in this state; valid as long as its columns.
+  /// As many triangles as the port has, with their corners in this state; valid as long as its columns.
   virtual std::span<const std::array<uint32_t, 3>> triangles(const State& state) const = 0;
 
  protected:
   ~ChangingTriangles() = default;
 };
 
-/// What a system publishes, in whatever state it is.
+/// The solids that a system publishes, for any of its states.
 class SolidsOf {
  public:
   SolidsOf() = default;

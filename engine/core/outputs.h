@@ -1,5 +1,5 @@
-// What a kind of system outputs, in words: its rows, its fields and its observables, for descriptions read by
-// people and programs. Parts in angle brackets stand for names from the scene ("joint.<id>.force").
+// Descriptions of what a kind of system outputs: its rows, its fields and its observables, for people and
+// programs. Parts in angle brackets stand for names from the scene ("joint.<id>.force").
 #pragma once
 #include <string_view>
 #include <vector>

@@ -1,7 +1,7 @@
 // One integration of y' = f(t, y) from t to t_end: the input of every method in the table's `advance` column.
 // A method adds no state of its own beyond `Carry` and `memory`, so a run restored at t_end repeats every
 // choice; its arrays come from the workspace and may vanish between two calls. `memory` belongs to the y that
-// the call left: a method starts anew when y has changed. Adaptive methods accept a step when the weighted
+// the call returned: a method restarts if y has changed since. Adaptive methods accept a step if the weighted
 // root mean square of its error estimate is at most 1:
 //   sqrt(1/n sum_i (e_i / (absolute + relative * max(|y_i|, |y_i new|)))^2) <= 1
 // (Hairer, Norsett, Wanner 1993, eq. II.4.11). They never step over t_end, unless their history is worth more

@@ -1,4 +1,4 @@
-// Steps a right-hand side with a row of the table: shared by systems that are nothing but y' = f(t, y).
+// Steps a right-hand side with a row of the table: shared by systems that consist of y' = f(t, y) alone.
 // Provides the state columns that a method needs, one meaning of the tolerance (error per unknown at most
 // absolute + relative |y|; `tolerance` is the default of both), messages in the system's own terms, and the
 // method's counters.

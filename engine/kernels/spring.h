@@ -2,9 +2,9 @@
 //   force on a   f = k (1 - L / l) d + c (w . n) n     (the force on b is -f)
 //   energy       V = k/2 (l - L)^2
 //   df/dx_b      K = k ((1 - L / l)(I - n n^T) + n n^T),  df/dv_b = c n n^T
-// Baraff & Witkin, "Large Steps in Cloth Simulation" (1998), sections 2 and 4. The change of the damping
-// force with position is left out of K: it is not symmetric and vanishes with h. Coincident points (l = 0)
-// have no direction: a rest length or damping then contributes no force, and K is k I.
+// Baraff & Witkin, "Large Steps in Cloth Simulation" (1998), sections 2 and 4. The derivative of the damping
+// force by position is left out of K: it is not symmetric and vanishes with h. Coincident points (l = 0) have
+// no direction: a rest length or damping then contributes no force, and K is k I.
 #pragma once
 #include <cmath>
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Resolution of a box of cells: the numbers of cells along its axes, multiplied (core/resolution.h).
+// Refinement of a box of cells: multiplies the numbers of cells along its axes (core/resolution.h).
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace truestep {
 /// Multiplies the numbers of cells; returns the reason if they would not be whole, fewer than `least` or too
 /// many.
 inline std::optional<std::string> divide_cells(std::vector<int64_t>& cells, double factor, int64_t least) {
-  constexpr double kMost = 5e7;  // of all
+  constexpr double kMost = 5e7;  // in total
   double all = 1;
   for (int64_t& n : cells) {
     const double wanted = factor * static_cast<double>(n);

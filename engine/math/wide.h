@@ -44,7 +44,7 @@ struct Wide {
 
   static Wide all(T s) {
 #if defined(__AVX2__) && defined(__FMA__)
-    // By name: of a loop over the lanes gcc makes seven insertions.
+    // Intrinsics, as gcc turns a loop over the lanes into seven insertions.
     if constexpr (sizeof(T) == 4) {
       return {(Raw)_mm256_set1_ps(s)};
     } else {

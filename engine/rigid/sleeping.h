@@ -36,9 +36,9 @@ inline double rest_after(double before, double h, double speed, double moved, co
 /// Speed of a body that must not rest.
 inline constexpr double kNoRest = HUGE_VAL;
 
-/// Counts a step of h into `timer`, s that a body has rested. `way` knows how it went: begin() notes the
-/// place where its rest begins, moved() is the distance from there (m), pass() notes the place halfway
-/// through sleep_time, bend() how far that lies beside the middle between both ends (m).
+/// Counts a step of h into `timer`, the s that a body has rested. `way` knows its path: begin() notes the
+/// position where its rest begins, moved() is the distance from there (m), pass() notes the position halfway
+/// through sleep_time, bend() how far that is from the midpoint of both ends (m).
 template <class Way>
 void count_rest(double& timer, double h, double speed, const SleepRule& rule, Way&& way) {
   const double before = timer;

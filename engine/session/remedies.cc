@@ -18,7 +18,7 @@ namespace json = boost::json;
 
 /// Estimated time of one trial; only a few are made.
 constexpr double kTrialSeconds = 0.5;
-/// CPU s of all trials together: steps of a scene that fails may be far dearer than estimated.
+/// CPU s of all trials together: steps of a scene that fails may cost far more than estimated.
 constexpr double kMostSeconds = 10;
 constexpr int64_t kMostParts = 4096;  // substeps worth a trial
 constexpr size_t kMostMethods = 3;    // tried of each kind
@@ -27,14 +27,14 @@ bool unlimited(const Integrator& row, const Integration& s) {
   return std::isinf(stability_interval(row, *s.options).imaginary);
 }
 
-/// What a trial changes in the system that failed.
+/// The change that a trial makes in the system that failed.
 using Change = std::function<void(json::object&)>;
 Change method_of(std::string_view name) {
   return [name](json::object& system) { system["integrator"] = name; };
 }
 
-// Systems without a force field that take a method: those that choose their own steps, and a tolerance that
-// more of them meet; kLoose where the scene says none.
+// Systems without a force field that take a method: methods that choose their own steps, and a tolerance that
+// more of them meet; kLoose if the scene gives none.
 constexpr const char* kOwnSteps[] = {"tsit5", "dop853", "radau5", "rodas5p"};
 constexpr double kLooser = 1000, kLoose = 1e-5;
 void loosen(json::object& system) {
@@ -77,7 +77,7 @@ class Trials {
   }
   uint64_t steps() const { return steps_; }
 
-  /// Whether the time for trials is used up; what is left is not tried.
+  /// Whether the time for trials is used up; remaining ones are skipped.
   bool spent() const { return thread_cpu_seconds() - began_ > kMostSeconds; }
 
   /// Whether the scene, with this many substeps and optionally a change in one of its systems, gets from

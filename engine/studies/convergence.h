@@ -31,8 +31,9 @@ StudyResult run_convergence(const boost::json::value& scene, const void* def, St
 struct ObservedOrder {
   std::vector<double> per_halving;  ///< NaN where an error is not finite or lies below the floor
   std::optional<double> settled;
-  std::optional<double> mean;  ///< over all of at least three halvings, which discontinuities let differ
-  std::string reason;          ///< why nothing settled
+  std::optional<double>
+      mean;            ///< over all of at least three halvings, for orders that discontinuities scatter
+  std::string reason;  ///< why no order was found
 };
 ObservedOrder observed_order(const std::vector<double>& errors, double floor);
 

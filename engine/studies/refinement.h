@@ -59,7 +59,7 @@ struct LevelErrors {
   std::vector<double> errors;     ///< relative, of every level
   std::vector<double> per_level;  ///< order from level k to k + 1; NaN when meaningless
   std::optional<double> settled;  ///< the order, if the last ones agree
-  std::optional<double> mean;     ///< over at least three halvings, whether they agree or not
+  std::optional<double> mean;     ///< over at least three halvings, whether or not they agree
   std::string reason, against;    ///< why none settled; what the errors are relative to
   std::vector<double> limit;      ///< the extrapolated solution at the common points, unless an exact one
                                   ///< exists

@@ -139,7 +139,7 @@ class Study {
     if (!both) r.summary["in_time"] = json::object{{"method", methods_}, {"uncertainty", uncertainty_}};
     if (!found.settled) {
       r.summary["reason"] = found.reason;
-      // Where a front lies between the cells changes from one grid to the next, and the orders with it.
+      // The position of a front between the cells changes from one grid to the next, and the orders with it.
       if (found.mean) r.summary["mean_order"] = *found.mean;
     }
     if (!note_.empty()) r.summary["note"] = note_;

@@ -101,7 +101,7 @@ Response latest_frame(SessionEntry& e, const Request& request, Media media) {
   return Response::shared(c.body, c.content_type, c.etag);
 }
 
-// The state at an earlier step, computed beside the session.
+// The state at an earlier step, computed without holding the session's lock.
 WorldState state_of(SessionEntry& entry, uint64_t step) {
   std::unique_lock lock(entry.mutex);
   if (step > entry.session.step_index()) throw Error("not_found", "the session has not reached this step");

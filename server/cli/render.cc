@@ -27,7 +27,7 @@ struct RenderOptions {
   int threads = 0;
 };
 
-constexpr int kLooks = 12;  // samples of the run, for a camera that sees all of it
+constexpr int kLooks = 12;  // samples of the run, for a camera that frames all of it
 
 // One camera for the whole film, framing what is visible at several moments. The run is then started over.
 DrawCamera steady_camera(PictureSource& source, const RenderOptions& o, double from, double to,

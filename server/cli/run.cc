@@ -44,7 +44,7 @@ struct RunOptions {
   bool json = false;
 };
 
-/// Whether the run got to the end, which the scene's expectations refer to.
+/// Whether the run reached the end, to which the scene's expectations refer.
 enum class Reach : uint8_t { whole, cut_short };
 constexpr const char* kNotJudged = "ended before the duration";
 
@@ -83,8 +83,8 @@ json::array describe_verdicts(const std::vector<Verdict>& verdicts, Reach reach)
   return a;
 }
 
-/// One step, or none when a signal has come. A dear step is made on a copy of the state, so that what a
-/// signal leaves half done need not be made good by repeating the run.
+/// Takes one step, or none if a signal has arrived. An expensive step is taken on a copy of the state, so
+/// that one interrupted halfway need not be undone by repeating the run.
 bool step_taken(Session& session) try {
   constexpr double kDear = 5e-3;  // s; the copy is a small share of that
   if (session.step_seconds() < kDear) return session.step(1) == 1;

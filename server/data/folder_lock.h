@@ -1,4 +1,4 @@
-// The lock on a data folder: only one server at a time writes, repairs and removes what is in it. It uses
+// The lock on a data folder: only one server at a time writes, repairs and removes its contents. It uses
 // flock(2) on a file there, so it ends with its process however that dies; the file says who holds it.
 #pragma once
 #include <string>

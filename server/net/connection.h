@@ -85,7 +85,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::shared_ptr<WebSocketHandler> upgrade_;  ///< set by a successful handshake
   std::string subprotocol_;
   std::shared_ptr<ServedWebSocket> websocket_;
-  uint64_t keys_version_ = 0;  ///< of the keys that the open WebSocket's was found among
+  uint64_t keys_version_ = 0;  ///< version of the keys among which the open WebSocket's was found
   boost::asio::cancellation_signal cancel_handler_;
 };
 

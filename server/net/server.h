@@ -1,5 +1,5 @@
-// The server: listens, accepts, and runs one event loop per network thread. It knows routes but nothing of
-// what they do.
+// The server: listens, accepts, and runs one event loop per network thread. It knows routes but not what they
+// do.
 #pragma once
 #include <atomic>
 #include <chrono>

@@ -51,7 +51,7 @@ class Wire : public Socket {
   Clock::duration linger_;
 };
 
-/// Found by Beast in place of its own.
+/// Found by Beast instead of its own.
 template <class Handler>
 void async_teardown(boost::beast::role_type, Wire& wire, Handler&& handler) {
   wire.async_finish(std::forward<Handler>(handler));

@@ -1,5 +1,5 @@
-// A state that a session is restored from: a snapshot, or a mark for the start of the scene, and the commands
-// of a future that the session had gone back from. One sealed file (engine/session/sealed.h):
+// A state from which a session is restored: a snapshot, or a mark for the start of the scene, and the
+// commands of a future from which the session had gone back. One sealed file (engine/session/sealed.h):
 //   snapshot (empty: the start) | u64 count | per command u64 step, u64 number, JSON | u64 newest number
 #pragma once
 #include <vector>

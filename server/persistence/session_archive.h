@@ -27,7 +27,7 @@ class SessionArchive {
   /// being created or removed. Error "folder_io".
   SessionArchive(std::filesystem::path folder, ArchiveLimits limits, MemoryBudget& memory);
 
-  /// What of it cannot be used, one sentence each.
+  /// Contents that cannot be used, one sentence each.
   const std::vector<std::string>& damage() const { return damage_; }
   std::optional<SessionAbout> find(std::string_view id) const;
   /// Ids that the caller may see, in order, after `after`.

@@ -73,7 +73,7 @@ struct SessionEntry {
 
   FairMutex mutex;
   MemoryBudget::Lease past;  ///< of the snapshots kept for seeking; without room, fewer are kept
-  MemoryBudget::Lease kept;  ///< of journal, series and frames, counted as they are
+  MemoryBudget::Lease kept;  ///< of journal, series and frames, booked as they grow
   Session session;
   std::map<std::string, std::shared_ptr<const Snapshot>> snapshots;
   std::shared_ptr<PollSink> poll;            ///< keeps frames for clients that poll

@@ -1,4 +1,4 @@
-// Overlap and depth of convex solids beside libccd's GJK + EPA, which sees them only through support
+// Overlap and depth of convex solids compared with libccd's GJK + EPA, which sees them only through support
 // functions of our test rig. libccd's depth is that of the one direction it finds.
 #include <ccd/ccd.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// rigid2d beside Box2D 2.4.1 (floats): the same positions at the same times for smooth motion, to the error
-// of its first-order steps; the same statistics for chaotic motion.
+// rigid2d compared with Box2D 2.4.1 (floats): the same positions at the same times for smooth motion, to the
+// error of its first-order steps; the same statistics for chaotic motion.
 #include <gtest/gtest.h>
 
 #include "engine/base/errors.h"

@@ -1,5 +1,5 @@
-// rigid3d beside Bullet 3.24 (double): the same positions at the same times for smooth motion, to the error
-// of Bullet's first-order steps; the same statistics for chaotic motion.
+// rigid3d compared with Bullet 3.24 (double): the same positions at the same times for smooth motion, to the
+// error of Bullet's first-order steps; the same statistics for chaotic motion.
 #include <gtest/gtest.h>
 
 #include "engine/base/errors.h"
@@ -130,7 +130,7 @@ TEST(Bullet, FixedBodiesMoveAsOne) {
   EXPECT_NEAR(norm(b.x(1) - b.x(0)), 1, 0.005);
 }
 
-/// A weight beside the joint's anchor, on a joint to the world.
+/// A weight off the joint's anchor, on a joint to the world.
 Rigid3dDef on(AnyJointDef joint, Vec3 at = {0.6, 0, 0}) {
   Rigid3dDef d;
   d.bodies = {box({0.5, 0.1, 0.2}, at)};

@@ -50,7 +50,7 @@ TEST(MpmDeterminism, AStateIsAllThatAStepNeeds) {
   EXPECT_EQ(run.state.hash(), copy.state.hash());
 }
 
-// Pieces of the mixture in three fields.
+// Pieces of the mixture in three velocity fields.
 TEST(MpmDeterminism, FieldsThatMeetAreTheSameOnAnyNumberOfThreadsAndFromACopy) {
   for (const int dimension : {2, 3}) {
     for (const Precision precision : {Precision::f32, Precision::f64}) {
@@ -73,7 +73,7 @@ TEST(MpmDeterminism, FieldsThatMeetAreTheSameOnAnyNumberOfThreadsAndFromACopy) {
   }
 }
 
-// Newton's method and conjugate gradients over blocks of nodes: sums in their order.
+// Newton's method and conjugate gradients over blocks of nodes: sums in a fixed order.
 TEST(MpmDeterminism, ImplicitStepsAreTheSameOnAnyNumberOfThreadsAndFromACopy) {
   for (const int dimension : {2, 3}) {
     MpmDef d;

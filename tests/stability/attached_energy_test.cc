@@ -43,8 +43,8 @@ constexpr const char* kLoose = R"("velocity": [0, 0, 0])";
 constexpr const char* kThrown = R"("velocity": [0, 1, 0.5])";
 constexpr const char* kLink = R"("link": "rigid")";
 
-// Moved according to their own masses, the points gained 8.7 J beside 4.9 J in the fall, and half as much
-// again when thrown.
+// Moved according to their own masses, the points gained 8.7 J compared with 4.9 J in the fall, and half as
+// much again when thrown.
 TEST(AttachedEnergy, LinkedRopesGainNothing) {
   SceneRun fall(ropes(kDown, kPinned, kLoose, kLink)), thrown(ropes("[0, 0, 0]", kLoose, kThrown, kLink));
   for (SceneRun* run : {&fall, &thrown}) {

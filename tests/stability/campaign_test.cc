@@ -128,8 +128,9 @@ TEST(Campaign, StiffClothOnSolids) {
 }
 
 // Light points between heavy bodies, which a step turns farther than one linear solve can follow: energy
-// crept up by a hundredth per step, or a rope was flung (9,700 J beside 99). Corners caught in cloth, where
-// some touches bounce and others hold, gained energy (1001079: 13 J beside 27; 1002483: 5 J beside 19).
+// crept up by a hundredth per step, or a rope was flung (9,700 J compared with 99). Corners caught in cloth,
+// where some touches bounce and others hold, gained energy (1001079: 13 J compared with 27; 1002483: 5 J
+// compared with 19).
 TEST(Campaign, TiedBodies) {
   for (const uint64_t seed : {1000136, 1000220, 1000367, 1000502, 1000652, 1000658, 1000688, 1000739, 1000802,
                               1001006, 1001079, 1002378, 1002483}) {
@@ -139,8 +140,8 @@ TEST(Campaign, TiedBodies) {
   }
 }
 
-// Cylinders that lie on boxes with more points than a contact has: which four of them were held changed by
-// rounding, and with them what each bears.
+// Cylinders that lie on boxes with more points than a contact holds: rounding changed which four of them were
+// kept, and with them their loads.
 TEST(Campaign, RestOnRims) {
   for (const uint64_t seed : {3713, 401245, 502078}) {
     const Trial trial = make_trial(seed);
@@ -149,8 +150,8 @@ TEST(Campaign, RestOnRims) {
   }
 }
 
-// What stands beside the middle of what it stands on: points of a contact bear different shares from the
-// start, and with one offset for both of them it was lifted and swung (518433: 4.2 J beside 7.3).
+// Bodies that stand off-centre on their support: points of a contact bear different shares from the start,
+// and with one offset for both of them a body was lifted and swung (518433: 4.2 J compared with 7.3).
 TEST(Campaign, StandBesideTheMiddle) {
   for (const uint64_t seed : {500221, 503469, 503701, 506891, 508689, 517534, 518433}) {
     const Trial trial = make_trial(seed);

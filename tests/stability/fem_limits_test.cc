@@ -91,8 +91,8 @@ TEST(FemLimits, WhatIsTurnedInsideOutRecovers) {
   }
 }
 
-// A body that falls on a plane from 1 m gives at most all of m g h to it, whatever its stiffness: nodes moved
-// back by a collider after the step used to squeeze elements of 1e9 Pa until 9.8e3 J had become 4.7e7 J.
+// A body that falls 1 m onto a plane receives at most m g h, whatever its stiffness: nodes moved back by a
+// collider after the step used to squeeze elements of 1e9 Pa until 9.8e3 J had become 4.7e7 J.
 TEST(FemLimits, NodesThatMeetACollisionNeverGainEnergy) {
   const auto drop = [](FemDef d, double dt, const char* what) {
     d.block->origin.y = 1;
@@ -131,9 +131,9 @@ TEST(FemLimits, NodesThatMeetACollisionNeverGainEnergy) {
   drop(d, 1.0 / 30, "turned");
 }
 
-// Solid cells 250 mm long and 1 mm or 0.1 mm thick in equilibrium: the softest motion is 1e13 and 1e16 times
+// Solid cells 250 mm long and 1 mm or 0.1 mm thick in equilibrium: the softest mode is 1e13 and 1e16 times
 // softer than the stiffest. The first is found; the second, which double precision cannot tell from rounding,
-// is refused. Both used to end where they began, without a word.
+// is refused. Both used to stay where they began, without a message.
 TEST(FemLimits, StripsOfSolidCellsBendUnderTheirWeightOrSayThatTheyCannot) {
   const auto strip = [](double thickness, double youngs, Cell cell) {
     FemDef d;

@@ -56,7 +56,7 @@ TEST(GridFluidStability, LightAboveHeavyStaysAtRest) {
     GridFlow run(d, 0.02, 1, Vec3{0, -9.81, 0});
     run.steps(500);
     EXPECT_LT(run.observed("speed.max"), 1e-10);  // rounding of 10 m/s^2 oscillates but does not grow
-    // Control: the other way up it falls.
+    // Control: upside down it falls.
     d.scalar->initial = "-y + 0.01*cos(pi*x)";
     GridFlow falling(d, 0.02, 1, Vec3{0, -9.81, 0});
     falling.steps(100);

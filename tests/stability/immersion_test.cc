@@ -27,7 +27,7 @@ TEST(ImmersionStability, AVeryLightBallFloatsCalmly) {
       run.session.step(1);
       fastest = std::max(fastest, norm(body_velocity(run)));
     }
-    // A tenth of the speed of waves on this depth.
+    // A tenth of the wave speed at this depth.
     EXPECT_LT(fastest, 0.1 * std::sqrt(9.81 * 0.2)) << solver;
   }
 }

@@ -1,5 +1,5 @@
-// The material point method at extremes: fast impacts, soft and stiff materials, and a refusal that names
-// what is wrong.
+// The material point method at extremes: fast impacts, soft and stiff materials, and a refusal that names the
+// fault.
 #include <gtest/gtest.h>
 
 #include <cmath>

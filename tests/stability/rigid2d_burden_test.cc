@@ -65,7 +65,7 @@ TEST(Rigid2dBurden, ADrumOnItsAxleIsNoBurden) {
                FlatTrial::number(8 + 0.5 * (i / 8)) +
                R"(, 0], "shapes": [{"type": "box", "half_extents": [0.2, 0.2, 0]}]})";
     }
-    // Beside it, a floor and two light boxes for a drum that falls on them.
+    // Next to it, a floor and two light boxes for a drum that falls on them.
     scene +=
         R"(, {"motion": "fixed", "position": [0, 0, 0], "shapes": [{"type": "box", "half_extents": [20, 1, 0]}]},
       {"position": [-3, 1.2, 0], "shapes": [{"type": "box", "half_extents": [0.2, 0.2, 0]}]},

@@ -1,6 +1,6 @@
 // Bodies that spin on a face: the ground's friction brakes the spin and, as long as that lasts, gives hardly
-// any sideways resistance. With full friction at a centre of pressure slightly beside the axis, cylinders at
-// 45 to 100 rad/s went round in circles and away.
+// any sideways resistance. With full friction at a centre of pressure slightly off the axis, cylinders at 45
+// to 100 rad/s went round in circles and away.
 #include <cmath>
 
 #include "tests/support/coupled.h"

@@ -9,7 +9,7 @@ namespace {
 
 using namespace testing_coupled;
 
-/// A body that rests on a small light box beside its middle, both on the ground.
+/// A body that rests on the ground and, off its middle, on a small light box on the ground.
 std::string leaning_on(const std::string& top, const std::string& precision) {
   return R"({"gravity": [0, -9.81, 0], "time": {"dt": 0.016666666666666666}, "systems": [
       {"type": "rigid3d", "id": "a", "precision": ")" +

@@ -137,8 +137,7 @@ Energies run_flat_room(double restitution, double gravity, uint64_t steps) {
   testing::FlatTrial t(R"("precision": "f64", "sleeping": false, "restitution_speed": 0, "gravity": [0, )" +
                            std::to_string(-gravity) + R"(, 0], "bodies": [)" + bodies + "]",
                        1.0 / 240);
-  // Heights from the floor: the potential energy at the start is what 20 bodies have at y = 0 and their
-  // offsets.
+  // Heights from the floor: the initial potential energy is that of 20 bodies at y = 0 plus their offsets.
   Energies e;
   const auto energy = [&] { return t.observed("energy.kinetic") + t.observed("energy.potential"); };
   const double lift = 2 * gravity * (10 * 1000 * 3.14159265358979 * 0.04 + 10 * 1000 * 0.4 * 0.24);

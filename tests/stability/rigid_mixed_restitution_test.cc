@@ -13,11 +13,11 @@ using testing::MixedScene;
 using testing::run_mixed;
 using testing::Space;
 
-/// Impacts remove energy or conserve it. What may return is the energy stored in the springs of contacts,
-/// which no observable counts: N^2 / 2 k, with up to 300 times more mass on top than below some percent of m
-/// g times the height of the whole.
+/// Impacts remove energy or conserve it. The energy stored in the springs of contacts may return, which no
+/// observable counts: N^2 / 2 k, with up to 300 times more mass on top less than some percent of m g times
+/// the height of the whole.
 constexpr double kSprings = 0.02;
-/// For 24 bits in sums of some hundred terms: what is left where no load is heavy.
+/// For 24 bits in sums of some hundred terms: the rounding error where no load is heavy.
 constexpr double kRounding = 1e-5;
 
 /// Number of scenes, among `count` of 4 s each, that ever have more energy than at the start.

@@ -76,8 +76,7 @@ TEST(RigidPartingSpeed, IsAtMostPushOutSpeedHoweverManyOverlap) {
             // Light bodies are squeezed out sideways between heavy ones, faster than those move.
             EXPECT_LE(most.motion, masses == Cluster::Masses::equal ? 3 : 1.25 * 3)
                 << dimensions << " " << precision << " " << shape << " " << spread;
-            // The last push may be one of those that are gentle enough to leave their velocity to the
-            // relaxation.
+            // The last push may be so gentle that its velocity is left to the relaxation.
             EXPECT_LE(most.speed, 3.0 / 32)
                 << dimensions << " " << precision << " " << shape << " " << spread;
             // The control: they do separate.

@@ -67,8 +67,8 @@ void keeps(const std::string& system, const std::string& what) {
   const Swing s = swing(system);
   EXPECT_GT(s.kinetic_swing, 0.02 * s.first)
       << what << ": control: without its springs the energy would swing";
-  // Springs between two points alone act at a step's ends, to second order; beside rigid rows they act in the
-  // solver's substeps, to first order.
+  // Springs between two points alone act at a step's ends, to second order; next to rigid rows they act in
+  // the solver's substeps, to first order.
   EXPECT_LT(s.most_off, 0.1 * s.kinetic_swing) << what << ", of " << s.first << " J";
 }
 

@@ -53,7 +53,7 @@ TEST(RodChainDefaults, SpringsAreCutIntoStepsThatTheyBear) {
     ChainRun run(R"(,"constraints":"penalty")", dt);
     run.seconds(20);
     ASSERT_FALSE(run.session.failure()) << dt;
-    // Semi-implicit Euler's energy swings by omega h / 2, an eighth here, of what is in the springs.
+    // Semi-implicit Euler's energy oscillates by omega h / 2, an eighth here, of the energy in the springs.
     EXPECT_LT(run.rise, 0.08 * kAvailable) << dt;
     EXPECT_GT(run.fall, -0.08 * kAvailable) << dt;
   }

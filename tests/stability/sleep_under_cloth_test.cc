@@ -1,4 +1,4 @@
-// Cloth that lies on a crate keeps it awake no longer: the crate falls asleep under it and sleeps on, until
+// Cloth that lies on a crate no longer keeps it awake: the crate falls asleep under it and sleeps on, until
 // the cloth is thrown onto it or pressed down.
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 namespace truestep {
 namespace {
 
-/// A crate of 500 kg and a cloth of 1.6 kg over it, `above` it by so much.
+/// A crate of 500 kg and a cloth of 1.6 kg, `above` it by this distance (m).
 struct Covered {
   explicit Covered(double above)
       : world(parse_scene(
@@ -22,7 +22,7 @@ struct Covered {
       "internal_damping": 1, "thickness": 0.02}],
     "couplings": [{"type": "contact", "a": "cloth", "b": "crates"}]})")),
         state(world.initial_state()) {}
-  /// Fewest and most bodies awake at the ends of these steps.
+  /// Fewest and most bodies awake over these steps.
   std::pair<double, double> awake(int steps) {
     double least = 2, most = 0;
     for (int k = 0; k < steps; ++k) {

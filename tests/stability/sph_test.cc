@@ -83,8 +83,8 @@ TEST(SphStability, RandomSplashesStayFiniteAndLoseEnergy) {
     EXPECT_LE(run.observe("high.x"), 1) << k;
     EXPECT_GE(run.observe("low.y"), 0) << k;
     EXPECT_LT(run.observe("density.mean_error"), 0.03) << k;
-    // Its centre is where that of the water would be if evenly spread, provided that this is more than a
-    // layer or two.
+    // Its centre is where the water's would be if evenly spread, provided that it is deeper than a layer or
+    // two.
     const double depth = run.observe("mass") / d.density;
     if (depth > 3 * d.spacing) {
       EXPECT_GT(run.observe("centre.y"), 0.8 * depth / 2) << k;
@@ -107,8 +107,8 @@ TEST(SphStability, LongStepsAreDivided) {
   }
 }
 
-// A bug once: what an iteration or two cannot carry was compressed by a fifth, and what they took back then
-// shot particles out until steps were refused for their speed.
+// A former bug: compression by a fifth that an iteration or two could not resist was then corrected so hard
+// that particles shot out and steps were refused for their speed.
 TEST(SphStability, FewIterationsDoNotShootParticlesOut) {
   for (const int iterations : {1, 2}) {
     SphDef d;

@@ -79,7 +79,7 @@ TEST(StiffLinks, ImplicitMethodsSolveJointsOfAnyStiffness) {
 
 TEST(StiffLinks, BallsHoldAsHingesDo) {
   for (const double k : {1e4, 1e8}) {
-    // Free at the first joint, it swings down as one: a rod of 1 m.
+    // Free at the first joint, it swings down as a single rod of 1 m.
     Links run(chain(10, k, JointType::spherical), "trapezoid", 1.0 / 60);
     const double start = run.energy();
     ASSERT_NO_THROW(run.steps(300)) << k;

@@ -73,7 +73,7 @@ size_t through_each_other(const XpbdRun& run) {
 }
 
 TEST(XpbdSelfCollisionTorn, SheetsThatTearAsTheyMeetDoNotPassEachOther) {
-  // Self-collision is off beside the lips of a tear; the sheets themselves never pass each other. Steps are
+  // Self-collision is off next to the lips of a tear; the sheets themselves never pass each other. Steps are
   // so short that a sheet passing through would be seen. Strain and speed are chosen so that the sheet tears,
   // and passes without self_collision.
   XpbdDef d = thrown(Precision::f64);
@@ -168,8 +168,8 @@ TEST(XpbdSelfCollisionFriction, HoldsBelowItsConeAndSlidesAboveIt) {
   // s = 1/2 g (sin - mu cos) t^2, delayed by whole steps of h: 1 / 150 of it.
   const double free = 0.5 * 9.81 * std::sin(lean) * 0.0625,
                held = 0.5 * 9.81 * (std::sin(lean) - 0.15 * std::cos(lean)) * 0.0625;
-  // Held by friction, it creeps by what separating the sheets gives way under its weight: a fiftieth of the
-  // free slide.
+  // Held by friction, it creeps as the sheets' separation yields under its weight: a fiftieth of the free
+  // slide.
   EXPECT_LT(slip(0.4, lean), 0.02 * free);
   EXPECT_NEAR(slip(0, lean), free, 0.03 * free);
   EXPECT_NEAR(slip(0.15, lean), held, 0.05 * free);

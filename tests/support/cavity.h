@@ -1,4 +1,4 @@
-// The lid-driven cavity's published columns.
+// Published profiles of the lid-driven cavity.
 #pragma once
 #include "tests/support/grid_flow.h"
 
@@ -7,7 +7,7 @@ namespace truestep::test {
 struct CavityPoint {
   double at, value;
 };
-// Botella and Peyret's class of spectral solutions at Re 1000: u(0.5, y) and v(x, 0.5).
+// Spectral solutions of Botella and Peyret at Re 1000: u(0.5, y) and v(x, 0.5).
 inline constexpr CavityPoint kCavityU[] = {{0.0547, -0.1812881}, {0.0625, -0.20233},  {0.0703, -0.2228955},
                                            {0.1016, -0.3004561}, {0.1719, -0.388569}, {0.2813, -0.2803696},
                                            {0.4531, -0.1081999}, {0.5, -0.0620561},   {0.6172, 0.0570178},
@@ -26,7 +26,7 @@ inline double cavity_rms(const GridFlow& run) {
   return std::sqrt(sum / double(std::size(kCavityU) + std::size(kCavityV)));
 }
 
-/// The cavity that the columns are of, found directly.
+/// The cavity of these profiles, solved directly for the steady state.
 inline grid_fluid::GridFluidDef steady_cavity(int64_t cells, grid_fluid::GridFluidDef::Order order) {
   grid_fluid::GridFluidDef d;
   d.cells = {cells, cells};

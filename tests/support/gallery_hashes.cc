@@ -1,6 +1,6 @@
-// Prints, for every scene of a folder, its name and its state's hash after 40 steps: what all builds must
-// agree on. Or the first half of that in one process, which saves the states, and the other half in another.
-// `short` is for builds that are slow: 8 steps where the state is large.
+// Prints, for every scene of a folder, its name and its state's hash after 40 steps, on which all builds must
+// agree. Or the first half of that in one process, which saves the states, and the other half in another.
+// `short` is for slow builds: 8 steps if the state is large.
 //   gallery_hashes FOLDER THREADS [short]
 //   gallery_hashes FOLDER THREADS save | resume STATES
 #include <algorithm>

@@ -246,8 +246,8 @@ TEST(CollisionPairs, PointsOfAManifoldHaveNamesOfTheirOwn) {
   EXPECT_GT(four, 500);
 }
 
-// A cylinder that rests on a box whose corners it covers in part has more points than a manifold: which four
-// it keeps must not hang on the last bits of where it lies (seed 3713 of the campaign was lifted by 17 um).
+// A cylinder resting on a box that it covers only in part has more points than a manifold: which four it
+// keeps must not depend on the last bits of its position (seed 3713 of the campaign was lifted by 17 um).
 TEST(CollisionPairs, PointsOfARestingFaceStayTheSame) {
   const Solid box = box_solid({0.324, 0.203, 0.275}), cylinder = cylinder_solid(0.353, 0.317);
   const Vec3 beside{0.0528, 0.203 + 0.317, 0};
@@ -268,7 +268,7 @@ TEST(CollisionPairs, PointsOfARestingFaceStayTheSame) {
     const Vec3 tilt = random_unit(6, i) * (1e-8 * u[0]);
     EXPECT_EQ(names(tilt, 1e-8 * (u[1] - 0.5)), at_rest) << i;
   }
-  // The control: a lean that is seen takes other points.
+  // The control: a visible lean selects other points.
   EXPECT_NE(names({0, 0, 0.005}, 0), at_rest);
 }
 

@@ -47,7 +47,7 @@ TEST(Crowd, WhoLeansOnAWallIsHeldWhereForcesBalance) {
   // 40 s are 80 relaxation times.
   EXPECT_NEAR(run.position(0).x, 2 - 0.3 + gap, 1e-9);
   EXPECT_NEAR(norm(run.velocity(0)), 0, 1e-9);
-  // Control: beside the wall there is nothing to lean on.
+  // Control: away from the wall there is nothing to lean on.
   d.walls[0].points = {{2, 3, 0}, {2, 5, 0}};
   CrowdRun past(d);
   past.step(1200);

@@ -1,5 +1,5 @@
-// What is said where something fails or has a bound: the state by its name, the length of the step, the bound
-// with its number, remedies that are those of equations, and rules that a table's sentences must name.
+// Messages at failures and limits: the state by its name, the length of the step, the limit with its number,
+// remedies that apply to equations, and rules that a table's sentences must name.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -36,13 +36,13 @@ TEST(FaultWords, EquationsThatFailNameTheStateAndTheStep) {
   EXPECT_EQ(s.failure()->step, 50u);
   EXPECT_THAT(s.failure()->detail, HasSubstr("\"bread\""));
   EXPECT_THAT(s.failure()->detail, Not(HasSubstr("component")));
-  // Some rounding of the time: six decimals made it 0.000000 s.
+  // A few roundings of the time: six decimals would print 0.000000 s.
   EXPECT_THAT(s.failure()->detail, HasSubstr("e-1"));
   EXPECT_THAT(s.failure()->detail, Not(HasSubstr("0.000000")));
 }
 
-// A solution that ends: no method goes on, so none is offered, nor stiffness and mass that equations do not
-// have.
+// A solution that ends: no method continues it, so none is offered, nor the stiffness and mass that equations
+// do not have.
 TEST(FaultWords, RemediesOfASolutionThatEnds) {
   Session s = equations(R"("states": {"x": 1}, "equations": {"x": "x^3"})");
   s.step(100);
@@ -54,7 +54,7 @@ TEST(FaultWords, RemediesOfASolutionThatEnds) {
   EXPECT_THAT(remedies, Not(HasSubstr("tolerance")));
 }
 
-// A fixed step that is too long for a fast decay: what chooses its own steps was tried and holds.
+// A fixed step too long for a fast decay: a method that chooses its own steps was tried and holds.
 TEST(FaultWords, RemediesOfEquationsThatAMethodCannotFollow) {
   Session s =
       equations(R"s("states": {"x": 1}, "equations": {"x": "-1e4 * (x - cos(t))"}, "integrator": "rk4")s");
@@ -87,7 +87,7 @@ TEST(FaultWords, TablesSayTheRulesThatTheyCheck) {
   EXPECT_THAT(table_of("particles"), HasSubstr("either bursts or rate, not both"));
 }
 
-// Impacts that gravity alone would repeat at every step do not bounce; the plan says how slow that is.
+// Impacts that gravity alone would repeat at every step do not bounce; the plan gives the speed limit.
 TEST(FaultWords, ThePlanSaysWhichImpactsDoNotBounce) {
   const auto plan_of = [](const char* more) {
     const Session s = session_of(std::string(R"({"type": "rigid2d", "id": "b", "bodies": [

@@ -1,5 +1,5 @@
-// Quasi-static steps to which nothing has changed used to factorise a matrix each, to look at a correction
-// that they then did not take: of a study in space that was nine tenths of the time.
+// Quasi-static steps in which nothing had changed used to factorise a matrix each, for a correction that they
+// then did not apply: nine tenths of the time of a study in space.
 #include "engine/integrators/implicit/stage_newton.h"
 #include "tests/unit/fem_rig.h"
 
@@ -15,7 +15,7 @@ FemDef hung_block() {
   return d;
 }
 
-/// Linear systems of the next step. Without the workspace: all that a step knows is in the state.
+/// Linear systems solved in the next step. Without the workspace: a step depends on the state alone.
 int solutions(FemRun& run) {
   run.workspace = Workspace();
   run.step();
@@ -36,7 +36,7 @@ TEST(FemIdleEquilibrium, AStepThatBringsNothingSolvesNothing) {
   }
 }
 
-// Controls: whatever changes the forces is answered, however little.
+// Controls: any change of the forces is answered, however small.
 TEST(FemIdleEquilibrium, WhateverChangesIsAnswered) {
   FemRun run(hung_block(), 0.1, {0, -9.81, 0});
   solutions(run);
@@ -48,7 +48,7 @@ TEST(FemIdleEquilibrium, WhateverChangesIsAnswered) {
   EXPECT_GT(solutions(run), 0);
   EXPECT_GT(run.displacement(size_t(tip)).y, before);
   EXPECT_GT(solutions(run), 0);  // the push is over
-  // Newton's corrections end at a millionth of the way that the push made, which was itself a millionth.
+  // Newton's corrections end at a millionth of the push's displacement, which was itself a millionth.
   EXPECT_NEAR(run.displacement(size_t(tip)).y, before, 1e-9);
   run.system->apply(run.state,
                     {.kind = CommandKind::set_parameter, .value = 1.001e5, .name = "youngs_modulus"});

@@ -128,7 +128,7 @@ TEST(FlatContact, MovingByTheOverlapParts) {
     // Slightly farther than the deepest point and they no longer overlap.
     Pose away = at;
     away.p = at.p + (std::max(0.0, -deepest) + 1e-6) * c.normal;
-    // Where they overlap by more than a corner's size, the deepest corner may lie beside the reference edge.
+    // If they overlap by more than a corner's size, the deepest corner may lie outside the reference edge.
     if (deepest > -0.25) {
       EXPECT_FALSE(overlap(a, b, away)) << k << " depth " << deepest;
     }

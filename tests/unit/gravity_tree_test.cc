@@ -31,7 +31,7 @@ struct Errors {
 
 enum class Way : uint8_t { walks, multipoles };
 
-/// Of the tree's sums over those of all pairs.
+/// Errors of the tree's sums relative to those over all pairs.
 Errors errors(const Cloud& cloud, const TreeSettings& settings, Way way = Way::walks) {
   const ThreadArena one(1);
   const size_t n = cloud.mu.size();

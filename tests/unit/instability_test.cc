@@ -102,8 +102,8 @@ TEST(Instability, RemediesWereTriedOnTheStateThatFailed) {
   EXPECT_LE(*stiffened.failure()->suggested_dt, 2 / std::sqrt(1e7) * (1 + 1e-9));
 }
 
-// Loops of which all bars come into one line, in steps in which they turn by a radian: Newton's method loses
-// them although these methods have no limit in theory.
+// Loops whose bars all come into one line, in steps in which they turn by a radian: Newton's method diverges
+// although these methods have no limit in theory.
 struct Linkage {
   const char* method;
   double dt;

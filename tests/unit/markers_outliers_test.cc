@@ -69,7 +69,7 @@ TEST(Triangulation, SightingsOfSomethingElseAreSetAside) {
 /// one: 2 mm of noise, a tenth of the markers out of sight, and a fraction of those in sight displaced by up
 /// to half a metre.
 struct Misled {
-  /// Ascending, of the frames in which every joint has two right markers beside a false one.
+  /// Ascending, of the frames in which every joint has two right markers next to a false one.
   std::vector<double> angles;
   double all_angles = 0;
   size_t false_ones = 0, found = 0, right_ones = 0, lost = 0;
@@ -142,10 +142,10 @@ TEST(MarkerFit, OutliersAreSetAside) {
                                std::to_string(found.all_angles) + " beside " +
                                std::to_string(best.all_angles));
   ASSERT_GT(found.false_ones, 150u) << "the control: there are false ones";
-  // A joint with one right marker of three and one out of sight cannot tell which is which: a tenth of the
-  // false ones lies beside one out of sight twice in ten. Nine tenths must be found.
+  // A joint with one right marker of three and one out of sight cannot tell which is right: a tenth of the
+  // false ones are next to one out of sight, two times in ten. Nine tenths must be found.
   EXPECT_GT(static_cast<double>(found.found), 0.9 * static_cast<double>(found.false_ones));
-  // 3 in 10,000 lengths of three normal numbers exceed 4.7 spreads; some are lost beside a false one.
+  // 3 in 10,000 lengths of three normal numbers exceed 4.7 spreads; some are lost next to a false one.
   EXPECT_LT(static_cast<double>(found.lost), 0.03 * static_cast<double>(found.right_ones));
   // Where two right markers stand against a false one: hardly worse than if the false ones were known. A
   // local search may still end in a worse minimum: in one frame of twenty at most (a bound set after seeing

@@ -1,4 +1,4 @@
-// A box as a mesh of twelve triangles, for tests of what meets meshes.
+// A box as a mesh of twelve triangles, for tests of contact with meshes.
 #pragma once
 #include <vector>
 

@@ -1,4 +1,4 @@
-// Two bodies at a node: which way they face, and what they do to each other.
+// Two bodies at a node: the normal between them, and the contact impulse.
 #include <gtest/gtest.h>
 
 #include <vector>
@@ -8,7 +8,7 @@
 namespace truestep::mpm {
 namespace {
 
-/// Particles half a cell apart, shifted by a share of it, as a cloud around a node at the origin.
+/// Particles half a cell apart, shifted by a share of that, as a cloud around a node at the origin.
 struct Places {
   std::vector<float> x, y, z, side;
 
@@ -35,7 +35,7 @@ struct Places {
 };
 
 // Flat surfaces a quarter of a cell to either side of a plane in any direction: within five degrees, the
-// angle under which the nearest particles' steps are seen over three cells.
+// angle of one particle step over three cells.
 TEST(MpmFieldContact, TheNormalOfFlatSurfacesIsTheirs) {
   for (const int dimension : {2, 3}) {
     for (const double shift : {0.0, 0.3, -0.45}) {
@@ -55,7 +55,7 @@ TEST(MpmFieldContact, TheNormalOfFlatSurfacesIsTheirs) {
   }
 }
 
-// A body that ends at the node, on a surface that goes on: the difference of the centres of mass, the
+// A body that ends at the node, on a surface that continues: the difference of the centres of mass, the
 // control, points along the diagonal.
 TEST(MpmFieldContact, TheNormalAtACornerIsThatOfTheSurfaceItLiesOn) {
   const Places p(2, 0.5, [](const Vec3& at) { return at.y < 0 ? -1 : at.x > 0.5 ? 1 : 0; });
@@ -95,7 +95,7 @@ TEST(MpmFieldContact, NodesMeetByCoulombsLaw) {
         continue;
       }
       EXPECT_NEAR(got.y, reduced * (1 - closing), 1e-15);
-      // Slides at 4 m/s, or less than the bound's impulse would stop.
+      // Slides at 4 m/s, or less if the bound's impulse would stop it.
       EXPECT_NEAR(got.x, -std::min(friction * got.y, reduced * 4), 1e-14);
       EXPECT_NEAR(dot(other.velocity - one.velocity, n), -closing, 1e-15);
     }

@@ -35,7 +35,7 @@ TEST(MpmInlet, PoursWhatItsSpeedAndTimeSay) {
       EXPECT_EQ(run.observe("emitted"), run.observe("count"));
       // Sums in f64; each particle's mass is the density times its volume.
       EXPECT_NEAR(run.observe("mass") / (12 * layer * particle), 1, 1e-13);
-      // Without gravity it keeps its velocity, to rounding of f32 and what nodes beside the axis hold back.
+      // Without gravity it keeps its velocity, up to rounding of f32 and the drag of nodes next to the axis.
       EXPECT_NEAR(run.observe("momentum.y") / run.observe("mass"), 1, 1e-3);
     }
   }

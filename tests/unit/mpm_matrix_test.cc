@@ -105,7 +105,7 @@ TEST(MpmMatrix, TheNearestRotationIsThatOfSingularVectors) {
   hard_rotations<3, float>(), hard_rotations<3, double>();
 }
 
-// A matrix that needs singular values beside some that do not: no lane may change another.
+// A matrix that needs singular values next to some that do not: no lane may change another.
 TEST(MpmMatrix, LanesDoNotChangeEachOther) {
   const double plain[9] = {1, 0.1, 0, 0, 1.2, 0.3, 0, 0.1, 0.9}, mirror[9] = {-1, 0, 0, 0, 2, 0, 0, 0, 3};
   Square<3, double> mixed = filled<3, double>(plain);

@@ -51,7 +51,7 @@ TEST_F(Refining, FindsTheOrderInSpaceWithAndWithoutAnExactSolution) {
       const auto r = run(convergence(rod("\"order\":\"" + std::to_string(order) + '"', told),
                                      R"("refine":"space","budget":20)"));
       ASSERT_TRUE(r.summary.at("observed_order").is_double()) << json::serialize(r.summary);
-      // The next term of the error is (pi dx)^2 of it: below 0.04 from 16 cells on.
+      // The next term of the error is (pi dx)^2 times the first: below 0.04 from 16 cells on.
       EXPECT_NEAR(r.summary.at("observed_order").as_double(), order, 0.05) << told;
       EXPECT_EQ(r.summary.at("promised_order").as_int64(), order);
       EXPECT_EQ(r.summary.at("subject").as_string(), "rod.cells");
@@ -169,9 +169,8 @@ TEST_F(Refining, ARopeStaysTheSameRope) {
   EXPECT_THAT(refused(convergence(heavier, R"("refine":"space")")).what(), testing::HasSubstr("density"));
 }
 
-// A square that slides along two of its sides and is pulled evenly but for a smooth bump: no corner takes
-// from the second order that places have on smooth solutions.
-/// A square that slides on two sides under a smooth load.
+// A square that slides along two of its sides under a load that is even except for a smooth bump: no corner
+// reduces the second order that positions have on smooth solutions.
 std::string square(const std::string& element, int cells) {
   const std::string n = std::to_string(cells);
   return R"j({"schema_version":"1.0","name":"square","gravity":[0,0,0],"time":{"dt":1,"duration":1},"systems":[
@@ -187,7 +186,7 @@ TEST_F(Refining, ElementsHaveTheirOrder) {
   EXPECT_NEAR(r.summary.at("observed_order").as_double(), 2, 0.05);
 }
 
-// On meshes as coarse as these corners still take from the order: what is left tells linear from quadratic.
+// On meshes this coarse, corners still reduce the order: the rest tells linear from quadratic elements.
 TEST_F(Refining, QuadraticElementsHaveAHigherOrder) {
   const auto finest = [&](const std::string& element, int cells) {
     const auto r = run(convergence(square(element, cells), R"("refine":"space","halvings":4,"budget":20)"));

@@ -199,7 +199,7 @@ TEST(RigidJoints, ASpringByHertzHasOneStiffness) {
   spring.anchor = Vec3{0, 0.3, 0}, spring.anchor_b = Vec3{2, 0.3, 0};
   d.joints.push_back(spring);
   const JointList joints = build_joints(d, build_bodies(d, 1));
-  // 0.3 m beside both centres, 2/5 m r^2 of a ball.
+  // 0.3 m from both centres, 2/5 m r^2 of a ball.
   const double k = 1.0 / 2 + 1.0 / 3 + 0.09 / (0.4 * 2 * 0.25) + 0.09 / (0.4 * 3 * 0.16), w = 2 * M_PI * 1.5;
   ASSERT_EQ(joints.drives.size(), 1u);
   EXPECT_NEAR(joints.drives[0].stiffness, w * w / k, 1e-9 * w * w);

@@ -37,7 +37,7 @@ TEST(SphInlet, PoursWhatItsSpeedAndTimeSay) {
   }
 }
 
-// Without gravity a jet goes on as it came.
+// Without gravity a jet keeps its velocity.
 TEST(SphInlet, AJetKeepsItsSpeed) {
   SphRun run(jet(Method::dfsph, 3), 1.0 / 60);
   run.seconds(0.25);

@@ -26,7 +26,7 @@ struct Plane {
   }
   Fields fields() { return {u.data(), v.data(), nullptr}; }
   ConstFields known() const { return {u.data(), v.data(), nullptr}; }
-  // 0 on the sides, where the flow runs along them at rest but for the upper one: u = sin(pi x)^2 there.
+  // 0 on the sides, where the flow runs along them at rest except at the upper one: u = sin(pi x)^2 there.
   static double stream(double x, double y) {
     const double s = std::sin(kPi * x);
     return s * s * y * y * (y - 1);
@@ -50,7 +50,7 @@ TEST(StreamFunction, HasNoDivergenceAndSeesNoGradient) {
   for (size_t j = 0; j < 12; ++j) {
     for (size_t i = 0; i < 12; ++i) EXPECT_NEAR(p.out[p.g.at(i, j, 0)], 0, 1e-11);
   }
-  // The gradient of anything, by the differences of either order, has no curl on nodes that reach no side.
+  // A gradient, by differences of either order, has no curl on nodes away from the sides.
   for (const bool fourth : {false, true}) {
     std::vector<double> q(p.g.size());
     for (size_t k = 0; k < q.size(); ++k) q[k] = std::cos(double(k * k % 97));
@@ -65,7 +65,7 @@ TEST(StreamFunction, HasNoDivergenceAndSeesNoGradient) {
     for (size_t j = 3; j < 9; ++j) {
       for (size_t i = 3; i < 9; ++i) EXPECT_NEAR(p.out[p.g.at(i, j, 0)], 0, 1e-10) << fourth;
     }
-    // Control: what turns has one.
+    // Control: a rotating flow has one.
     for (size_t j = 0; j <= 12; ++j) {
       for (size_t i = 0; i <= 12; ++i) p.u[p.g.at(i, j, 0)] = -double(j), p.v[p.g.at(i, j, 0)] = double(i);
     }
@@ -75,7 +75,7 @@ TEST(StreamFunction, HasNoDivergenceAndSeesNoGradient) {
   }
 }
 
-// Velocities inside and beyond walls at rest (those of the lid, which is no constant here, are left out).
+// Velocities inside and beyond walls at rest (except the lid, whose velocity varies here).
 TEST(StreamFunction, VelocitiesOfFourthOrderHaveItUpToTheWalls) {
   const auto error = [](size_t cells) {
     Plane p(cells);
@@ -86,7 +86,7 @@ TEST(StreamFunction, VelocitiesOfFourthOrderHaveItUpToTheWalls) {
     const auto n = static_cast<double>(cells);
     for (size_t j = 0; j <= cells / 2; ++j) {
       for (size_t m = 0; m < cells + 1; ++m) {
-        // From one value beyond the left wall on: v = -dpsi/dx.
+        // From one value beyond the left wall: v = -dpsi/dx.
         const double x = (static_cast<double>(m) - 0.5) / n, y = static_cast<double>(j) / n;
         const double exact = -kPi * std::sin(2 * kPi * x) * y * y * (y - 1);
         most = std::max(most, std::abs(p.v[p.g.at(m, j, 0) - 1] - exact));
@@ -96,7 +96,7 @@ TEST(StreamFunction, VelocitiesOfFourthOrderHaveItUpToTheWalls) {
   };
   const double coarse = error(16), fine = error(32);
   std::printf("  largest error %.1e, %.1e of 0.47 m/s\n", coarse, fine);
-  // Fourth order takes 15/16 away; second order would leave a quarter.
+  // Fourth order removes 15/16; second order would leave a quarter.
   EXPECT_LT(fine, coarse / 10);
   EXPECT_GT(coarse, 1e-6) << "control: there is an error to fall";
 }

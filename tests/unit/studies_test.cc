@@ -87,7 +87,7 @@ TEST(ObservedOrder, QuotesOnlyWhatHasSettled) {
   ASSERT_TRUE(settled.settled);
   EXPECT_NEAR(*settled.settled, 4, 1e-12);  // exact powers of two
   EXPECT_FALSE(observed_order(wobbling, 1e-12).settled);
-  // Five halvings from 1 to 1.5 / 4^5, whichever way the ones between wobble.
+  // Five halvings from 1 to 1.5 / 4^5, however the ones between scatter.
   EXPECT_NEAR(observed_order(wobbling, 1e-12).mean.value_or(0), 2 - std::log2(1.5) / 5, 1e-12);
   EXPECT_FALSE(observed_order({4, 2, 1}, 1e-12).mean) << "two halvings are too few";
   // The same clean errors under a coarse reference leave fewer than three halvings.

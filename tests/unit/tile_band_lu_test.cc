@@ -1,4 +1,4 @@
-// Wide bands in tiles against what they multiply, and their refusal of what is singular.
+// Wide bands in tiles: solutions against known ones, and refusal of singular matrices.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,7 +9,7 @@
 namespace truestep {
 namespace {
 
-// A matrix of a convection that runs faster than it spreads: not dominated by its diagonal.
+// Convection faster than diffusion: not diagonally dominant.
 double element(size_t i, size_t j) {
   const double d = static_cast<double>(i) - static_cast<double>(j);
   return i == j ? 3

@@ -1,6 +1,6 @@
-// Torn cloth used to offer other systems its points alone: marbles and the corners of bodies fell through
-// the triangles that were left. And rows that a tear had just added were read beyond the memory of the
-// substep's start.
+// Torn cloth used to offer other systems only its points: marbles and corners of bodies fell through the
+// remaining triangles. And rows that a tear had just added were read beyond the memory of the substep's
+// start.
 #include "tests/support/coupled.h"
 
 namespace truestep {
@@ -8,7 +8,7 @@ namespace {
 
 using testing_coupled::SceneRun;
 
-// A sheet of 0.1 m cells, held along its border, with what falls on it. `shot`: the speed of a ball that
+// A sheet of 0.1 m cells, held along its border, with objects falling on it. `shot`: the speed of a ball that
 // tears its middle.
 std::string sheet(const std::string& systems, const std::string& couplings, double shot) {
   return R"({"schema_version": "1.0", "name": "s", "time": {"dt": 0.005, "substeps": 4},
@@ -34,7 +34,7 @@ TEST(TornClothContact, TrianglesThatAreLeftHoldMarbles) {
   const auto height = [&](size_t i) { return load3(run.session.state().systems[2].f64(0).data(), i).y; };
   // Half a second: free fall is 1.2 m. The sheet swings by a few centimetres.
   for (size_t i = 0; i < 4; ++i) EXPECT_GT(height(i), 0.85) << i;
-  // Control: what is over the hole goes through it.
+  // Control: the marble over the hole goes through it.
   EXPECT_LT(height(4), 0.8);
   EXPECT_LT(load3(run.session.state().systems[1].f64(0).data(), 0).y, 0);
 }
@@ -47,7 +47,7 @@ TEST(TornClothContact, TrianglesThatAreLeftHoldBodies) {
                      20));
   run.session.step(100);
   EXPECT_GT(run.observe("cloth.splits"), 3);
-  // Its weight for half a second less the time of its fall of 18 mm, 0.06 s; the rest is what it still moves.
+  // Its weight for half a second minus the time of its fall of 18 mm, 0.06 s; it still moves a little.
   EXPECT_NEAR(std::abs(run.observe("touch.impulse.y")), 0.01 * 9.81 * 0.5, 0.3 * 0.01 * 9.81 * 0.5);
 }
 

@@ -81,15 +81,15 @@ TEST(ArticulationLoops, FourBarsFollowTheirOneCoordinate) {
   EXPECT_GT(std::abs(end.theta - reduced(2, 5).first), 1e-2);
 }
 
-// By an adaptive method of order 8 it stopped at 2.66 s, where all bars lie in one line.
+// With an adaptive method of order 8 it stopped at 2.66 s, where all bars lie in one line.
 TEST(ArticulationLoops, AdaptiveMethodsGoThroughTheLine) {
   const auto [theta, omega] = reduced(1, 10);
   const End end = run_bars(1, 1e-2, 10, "dop853", 1e-10);
-  // Each time through the line takes what the loop's closing leaves undetermined there: some 1e-7 of a turn.
+  // Each pass through the line adds what the loop's closure leaves undetermined there: some 1e-7 of a turn.
   EXPECT_NEAR(end.theta, theta, 1e-5);
   EXPECT_NEAR(end.omega, omega, 1e-4);
   EXPECT_LT(end.gap, 1e-12);
-  // Control: a tolerance of 1e-2 is seen.
+  // Control: a tolerance of 1e-2 shows.
   EXPECT_GT(std::abs(run_bars(1, 1e-1, 10, "bs32", 1e-2).theta - theta), 1e-4);
 }
 

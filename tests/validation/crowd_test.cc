@@ -95,7 +95,7 @@ TEST(CrowdValidation, OppositeStreamsFormLanes) {
   // excess fraction in one direction is 1 / 13 = 0.08, and the mean over 360 people, of some 27 strips, has a
   // standard error of 0.02.
   EXPECT_NEAR(start, 0.08, 0.06);
-  // Perfect lanes would give 1; people beside another lane see some of it.
+  // Perfect lanes would give 1; people next to another lane see some of it.
   EXPECT_GT(end, 0.7);
   // Control: people who do not react to each other mix forever.
   CrowdDef ghosts = corridor();

@@ -1,5 +1,5 @@
-// Flows that no longer change, found directly: the cavity against its spectral columns, against the same flow
-// stepped to its end, and against Kovasznay's flow.
+// Steady flows, solved for directly: the cavity against its spectral profiles, against the same flow stepped
+// to its end, and against Kovasznay's flow.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -35,8 +35,7 @@ TEST(GridFluidSteady, CavityAtReynolds1000IsTheSpectralOneOfFourthOrder) {
   EXPECT_GT(rms[0][2], 0.0019) << "control: second order does not reach it";
 }
 
-// The differences are those that are stepped in time: the flow stepped for long ends at the one that is
-// found.
+// The steady differences are those that are stepped in time: a flow stepped for long ends at the steady one.
 TEST(GridFluidSteady, TheFlowFoundIsTheOneThatTimeEndsIn) {
   GridFluidDef d = steady_cavity(32, GridFluidDef::Order::second);
   d.viscosity = 0.01;
@@ -65,7 +64,7 @@ TEST(GridFluidSteady, TheFlowFoundIsTheOneThatTimeEndsIn) {
   // A change of 1e-6 in the last iteration; the slowest eddy loses exp(-40 viscosity 2 pi^2) in 40 s.
   EXPECT_LT(apart, 1e-5);
   EXPECT_LT(pressure, 1e-4) << "largest beside the lid's ends";
-  // Control: after a twentieth of the time it is elsewhere.
+  // Control: after a twentieth of the time it is different.
   GridFlow early(d, 0.1);
   early.steps(20);
   EXPECT_GT(std::abs(early.velocity(0, 0.5, 0.5) - found.velocity(0, 0.5, 0.5)), 1e-3);
@@ -91,7 +90,7 @@ TEST(GridFluidSteady, KovasznaysFlowIsFoundToSecondOrder) {
   EXPECT_NEAR(std::log2(middle / fine), 2, 0.15);
 }
 
-// A viscosity lowered step by step leads to flows that no start from rest would find.
+// A viscosity lowered step by step leads to flows that a start from rest would not find.
 TEST(GridFluidSteady, ALowerViscosityStartsFromTheFlowBefore) {
   GridFlow run(steady_cavity(48, GridFluidDef::Order::second), 1);
   run.steps(1);

@@ -50,7 +50,7 @@ TEST(GridFluid, CavityAtReynolds100IsOfSecondOrder) {
     d.viscosity = viscosity;
     d.sides.y_max = FlowSideDef{SideKind::wall, {"1", "0"}};
     GridFlow run(d, 0.1);
-    run.steps(200);  // at 20 s it has settled to 1e-6
+    run.steps(200);  // at 20 s it is steady to 1e-6
     double most = 0;
     for (const CavityPoint& p : kU100) most = std::max(most, std::abs(run.velocity(0, 0.5, p.at) - p.value));
     for (const CavityPoint& p : kV100) most = std::max(most, std::abs(run.velocity(1, p.at, 0.5) - p.value));
@@ -59,7 +59,7 @@ TEST(GridFluid, CavityAtReynolds100IsOfSecondOrder) {
   const double a = worst(16, 0.01), b = worst(32, 0.01), c = worst(64, 0.01);
   std::printf("  largest error %.2e %.2e %.2e, order %.2f %.2f\n", a, b, c, std::log2(a / b),
               std::log2(b / c));
-  EXPECT_LT(c, 0.003);  // what the case asks of 256 cells
+  EXPECT_LT(c, 0.003);  // the case's tolerance at 256 cells
   EXPECT_GT(std::log2(b / c), 1.7);
   // Control: a tenth more viscosity.
   EXPECT_GT(worst(64, 0.011), 0.003);
@@ -205,7 +205,7 @@ TEST(GridFluid, MultigridSolvesCutCellsInEightIterations) {
       const auto out = poisson.solve(b.data(), 1e-6, arena);
       std::printf("  %zu-D, %lld cells: %d iterations, %zu levels\n", dimensions,
                   static_cast<long long>(cells), out.iterations, poisson.levels());
-      // 6 to 7 for any number of cells; coarse levels that are too soft beside solids take 10 at 64^3.
+      // 6 to 7 for any number of cells; coarse levels that are too soft next to solids take 10 at 64^3.
       EXPECT_LE(out.iterations, 8);
       EXPECT_LE(out.residual, 1e-6);
     }
@@ -295,8 +295,8 @@ TEST(GridFluid, ObstacleInAStreamShedsEddiesAtThePublishedRate) {
   const double strouhal = (crossings - 1) / (last - first);
   std::printf("  Strouhal %.4f, drag coefficient %.3f\n", strouhal, 2 * drag);
   // 0.164 to 0.166 in an unbounded stream (Williamson 1989). Walls 8 diameters apart and an inflow 4
-  // diameters ahead leave less room: 0.164 / (1 - 1/8) = 0.187 if all of the stream passed beside the
-  // cylinder at one speed.
+  // diameters ahead leave less room: 0.164 / (1 - 1/8) = 0.187 if the whole stream passed the cylinder at one
+  // speed.
   EXPECT_GT(strouhal, 0.164);
   EXPECT_LT(strouhal, 0.187);
   // 1.33 to 1.38 unbounded, and 1.38 / (1 - 1/8)^2 at that speed (docs/fluids.md has it over width and

@@ -1,4 +1,4 @@
-// Obstacles that turn: a spinning cylinder against the vortex that it keeps up, a bar against its mirror
+// Rotating obstacles: a spinning cylinder against the vortex that it maintains, a bar against its mirror
 // image.
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ namespace {
 using namespace grid_fluid;
 constexpr double kPi = std::numbers::pi;
 
-// A cylinder of radius R spins at W in fluid without end: u = W R^2 / r along the circles is exact, and the
+// A cylinder of radius R spins at W in unbounded fluid: u = W R^2 / r along the circles is exact, and the
 // fluid takes a torque of 4 pi density viscosity W R^2 from it. The sides of the box give the exact flow.
 struct Spun {
   double error, torque;
@@ -46,7 +46,7 @@ TEST(GridFluidTurning, ASpinningCylinderKeepsUpItsVortex) {
   std::printf("  rms %.2e, %.2e m/s; torque %.4f, %.4f of the exact\n", coarse.error, fine.error,
               coarse.torque, fine.torque);
   EXPECT_NEAR(fine.torque, 1, 0.01);
-  // Second order takes three quarters away; the exact flow has a kink at the wall, which costs some of it.
+  // Second order removes three quarters; the exact flow has a kink at the wall, which costs some of that.
   EXPECT_LT(fine.error, 0.4 * coarse.error);
   EXPECT_LT(std::abs(fine.torque - 1), 0.4 * std::abs(coarse.torque - 1));
   // Control: walls of first order, whose viscosity acts through the cylinder within a step.

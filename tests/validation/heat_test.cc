@@ -309,7 +309,7 @@ TEST(Heat, ExplicitMethodsHoldTheStepOfTheory) {
     d.cells.assign(dimensions, 8);
     d.diffusivity = "0.5";
     d.all = side(SideKind::dirichlet);
-    // The shortest wave of the lattice beside the longest.
+    // The shortest wave of the lattice together with the longest.
     d.initial = "sin(pi*x) + 1e-3*sin(7*pi*x)";
     if (dimensions > 1) d.initial = "(" + d.initial + ")*(sin(pi*y) + 1e-3*sin(7*pi*y))";
     if (dimensions > 2) d.initial += "*(sin(pi*z) + 1e-3*sin(7*pi*z))";

@@ -10,8 +10,7 @@ namespace {
 using testing_rig::mesh_of_box;
 using testing_rig::SphRun;
 
-/// N, mean over half a second of what still water lifts a box of a tenth of a metre with that is held
-/// in it.
+/// N, mean over half a second of the lift of still water on a box of a tenth of a metre that is held in it.
 double lift(const Solid& solid) {
   sph::SphDef d;
   d.high = {0.4, 0.4, 0.4}, d.spacing = 0.025;

@@ -38,7 +38,7 @@ TEST(ImmersionValidation, ACrateFloatsAtItsDepth) {
   EXPECT_GT(std::abs(draft(400, "dfsph") - 0.06), 0.007) << "control: a lighter one";
 }
 
-// The same at a draft of 4.8 spacings, to 2 % of it: a tenth of a spacing matters less.
+// The same at a draft of 4.8 spacings, to 2 %: a tenth of a spacing matters less.
 TEST(ImmersionValidation, ALargeCrateFloatsAtItsDepthToTwoPercent) {
   const auto draft_of = [](double density) {
     Bath bath;

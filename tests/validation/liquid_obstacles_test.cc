@@ -12,8 +12,7 @@ namespace {
 using namespace grid_fluid;
 using A = GridFluidDef::Advection;
 
-// Height of the water beside the walls: of the topmost particles in the outer sixths of the tank, in the
-// mean.
+// Water level next to the walls: the mean of the topmost particles in the outer sixths of the tank.
 double level(const LiquidRun& run, double width, double spacing) {
   std::vector<double> top(static_cast<size_t>(width / spacing), 0);
   const auto x = run.places();
@@ -29,7 +28,7 @@ double level(const LiquidRun& run, double width, double spacing) {
   return sum / count;
 }
 
-// A block is lowered into a tank: the water rises by what the block takes up.
+// A block is lowered into a tank: the water rises by the volume the block displaces.
 TEST(LiquidObstacles, ABlockPushedIntoATankRaisesTheWater) {
   constexpr double kSpacing = 1.0 / 32, kDepth = 0.5;
   for (const A advection : {A::flip, A::apic}) {

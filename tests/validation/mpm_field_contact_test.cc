@@ -1,4 +1,4 @@
-// Bodies with velocities of their own at the nodes that they share: when they touch, and how they slide.
+// Bodies with separate velocities at the nodes that they share: when they touch, and how they slide.
 #include <gtest/gtest.h>
 
 #include "tests/unit/mpm_rig.h"
@@ -18,9 +18,9 @@ Vec3 velocity_of(const MpmRun& run, const MpmDef& d, size_t k) {
   return sum / static_cast<double>(many);
 }
 
-// A block lies on a slab that the floor holds; gravity is turned by 30 degrees. It slides with
-// g (sin - mu cos), or sticks where mu > tan = 0.577. The friction that acts is mu times the impulse that
-// carries the block, whatever the contact's ripples: 3 %, of which the block's own shear takes a part.
+// A block lies on a slab held by the floor; gravity is turned by 30 degrees. It slides with g (sin - mu cos),
+// or sticks if mu > tan = 0.577. Friction is mu times the impulse that supports the block, whatever the
+// contact's ripples: 3 %, part of which is the block's own shear.
 void check_slope(int dimension, Precision precision, double mu) {
   const double c = std::sqrt(0.75), s = 0.5, g = 9.81;
   MpmDef d;
@@ -61,8 +61,8 @@ MpmDef cubes(int dimension, Transfer transfer) {
   return d;
 }
 
-// Faces 0.3 m apart that approach at 1 m/s meet at 0.3 s: within a tenth of the cell, a step of 5 ms and the
-// strain that counts as contact. One field of velocities, the control, is more than a cell early.
+// Faces 0.3 m apart that approach at 1 m/s meet at 0.3 s: within a tenth of a cell, a step of 5 ms and the
+// strain that counts as contact. A single velocity field, the control, is more than a cell early.
 TEST(MpmFieldContact, FacesMeetWhenTheyMeet) {
   for (const int dimension : {2, 3}) {
     for (const bool own : {true, false}) {
@@ -82,7 +82,7 @@ TEST(MpmFieldContact, FacesMeetWhenTheyMeet) {
   }
 }
 
-// To rounding of some hundred substeps, through a meeting off the centres with friction.
+// To rounding over some hundred substeps, through an off-centre impact with friction.
 TEST(MpmFieldContact, CubesThatMeetKeepBothMomenta) {
   for (const int dimension : {2, 3}) {
     MpmDef d = cubes(dimension, Transfer::apic);

@@ -49,7 +49,7 @@ TEST(MpmImplicit, AStiffBarHangsAsTheClosedFormSaysInStepsOfASixtieth) {
   EXPECT_LT(most, 1e-3);
 }
 
-// The mean about which the explicit step oscillates is where the implicit one rests: over eight periods of
+// The explicit step oscillates about the position where the implicit one rests: mean over eight periods of
 // 12.6 ms, whose ends may be off by a sixteenth of a period of an oscillation as large as the mean.
 TEST(MpmImplicit, RestsWhereTheExplicitStepSwingsAbout) {
   MpmRun run(hanging(1e8, Integration::explicit_steps), 2e-4, {0, 9.81, 0});

@@ -1,4 +1,4 @@
-// A box that is pressed into jelly, given as a box and as a mesh of triangles: the same push.
+// A box pressed into jelly, as a box and as a mesh of triangles: the same push.
 #include "tests/unit/mesh_box_rig.h"
 #include "tests/unit/mpm_rig.h"
 
@@ -8,7 +8,7 @@ namespace {
 using testing_rig::mesh_of_box;
 using testing_rig::MpmRun;
 
-/// N s that jelly gives in an eighth of a second to a box that nothing stops.
+/// N s that jelly gives in an eighth of a second to a box of constant velocity.
 double push(const Solid& solid) {
   MpmDef d;
   d.dimension = 3, d.precision = Precision::f64, d.cell = 0.1;
@@ -21,8 +21,8 @@ double push(const Solid& solid) {
   return box.impulse.y;
 }
 
-// Distances to a mesh and to a box agree to rounding; nodes at the same distance from two faces may take
-// either normal, of which there are few: a hundredth.
+// Distances to a mesh and to a box agree to rounding; nodes equally far from two faces may take either
+// normal, and there are few of them: a hundredth.
 TEST(MpmMesh, JellyPushesAMeshAsItDoesABox) {
   const Vec3 half{0.17, 0.16, 0.15};
   const double box = push(box_solid(half)), mesh = push(mesh_of_box(half));

@@ -84,7 +84,7 @@ TEST(MpmValidation, ABarVibratesInItsFirstMode) {
 struct Meeting {
   double contact = 0, start = 0, end = 0, momentum = 0, back = 0;
 };
-/// Two disks in f64, whose velocity fields are one or two.
+/// Two disks in f64, with one or two velocity fields.
 Meeting disks(int field_of_second) {
   MpmDef d;
   d.precision = Precision::f64, d.cell = 1.0 / 80, d.transfer = Transfer::flip, d.flip = 1;
@@ -110,13 +110,13 @@ Meeting disks(int field_of_second) {
 }
 
 // Reference case mpm.disks: kinetic energy at the start, time of contact within a cell over the relative
-// speed, momentum 0, at most 5 % of the energy lost by FLIP (which holds from 80 cells a metre). In one field
-// of velocities, the control, quadratic splines let the disks feel each other two cells early.
+// speed, momentum 0, at most 5 % of the energy lost with FLIP (which holds from 80 cells a metre). With one
+// velocity field, the control, quadratic splines let the disks feel each other two cells early.
 TEST(MpmValidation, TwoDisksMeetAndPart) {
   const double cell_over_speed = 1.0 / 80 / (0.2 * std::sqrt(2.0));
   for (const int field : {1, 0}) {
     const Meeting m = disks(field);
-    // The particles' area is the disk's to the boundary's cells: one in a hundred.
+    // The particles' area is the disk's up to the cells on its border: one in a hundred.
     EXPECT_NEAR(m.start / 2.51327412287183459, 1, 0.02);
     if (field == 1) {
       EXPECT_NEAR(m.contact, 1.5857864376269, cell_over_speed);

@@ -43,7 +43,7 @@ TEST(ParticlesBoris, GyratesExactlyForAThousandTurns) {
   EXPECT_NEAR(std::hypot(r.x(0).x, r.x(0).y), 0.5, 1e-12);
   EXPECT_NEAR(std::atan2(r.x(0).x, r.x(0).y), 0, 2e-12);
   EXPECT_LT(norm(r.v(0) - Vec3{1, 0, 0.25}), 2e-12);
-  // A tenth of a turn on: the sense of rotation is that of q v x B.
+  // A tenth of a turn later: the sense of rotation is that of q v x B.
   r.run(1);
   EXPECT_NEAR(r.x(0).x, 0.5 * std::sin(kTurns / 10), 2e-12);
   EXPECT_NEAR(r.x(0).y, 0.5 * std::cos(kTurns / 10), 2e-12);

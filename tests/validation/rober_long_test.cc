@@ -47,9 +47,9 @@ TEST(LongReactions, RoberRunsTo1e11Seconds) {
 TEST(LongReactions, RoberEndsAsItsClosedFormAt1e13Seconds) {
   Rober run("1e11", "1e-18");
   const double halfway = run.steps(50)["r.a"];
-  // 1e-7 a step of the logarithm of t, of which there are some thirty decades and a hundred steps.
+  // 1e-7 per step of the logarithm of t; there are some thirty decades and a hundred steps.
   EXPECT_NEAR(run.steps(50)["r.a"] * 4.8e-4 * 1e13, 1, 1e-4);
-  // Control: halfway it is another number.
+  // Control: halfway the value is different.
   EXPECT_GT(std::abs(halfway * 4.8e-4 * 1e13 - 1), 0.5);
 }
 

@@ -72,10 +72,10 @@ TEST(SphLayers, HeavyAboveLightFalls) {
 }
 
 // Case fluid.rayleigh_taylor: inviscid growth sqrt(A g k) of a small wave with A = 1/3, k = 2 pi. The tank is
-// half a wave wide, half a wave deep on both sides (which takes 0.2 % off the rate), and full: a lid holds
-// it. The amplitude is that of the border's first mode, by the particles' moments. A lattice that is sheared
-// sums up to another density than at rest, and pressure holds against that as if it were stiff: by 37 % of
-// the rate with wendland_c2 of three spacings, whatever the resolution. Wide kernels do not see the lattice.
+// half a wave wide, half a wave deep on both sides (which takes 0.2 % off the rate), and full, with a lid.
+// The amplitude is that of the interface's first mode, by the particles' moments. A sheared lattice sums to a
+// different density than one at rest, and pressure resists that like a stiffness: by 37 % of the rate with
+// wendland_c2 of three spacings, whatever the resolution. Wide kernels do not see the lattice.
 double growth(double density, Smoothing kernel, double support) {
   constexpr double kSigma = 4.532771332692313;
   SphDef d;
@@ -97,7 +97,7 @@ double growth(double density, Smoothing kernel, double support) {
         std::cosh(kK * (kDepth - std::abs(x.y))) / std::sinh(kK * kDepth) * (x.y > 0 ? 1 : -1);
     v.set_vector(i, Vec3{std::sin(kK * x.x) * along, std::cos(kK * x.x) * fade, 0} * kStart);
   }
-  // The first mode of the vertical displacement of what is within a tenth of the border at the start.
+  // The first mode of the vertical displacement of particles that start within a tenth of the interface.
   std::vector<std::pair<size_t, Vec3>> near;
   for (size_t i = 0; i < n; ++i) {
     if (std::abs(run.position(i).y) < 0.05) near.push_back({i, run.position(i)});

@@ -30,8 +30,8 @@ TEST(XpbdAir, FlatSheetFallsAtItsTerminalVelocity) {
       double mean = 0;
       for (size_t i = 0; i < 121; ++i) mean += run.velocity(i).y / 121;
       // 1/2 rho C v^2 = sigma g; the fall has e-folding times of v / 2 g, 0.08 s at most. The force is
-      // reduced for what neighbours respond with in the same way, which those at the border lack: a fraction
-      // of what gravity adds in a substep of 1/600 s is left.
+      // reduced as if all neighbours responded in the same way, and points on the border lack some: a
+      // fraction of what gravity adds in a substep of 1/600 s remains.
       const double v = std::sqrt(2 * density * 9.81 / (1.2 * 1.2));
       EXPECT_NEAR(mean, -v, 0.2 * 9.81 / 600) << density;
     }
@@ -59,7 +59,7 @@ TEST(XpbdAir, RopeFallsAtItsTerminalVelocity) {
 
 TEST(XpbdAir, LeaningSheetIsLifted) {
   // Wind along x on a sheet that leans by 30 degrees pushes along its normal, n = (-sin, cos, 0): half a
-  // plate's force as lift across the wind, tan 30 of it less as drag.
+  // plate's force as lift across the wind, and tan 30 times that as drag.
   XpbdDef d = sheet(Precision::f64);
   const double s = 0.5, c = std::sqrt(0.75);
   d.cloth_grid->edge_u = {c, s, 0};
@@ -67,7 +67,7 @@ TEST(XpbdAir, LeaningSheetIsLifted) {
   XpbdRun run(d, 1e-4, {});
   run.step();
   const double force = 0.5 * 1.2 * 1.2 * (10 * s) * (10 * s);
-  // The motion of a step, 9e-3 m/s of 5 m/s, takes 4e-3 of it.
+  // The motion in a step, 9e-3 m/s of 5 m/s, changes the force by 4e-3.
   EXPECT_NEAR(run.observe("momentum.x"), force * s * 1e-4, 5e-3 * force * s * 1e-4);
   EXPECT_NEAR(run.observe("momentum.y"), -force * c * 1e-4, 5e-3 * force * c * 1e-4);
 }

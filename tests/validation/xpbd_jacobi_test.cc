@@ -30,7 +30,8 @@ TEST(XpbdJacobi, WeightsAreThoseOfTheSemiIterativeMethod) {
       };
       EXPECT_NEAR(x, chebyshev(mu / rho) / chebyshev(1 / rho), 1e-12) << n << ' ' << mu;
     }
-    // As promised, a tenth of what lies within the radius is left; for few iterations the series is short.
+    // As promised, a tenth of the components within the radius is left; for few iterations the series is
+    // short.
     if (n > 2) {
       double a = 1, b = 1 / rho;
       for (int k = 1; k < n; ++k) a = std::exchange(b, 2 / rho * b - a);
@@ -56,7 +57,7 @@ TEST(XpbdJacobi, StretchOfARopeIsThatOfItsStiffness) {
       d.precision = precision;
       XpbdRun run(d);
       run.seconds(6);
-      // The residual motion, and iterations that start anew in every substep.
+      // The residual motion, and iterations that restart in every substep.
       EXPECT_NEAR(-1 - run.position(10).y, kStretch, 5e-3 * kStretch);
     }
   }

@@ -71,7 +71,7 @@ TEST(XpbdRods, ATurnedEndStoresTwist) {
   d.rod->twist_rate = 0.5, d.rod->damping_time = 0.01;
   XpbdRun run(d, 1.0 / 60, {});
   run.seconds(2);
-  // G J phi^2 / 2 L at 1 rad; the wave that a turning end sends along has (T / t)^2 of it, below 0.1 %.
+  // G J phi^2 / 2 L at 1 rad; the wave that a turning end sends out has (T / t)^2 of that, below 0.1 %.
   const double shear = kE / 2.6, stored = 0.5 * shear * 2 * kI;
   EXPECT_NEAR(run.observe("energy.twist"), stored, 2e-3 * stored);
   EXPECT_LT(run.observe("energy.bending"), 1e-9 * stored);
@@ -103,8 +103,8 @@ TEST(XpbdRods, AHelicalSpringGivesWayByItsWiresTorsionAndBending) {
   EXPECT_NEAR(sag, expected, 0.15 * expected);
 }
 
-/// Largest way (m) off the line of a rod between clamped ends, with the moment m = M L / E I and the tension
-/// t = T L^2 / E I.
+/// Largest distance (m) from the axis of a rod between clamped ends, with the moment m = M L / E I and the
+/// tension t = T L^2 / E I.
 double off_line(double m, double t = 0, int links = 40) {
   XpbdDef d = straight(links, {"ends"});
   d.density = 0.3;
@@ -127,9 +127,10 @@ TEST(XpbdRods, ATwistedRodBucklesAtGreenhillsMoment) {
   EXPECT_GT(off_line(1.05 * 8.9868), 1e-3);
 }
 
-// Where a rod under tension begins to coil, from which loops and plectonemes grow (Coyne 1990, "Analysis of
-// the formation and elimination of loops in twisted cable"): w = y + i z with E I w'''' - i M w''' - T w'' =
-// 0 between clamped ends has a solution where 2 d (cos d - cos (m / 2)) = t sin d, d^2 = m^2 / 4 - t; of long
+// Onset of coiling of a rod under tension, from which loops and plectonemes grow (Coyne 1990, "Analysis of
+// the formation and elimination of loops in twisted cable"): w = y + i z with
+//   E I w'''' - i M w''' - T w'' = 0
+// between clamped ends has a solution if 2 d (cos d - cos (m / 2)) = t sin d, d^2 = m^2 / 4 - t; for long
 // rods m = 2 sqrt(t).
 TEST(XpbdRods, ATwistedRodUnderTensionCoilsAtCoynesMoment) {
   constexpr double kTension = 100;
@@ -143,7 +144,7 @@ TEST(XpbdRods, ATwistedRodUnderTensionCoilsAtCoynesMoment) {
   const double m = 2 * std::sqrt(low * low + kTension);
   EXPECT_NEAR(m, 2 * std::sqrt(kTension), 1);
   // 27 rad in 80 links: a link's twist is measured as twice the sine of half its angle, 0.5 % less. Straight,
-  // its weight bends it by a micrometre; coiled it is a thousandth of its length off the line and more.
+  // its weight bends it by a micrometre; coiled it is a thousandth of its length off the axis or more.
   EXPECT_LT(off_line(0.95 * m, kTension, 80), 1e-4);
   EXPECT_GT(off_line(1.05 * m, kTension, 80), 1e-3);
 }

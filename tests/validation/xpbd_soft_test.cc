@@ -63,7 +63,8 @@ TEST(XpbdMatching, WithoutAFrequencyABodyIsRigid) {
   XpbdRun run(matched({}), 1.0 / 60, {});
   throw_body(run, {0, 3, 0});
   run.seconds(1);
-  // Points leave the arc of a substep of 0.005 rad by its square and are put back onto it, to rounding.
+  // In a substep, points leave the arc of 0.005 rad by its square and are projected back onto it, to
+  // rounding.
   EXPECT_LT(run.observe("strain.max"), 1e-12);
   EXPECT_NEAR(run.observe("volume"), 0.3, 1e-12);
   // Rotated about y by 3 rad, less the damping of the method: the square of a substep's rotation is lost,

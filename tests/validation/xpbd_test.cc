@@ -62,8 +62,8 @@ TEST(XpbdValidation, StretchOfThePbdRopeIsThatOfStepAndIterations) {
 }
 
 TEST(XpbdValidation, LinksByThemselvesComeToTheSameStretch) {
-  // Solved one by one, a sweep leaves an error of (h omega)^2 of the stretch: 1.1 % of it with 40 substeps,
-  // falling with the square of h.
+  // Solved one by one, a sweep leaves an error of (h omega)^2 of the stretch: 1.1 % with 40 substeps, falling
+  // with the square of h.
   XpbdDef d = hanging_rope();
   d.sweep = Sweep::links, d.internal_damping = 10;
   d.substeps = 40;

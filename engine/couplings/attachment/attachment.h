@@ -10,7 +10,7 @@
 // then u.n = 0. Links that share points are swept until all hold. When a side is solved implicitly, the
 // link's impulse is that of the two systems solved as one: points respond with everything tied to them
 // (core/impulse_answer.h), because moving a point alone would stretch stiff springs.
-// A particle that dies lets go.
+// A particle that dies is released.
 #pragma once
 #include <memory>
 

@@ -93,7 +93,7 @@ void Attachment::solve_pairs(const CoupledStates& s, const StepInput& in, const 
   if (def_.link == AttachmentDef::Link::rigid) close_lengths(s, in, live, pairs, sum);
 }
 
-// Removes what rounding and the last rotation of the links have left of their length errors.
+// Removes the length errors left by rounding and by the last rotation of the links.
 void Attachment::close_lengths(const CoupledStates& s, const StepInput& in, const std::vector<Live>& live,
                                std::vector<AnsweredPair>& pairs, Exchange& sum) const {
   Points a(s.a, a_), b(s.b, b_);

@@ -15,9 +15,9 @@ namespace {
 enum : State::Column {
   kContacts = exchange_columns::end,  ///< u64
   kDeepest,                           ///< f64, m
-  kLoads                              ///< f64 x 3, N, per body of the start while awake; where they sleep
+  kLoads  ///< f64 x 3, N, per initial body: its load in the last substep in which it was awake
 };
-/// Searches per substep, at most; anything that has passed after the last one is found by the guard.
+/// Most searches per substep; anything that has passed after the last one is found by the guard.
 constexpr int kMostRounds = 3;
 /// m; touches deeper than this at the end are answered again.
 constexpr double kPassed = 1e-9;
@@ -159,12 +159,12 @@ void BodyContact::end(const CoupledStates& s, const StepInput& in) const {
 void BodyContact::find_rest(std::vector<BodyTouch>& touches, const BodyTouchQuery& q, const State& bodies,
                             double h, Scratch& scratch) const {
   const size_t n = q.bodies.count();
-  // Points that meet a body no faster than it may rest do not disturb it.
+  // Points that meet a body no faster than its sleep speed do not disturb it.
   const double calm = sleep_->sleep_speed();
   scratch.calm.assign(n, 1), scratch.timer.assign(n, 0);
   for (const BodyTouch& t : touches) {
     if (!(t.s < 1) && BodyTouchSolver::gap(t, q.points, q.bodies) > 0) continue;
-    // What lies still has only what forces have added in the substep, or nothing once it was answered.
+    // Points at rest move only by what forces added in the substep, or not at all after an answer.
     const Vec3 now = t.link.relative(q.points, q.bodies), before = now - h * BodyTouchSolver::pull(t, q, h);
     if (std::min(norm2(now), norm2(before)) > calm * calm) scratch.calm[t.link.body] = 0;
   }

@@ -1,13 +1,13 @@
-// The coupling type "contact" between points and rigid bodies: no point comes nearer to a body's surface than
-// its own radius (a cloth's half thickness), and no corner or ball of a body passes a triangle between the
+// The coupling type "contact" between points and rigid bodies: no point comes closer to a body's surface than
+// its own radius (half a cloth's thickness), and no corner or ball of a body passes a triangle between the
 // points. Touches are found along the paths of both sides (body_touch_search.h) and answered by impulses with
-// Newton's restitution and Coulomb's friction (body_touch_solver.h), equal and opposite in one line. Every
+// Newton's restitution and Coulomb friction (body_touch_solver.h), equal and opposite along one line. Every
 // point responds by its own mass, so the step has to resolve the springs between the points: a system whose
-// method solves for its points together (linear_implicit_euler, implicit_euler) is refused, because the
-// response of a single point there, m d / h^2, is less than that of its springs, and the difference would be
-// energy from nothing. Runs once more after all couplings, like contact_guard.h. What lies on a free body or
-// slides over it slowly does not keep it awake: it may fall asleep, is an obstacle while it sleeps, and wakes
-// when something meets it faster or the load on it changes.
+// method solves for its points together (linear_implicit_euler, implicit_euler) is refused, because there the
+// response of a single point, m d / h^2, is less than that of its springs, and the difference would create
+// energy. Runs once more after all couplings, like contact_guard.h. Points that lie on a free body or slide
+// over it slowly do not keep it awake: it may fall asleep, is an obstacle while it sleeps, and wakes when
+// something meets it faster or the load on it changes.
 #pragma once
 #include <memory>
 
@@ -41,13 +41,13 @@ class BodyContact final : public Coupling {
   size_t answer(const CoupledStates& s, const StepInput& in, Scratch& scratch,
                 BodyTouchSolver::Bounces bounces, Exchange& sum) const;
   void book_sum(State& own, Exchange sum) const;
-  /// Finds which bodies these touches leave at rest, those that no point meets fast: `calm`, with their sleep
-  /// timers; touches of those that sleep get a body that stays.
+  /// Finds the bodies that these touches leave at rest, those that no point meets fast: `calm`, with their
+  /// sleep timers; touches of sleeping bodies get a body that stays.
   void find_rest(std::vector<BodyTouch>& touches, const BodyTouchQuery& q, const State& bodies, double h,
                  Scratch& scratch) const;
-  /// After the touches were answered: calm bodies rest on, and every body's load is added up.
+  /// After the touches were answered: keeps calm bodies at rest, and adds up every body's load.
   void keep_rest(State& bodies, Scratch& scratch) const;
-  /// Wakes bodies that sleep under another load than they fell asleep under.
+  /// Wakes sleeping bodies whose load differs from the one they fell asleep under.
   void compare_loads(State& own, State& bodies, double h, const Scratch& scratch) const;
 
   ContactDef def_;

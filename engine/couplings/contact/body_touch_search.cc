@@ -143,7 +143,7 @@ std::optional<BodyTouch> BodyTouchSearch::touch(const BodyTouchQuery& q, uint32_
                          std::optional<double> s) -> std::optional<BodyTouch> {
     n = normal, t.place = place;
     if (flat) {
-      // There is nothing beyond the end of a prism.
+      // A prism does not end along z.
       n.z = 0;
       if (!(norm2(n) > 0.25)) return std::nullopt;
       n = normalized(n);

@@ -11,7 +11,7 @@ namespace {
 constexpr int kSweeps = 40;
 /// m and m/s by which the last sweep may change a touch.
 constexpr double kSettledGap = 1e-10, kSettledSpeed = 1e-9;
-/// Share of what bounces that answers may gain: sweeps do not end at the last bit.
+/// Energy that answers may add, as a share of what bounces: sweeps stop before the last bit.
 constexpr double kGain = 0.01;
 
 Vec3 times(const double* m, const Vec3& a) {

@@ -1,13 +1,12 @@
-// Solves the touches of points and bodies in one substep. At its end, with gap = n . (q - place) - reach and
-// u the velocity of the points relative to the body at q, by Gauss-Seidel sweeps over all touches:
+// Solves the touches of points and bodies in one substep by Gauss-Seidel sweeps over all touches. At its end,
+// with gap = n . (q - place) - reach and u the velocity of the points relative to the body at q:
 //   positions   gap >= wanted,  P_n >= 0,  |P_t| <= mu P_n  against sliding since the touch began
 //   velocities  u_n >= wanted,  J_n >= 0,  |J_t| <= mu J_n
-// Wanted is 0, and for a touch that bounces what its flight from the moment of the touch on brings. A point
-// does not spin, so that impulses act on the body where the point's centre is: linear and angular momentum
-// are exchanged to rounding, with friction too.
-// Newton's law of restitution for several touches at once, of which some bounce and others hold, may ask for
-// more energy than there was (Brach 1989, "Rigid body collisions"): where all that the answers do, against
-// the substep's forces and in velocities, adds up to a gain, they are taken back and nothing bounces.
+// Wanted is 0, or for a touch that bounces, what its flight from the time of the touch gives. Points do not
+// spin, so impulses act on the body at the point's centre: linear and angular momentum are exchanged to
+// rounding, with friction too. Newton's law of restitution for several simultaneous touches, some of which
+// bounce and others hold, may add energy (Brach 1989, "Rigid body collisions"): if the total work of all
+// answers, against the substep's forces and in velocities, is a gain, they are undone and nothing bounces.
 #pragma once
 #include <vector>
 

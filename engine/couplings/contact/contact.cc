@@ -11,7 +11,7 @@ namespace truestep::contact {
 namespace {
 
 constexpr State::Column kContacts = exchange_columns::end;
-/// Searches per substep, at most; touches after the last are found in the next substep, or by the guard.
+/// Most searches per substep; touches after the last are found in the next substep, or by the guard.
 constexpr uint32_t kMostRounds = 4;
 
 /// Both sides at the substep's start, and scratch memory of search and solver.

@@ -5,8 +5,8 @@
 // support) apply to u. A touch is answered at its own time within the substep; from there both sides continue
 // with the new velocities. A cloth's points are pushed with weights b_i as in Bridson, Fedkiw, Anderson 2002,
 // "Robust treatment of collisions, contact and friction for cloth animation", section 7.1.
-// Searched are the points of a against the solids of b, or the other way round when b has only balls and a
-// has more than that. Points never pass triangles: contact_guard.h runs last, after all couplings, without
+// The points of a are searched against the solids of b, or the other way round if b has only balls and a has
+// more than that. Points never pass triangles: contact_guard.h runs last, after all couplings, without
 // restitution. Not covered: edges of two cloths against each other. Points do not spin, so friction at the
 // distance of their radii loses angular momentum; without friction it is conserved.
 #pragma once

@@ -141,8 +141,8 @@ uint32_t PassGuard::zone_of(uint32_t row) {
   return row;
 }
 
-// Everything that meets, directly or through others, moves on together: with its common momentum, or with
-// whatever is held in it.
+// Everything that meets, directly or through others, moves on together: with its common momentum, or as its
+// held rows do.
 bool PassGuard::join(const GuardedPoints& g, Exchange& exchange) {
   const auto first_other = static_cast<uint32_t>(g.points.count);
   bool joined = false;

@@ -1,10 +1,10 @@
-// Keeps points on their side of the triangles whatever a substep's answers did to both. The path that counts
+// Keeps points on their side of the triangles, whatever a substep's answers did to both. The path that counts
 // is the straight one from the substep's start, where every point is on its side, to its end: if no point
 // meets a triangle on it, none has passed one. Pairs that do meet are stopped without restitution and checked
 // again on the changed paths, round after round (Bridson, Fedkiw, Anderson 2002, "Robust treatment of
 // collisions, contact and friction for cloth animation", section 7.4); pairs that still meet after the last
-// round form impact zones (section 7.5), which move as one body. Zones only grow, and in a zone nothing moves
-// towards anything, so this ends. Unlike the source, zones are translated, not rotated, which conserves
+// round form impact zones (section 7.5), which move as one body. Zones only grow, and nothing moves relative
+// to its zone, so this ends. Unlike in the source, zones are translated, not rotated, which conserves
 // momentum to rounding but gives up their spin.
 #pragma once
 #include <vector>

@@ -1,6 +1,5 @@
-// Which points touch which solids during a substep: boxes around the paths of
-// the solids, sorted into a grid, then the first contact of every point's path
-// with the solids near it.
+// Which points touch which solids during a substep: boxes around the paths of the solids, sorted into a grid,
+// then the first contact of every point's path with the solids near it.
 #pragma once
 #include <algorithm>
 #include <optional>
@@ -18,8 +17,8 @@ namespace truestep::contact {
 class PointMemory {
  public:
   void store(const ConstPoints& start);
-  /// After the systems' step of h: follows rows that moved. A new point starts where it is; where points have
-  /// no ids it was split off another (cloth that tears) and has come with its velocity.
+  /// After the systems' step of h: follows rows that moved. A new point starts where it is; if points have no
+  /// ids, it was split off another (cloth that tears) and already has its velocity.
   void follow(const ConstPoints& end, double h);
   const double* x() const { return x_.data(); }
   const double* v() const { return v_.data(); }
@@ -33,7 +32,7 @@ class PointMemory {
   std::vector<uint64_t> ids_;
 };
 
-/// What the answers of a substep did to the rows of one side: the rest of a touched row's path begins where
+/// Changes to the rows of one side by the answers of a substep: the rest of a touched row's path begins where
 /// and when it was last touched.
 class RowTraces {
  public:

@@ -37,7 +37,7 @@ bool PointContactSolver::answer(const ContactPair& c, const HullContact& at) {
   const double left = (1 - at.s) * q_.h;
   const Vec3 a = relative_acceleration(c), u = c.relative(p_.v, o_.v) - a * left, n = at.n;
   const double approach = -dot(u, n), pull = -dot(a, n);
-  // Leaves and does not come back within the substep.
+  // Separates and does not come back within the substep.
   if (approach <= 0 && -approach >= 0.5 * pull * left) return false;
 
   Vec3 jump, force;  // of u at the touch, of a after it
@@ -77,7 +77,8 @@ bool PointContactSolver::settle(const Touch& t, HullContact& at) {
   std::array<Vec3, 3> x;
   for (size_t i = 0; i < corners.count; ++i) x[i] = load3(o_.x, corners.rows[i]);
   HullContact now = hull_distance(load3(p_.x, t.point), x, corners.count, -at.n);
-  // Only a point that sees the other side over a face has passed it; around edges the direction just turns.
+  // Only a point that faces the other side across a face has passed it; around edges the direction just
+  // turns.
   const bool over_face = corners.count == 3 && now.w[0] > 0 && now.w[1] > 0 && now.w[2] > 0;
   if (over_face && dot(now.n, at.n) < 0) now.apart = -now.apart, now.n = -now.n;
   const double overlap = q_.reach - now.apart;

@@ -18,7 +18,7 @@ struct ContactSolverScratch {
 
 class PointContactSolver {
  public:
-  /// Writes to `points` and `other`; `q` says where they came from and what touches.
+  /// Writes to `points` and `other`; `q` has their paths and touches.
   PointContactSolver(const ContactDef& law, const ContactQuery& q, Points& points, Points& other,
                      ContactSolverScratch& scratch);
 

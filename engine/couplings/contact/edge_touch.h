@@ -20,8 +20,8 @@ struct EdgeMeeting {
   double s = 0;      ///< fraction of the substep at which they touch; 1: they only come near
 };
 
-/// Empty when the nearest places are ends (handled as points and corners), farther apart than `within` (m),
-/// or the points are behind the edge. `outward`: zero if every direction is outward.
+/// Empty if the closest points are ends (handled as points and corners), farther apart than `within` (m), or
+/// if the points are behind the edge. `outward`: zero if every direction is outward.
 std::optional<EdgeMeeting> edges_meet(const MovingEdge& points, const MovingEdge& body, const Vec3& outward,
                                       double reach, double within);
 

@@ -1,5 +1,5 @@
-// A body moved by a path and a turn through its BodyPort: at the start of a substep it is placed where they
-// are, with the velocities (x1 - x0) / h and rotation_vector(q1 q0*) / h, and at the end where they are then,
+// A body moved by a path and a turn through its BodyPort: at the start of a substep it is placed at their
+// pose, with the velocities (x1 - x0) / h and rotation_vector(q1 q0*) / h, and at the end at their pose then,
 // whatever happened to it in between.
 #include "engine/animation/driver.h"
 #include "engine/core/body_carrier.h"

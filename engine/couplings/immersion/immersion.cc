@@ -30,8 +30,8 @@ Cost immersion_cost(const void*, const Cost& a, const Cost&) {
 
 namespace {
 
-/// How many spacings deep a parcel may be in a body at the start: it is half a spacing from the middle
-/// between it and its neighbour.
+/// Greatest initial depth of a parcel in a body, in spacings: a parcel's surface is half a spacing from its
+/// centre.
 constexpr double kDeepest = 0.5;
 constexpr State::Column kPull = exchange_columns::end, kImpulse = kPull + 1, kTwist = kPull + 2,
                         kIds = kPull + 3;
@@ -41,8 +41,8 @@ class Immersion final : public Coupling {
   Immersion(const ImmersionDef& def, const BodyPort& bodies, size_t count, std::string medium)
       : def_(def), port_(bodies), count_(count), medium_(std::move(medium)) {}
 
-  /// What the medium and everything else did in the last step to the bodies existing at t = 0; for others it
-  /// is unknown.
+  /// The action of the medium and of everything else on the initial bodies in the last step; for other bodies
+  /// it is unknown.
   State initial_state() const override {
     State s = exchange_state();
     s.add({"pull", "m/s^2", Scalar::f64, 3}, count_);
@@ -119,7 +119,7 @@ class Immersion final : public Coupling {
       sum.add(-b.impulse, 0);
       const Given rest = now + before * -0.5, more = now + before * -1;
       bodies.push_and_turn(i, rest.impulse, rest.twist);
-      // As by a force lasting through the step.
+      // As by a force that lasts through the step.
       const auto by = b.answer(more.impulse, more.twist);
       bodies.move(i, by.velocity * (0.5 * in.h), by.spin * (0.5 * in.h));
     }
@@ -156,7 +156,7 @@ class Immersion final : public Coupling {
   std::string medium_;
 };
 
-/// Parcels of the medium that are deeper in a body than two touching parcels would be.
+/// Parcels of the medium deeper in a body than two touching parcels would be.
 size_t parcels_in(const ConstBodies& bodies, size_t body, const State& medium, const MediumPort& port) {
   const Transform frame{rotation(bodies.orientation(body)), bodies.place(body)};
   const Solid& solid = *bodies.form(body).solid;

@@ -1,6 +1,6 @@
-// The coupling type "immersion": rigid bodies of a in b, a medium that takes bodies (core/medium.h). The
-// medium moves them within its step by its own pressure and by their acceleration in the previous step; at
-// the step's end the bodies are given the medium's impulses and the resulting displacements.
+// The coupling type "immersion": rigid bodies of a in b, a medium that takes bodies (core/medium.h). Within
+// its step the medium moves them by its own pressure and by their acceleration in the previous step; at the
+// step's end the bodies receive the medium's impulses and the resulting displacements.
 #pragma once
 #include <memory>
 

@@ -52,7 +52,7 @@ const DefTable& ragdoll_table() {
 
 Cost ragdoll_cost(const void*, const Cost& a, const Cost& b) {
   const double bones = std::min(a.elements, b.elements);
-  // The elements of a include the vertices of its skin, which follow the bodies once those lead.
+  // The elements of a include its skin's vertices, which follow the bodies once those lead.
   return {.state_bytes = 160 * bones + 400,
           .workspace_bytes = 2048 + 600 * bones + 30 * a.elements,
           .elements = bones,

@@ -1,7 +1,7 @@
-// The coupling type "ragdoll": the bones of a, a skeleton, carry the bodies of b at the poses that these have
-// on them at t = 0, with the velocities of the bones (links of an articulation as closely as their joints
-// allow, systems/articulation/carried_links.h). At a given time, or when an impact changes a body's velocity
-// in a step by more than a threshold, the bodies are released with their present velocities, and the skeleton
+// The coupling type "ragdoll": the bones of a, a skeleton, carry the bodies of b at their initial poses on
+// the bones, with the velocities of the bones (links of an articulation as closely as their joints allow,
+// systems/articulation/carried_links.h). At a given time, or when an impact changes a body's velocity in a
+// step by more than a threshold, the bodies are released with their present velocities, and the skeleton
 // follows them. After a while it may move by itself again: from the pose in which it was left, over a blend,
 // into the most similar pose of its own motion (Zordan, Majkowska, Chiu, Fast 2005, "Dynamic response for
 // motion capture animation", without their simulated transition).

@@ -29,7 +29,7 @@ struct ClothFault {
 };
 /// The first edge without length or triangle without area. Nothing where indices are out of range.
 std::optional<ClothFault> flat_triangle(const MeshShape& shape);
-/// The first edge of more than two triangles: nobody knows what bends there.
+/// The first edge of more than two triangles, where bending is undefined.
 std::optional<ClothFault> crowded_edge(const MeshShape& shape);
 
 }  // namespace truestep

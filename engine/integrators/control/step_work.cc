@@ -11,10 +11,10 @@ namespace truestep {
 
 namespace {
 
-/// Work per internal step where no trial is made: of fixed steps as counted on nets of 10 x 10 to 40 x 40
-/// points that fall, where Newton's method takes half of the steps in parts; of the others on diffusion with
-/// a reaction on a grid of 20 x 20 points at a tolerance of 1e-6, with the number of internal steps relative
-/// to a second-order method.
+/// Work per internal step if no trial is made: for fixed steps as counted on falling nets of 10 x 10 to 40 x
+/// 40 points, where Newton's method needs several parts for half of the steps; for the others on
+/// reaction-diffusion on a grid of 20 x 20 points at a tolerance of 1e-6, with the number of internal steps
+/// relative to a second-order method.
 struct Habits {
   std::string_view method;
   double rates, jacobians, factorisations, solves, steps = 1;
@@ -32,7 +32,7 @@ constexpr Habits kHabits[] = {
     {"cvode_bdf", 2, 0.1, 0.2, 1.6, 1},
 };
 
-/// ns of a multiplication of a factorisation and of a solve: the loops over a band are vectors, those over a
+/// ns per multiplication of a factorisation and of a solve: loops over a band are vectorised, those over a
 /// pattern are not.
 struct Pace {
   double factor, solve;
@@ -57,8 +57,8 @@ double internal_steps(const RightHandSide& f, double h, const double* y, const T
   const size_t n = f.size();
   std::vector<double> rate(n);
   f.rate(0, y, rate.data());
-  // Length over which the solution changes by the cube root of the tolerance: typical step of a second-order
-  // method.
+  // Length over which the solution changes by the cube root of the tolerance: a typical step of a
+  // second-order method.
   double fastest = 0;
   for (size_t i = 0; i < n; ++i) {
     const double size = std::max(std::abs(y[i]), tolerance.absolute / std::max(tolerance.relative, 1e-12));
@@ -69,9 +69,9 @@ double internal_steps(const RightHandSide& f, double h, const double* y, const T
   return ratio <= 1 ? 1 : std::min(ratio, 3 + 4 * std::log10(ratio));
 }
 
-/// Work of later steps over that of the first, in which little moves yet: nets, ropes and beams.
+/// Work of later steps relative to the first, in which little moves yet: nets, ropes and beams.
 constexpr double kLater = 1.6;
-/// Estimated time of a trial, and the fewest internal steps that tell anything.
+/// Longest estimated time of a trial, and the fewest internal steps that are informative.
 constexpr double kTrialSeconds = 0.15, kFewest = 2;
 
 /// Ends a run after some internal steps.
@@ -86,7 +86,7 @@ class Stop final : public StepWatcher {
   size_t left_;
 };
 
-/// How far a method comes in its first internal steps, as shares of the step, and what that took.
+/// How far a method gets in its first internal steps, as a share of the step, and their work.
 struct Trial {
   double done = 0;
   Statistics count;
@@ -129,11 +129,10 @@ std::optional<StepWork> implicit_step_work(const Integrator& method, const Right
   w.jacobian = matrix.jacobian_work(rate);
   const FactorWork each = matrix.factor_work();
   const Pace ns = pace(matrix.kind());
-  // radau5 factorises and solves with one real and one complex matrix: the mean of both, which are counted
-  // one by one.
+  // radau5 factorises and solves one real and one complex matrix, counted one by one: the mean of both.
   const double complex = method.name == "radau5" ? 2.5 : 1;
   w.factorisation = complex * ns.factor * each.factor, w.solve = complex * ns.solve * each.solve;
-  // How many internal steps a solution needs it alone knows.
+  // The number of internal steps depends on the solution.
   if (method.stepping != Integrator::Stepping::adaptive || method.name.starts_with("cvode")) return w;
   const double most = kTrialSeconds / std::max(w.seconds() / steps, 1e-6);
   if (most < kFewest) return w;

@@ -1,7 +1,7 @@
 // Estimates the cost of a step of an implicit method with direct solves: how often the method evaluates,
 // differentiates, factorises and solves, times the cost of each given the pattern of the derivatives. For
-// admission only: how many internal steps an adaptive method takes depends on the solution, so that its first
-// ones are tried, as far as these cost 0.15 s at most.
+// admission only: the number of internal steps of an adaptive method depends on the solution, so its first
+// ones are tried if that costs at most 0.15 s.
 #pragma once
 #include <optional>
 
@@ -9,8 +9,8 @@
 
 namespace truestep {
 
-/// Per step (or substep) of a scene; one operation takes a nanosecond, as a multiplication with an addition
-/// that waits for the one before.
+/// Per step (or substep) of a scene; an operation takes a nanosecond, like a multiply-add that depends on the
+/// one before.
 struct StepWork {
   double rates = 0, jacobians = 0, factorisations = 0, solves = 0;
   double rate = 0, jacobian = 0, factorisation = 0, solve = 0;  ///< operations of one each

@@ -1,5 +1,5 @@
 // CVODE of SUNDIALS 6.4 (Hindmarsh et al. 2005; Cohen, Hindmarsh 1996): variable order and step, Adams to
-// order 12 or backward differentiation to order 5. The external method to compare with, and the reference of
+// order 12 or backward differentiation to order 5. The external method for comparison, and the reference of
 // studies.
 #pragma once
 #include <span>

@@ -58,7 +58,7 @@ class ExplicitPair final : public Interpolant {
     if (in_.statistics) in_.statistics->rates += rates_;
   }
 
-  /// Makes the candidate the result of the call.
+  /// Stores the candidate as the result of the call.
   void remember() {
     if (sums == Sums::compensated) remember_sums(in_, low_[1]);
   }

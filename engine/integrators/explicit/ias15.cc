@@ -1,7 +1,7 @@
 // ias15: Gauss-Radau collocation of order 15 on x'' = a(t, x, v), solved by prediction and correction.
 //   a(t0 + s h) = a_0 + b_0 s + b_1 s^2 + ... + b_6 s^7,   sampled at the Radau points s_1 ... s_7,
-//   v = v_0 + h s (a_0 + s (b_0/2 + s (b_1/3 + ...))),   x = x_0 + h s v_0 + h^2 s^2 (a_0/2 + s (b_0/6 +
-//   ...)).
+//   v = v_0 + h s (a_0 + s (b_0/2 + s (b_1/3 + ...))),
+//   x = x_0 + h s v_0 + h^2 s^2 (a_0/2 + s (b_0/6 + ...)).
 // Everhart 1985, "An efficient integrator that uses Gauss-Radau spacings"; step control, convergence and
 // compensated sums as in Rein, Spiegel 2015, "IAS15: a fast, adaptive, high-order integrator", eqs. 8 to 11.
 // Differences: each coefficient is found by divided differences of the samples over s (the g of the papers);
@@ -274,8 +274,8 @@ class Radau15 final : public Interpolant {
     });
   }
 
-  // The prediction for a step q times as long from the same start; the result of a failed correction is
-  // useless.
+  // The prediction for a step q times as long from the same start, after the correction failed and left no
+  // usable b.
   void predict(double q) {
     double power = q;
     for (size_t k = 0; k < 7; ++k, power *= q) {
@@ -296,7 +296,7 @@ class Radau15 final : public Interpolant {
       }
       return c;
     }();
-    const bool far = q > 20;  // too far away for a prediction
+    const bool far = q > 20;  // too far for a prediction
     double power = q;
     for (size_t k = 0; k < 7; ++k, power *= q) {
       double *b = a_[kB + k], *e = a_[kE + k];

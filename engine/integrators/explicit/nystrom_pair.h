@@ -23,7 +23,7 @@ class NystromPair final : public Interpolant {
     std::copy_n(in.y, 2 * m_, y_[kNow]);
     recall_sums(in, y_[kLow]);
   }
-  /// Makes the candidate the result of the call.
+  /// Stores the candidate as the result of the call.
   void remember() { remember_sums(in_, y_[kLowNew]); }
   ~NystromPair() override {
     if (in_.statistics) in_.statistics->rates += rates_;

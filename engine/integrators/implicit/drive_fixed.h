@@ -1,6 +1,6 @@
 // The loop of a fixed-step implicit method over [t, t_end] in `fixed_steps` equal steps. `Method` has the
-// members that drive.h requires, with bool step(t, h) in place of attempt: false when the step's equations
-// have no solution within reach of Newton's method.
+// members that explicit/drive.h requires, with bool step(t, h) in place of attempt: false if the step's
+// equations have no solution within reach of Newton's method.
 #pragma once
 #include "engine/base/errors.h"
 #include "engine/base/short_number.h"

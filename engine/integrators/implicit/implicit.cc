@@ -1,12 +1,12 @@
 // Implicit Euler and its one-step linearisation:
 //   implicit_euler         x' = x + h G(x') v',  v' = v + h a(x', v', t + h)
 //   linear_implicit_euler  (M - h df/dv - h^2 df/dx) dv = h (f + h df/dx v),  v' = v + dv,  x' = x + h v'
-// which is one Newton step of the former from x' = x; with v' = dx / h and no damping it reads (M/h^2 -
-// df/dx) dx = M v / h + f. Baraff, Witkin 1998, "Large steps in cloth simulation", eq. 6. Fields without a
-// Jacobian use differences: small ones central differences and a matrix of (x, v), larger ones as first-order
-// equations (sdirk.cc), as do those with a linear solver of their own. Steps of implicit_euler that ended
-// with damping and air lagged at the step's start are counted in the state and observed as
-// integrator.held_steps.
+// which is one Newton step of the former from x' = x; with v' = dx / h and no damping it reads
+//   (M/h^2 - df/dx) dx = M v / h + f.
+// Baraff, Witkin 1998, "Large steps in cloth simulation", eq. 6. Fields without a Jacobian use differences:
+// small ones central differences and a matrix of (x, v), larger ones as first-order equations (sdirk.cc), as
+// do those with a linear solver of their own. Steps of implicit_euler that ended with damping and air lagged
+// at the step's start are counted in the state and observed as integrator.held_steps.
 #include "engine/integrators/implicit/implicit.h"
 
 #include "engine/core/lagged_dissipation.h"

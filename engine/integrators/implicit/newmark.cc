@@ -2,9 +2,10 @@
 //   x1 = x + h v + h^2 ((1/2 - beta) a + beta a1),   v1 = v + h ((1 - gamma) a + gamma a1)
 //   (1 - am) a1 + am a = a(t + (1 - af) h, (1 - af) x1 + af x, (1 - af) v1 + af v)
 // Newmark 1959 with beta = 1/4, gamma = 1/2 is am = af = 0: undamped, unconditionally stable. Chung, Hulbert
-// 1993, eq. 13 to 25: am = (2r - 1)/(r + 1), af = r/(r + 1), gamma = 1/2 - am + af, beta = (1 - am + af)^2 /
-// 4 damps high frequencies to the spectral radius r at infinity. Beta, gamma and r are the scene's to choose.
-// One system of half the size per iteration:
+// 1993, eq. 13 to 25,
+//   am = (2r - 1)/(r + 1),  af = r/(r + 1),  gamma = 1/2 - am + af,  beta = (1 - am + af)^2 / 4,
+// damps high frequencies to the spectral radius r at infinity. The scene may choose beta, gamma and r. One
+// system of half the size per iteration:
 //   ((1 - am) I - (1 - af) gamma h B - (1 - af) beta h^2 A) da1 = -residual,   A = da/dx, B = da/dv.
 // Generalized alpha carries its own a, which is not a(t, x, v), in `memory`.
 #include <algorithm>

@@ -40,8 +40,7 @@ class IncrementScale {
     if (by_ == By::tolerance) return eq_.norm(d, y, y) / kappa_;
     return relative_increment(largest(d), largest(y), eq_.advance().newton_tolerance);
   }
-  /// Iterations after which a shorter step or a new Jacobian is the better choice; a fixed step has no such
-  /// way out.
+  /// Iterations after which a shorter step or a new Jacobian is better; a fixed step has no alternative.
   int most_iterations() const { return by_ == By::tolerance ? 10 : 30; }
   /// Whether the method may take a shorter step instead.
   bool shortens_steps() const { return by_ == By::tolerance; }

@@ -67,8 +67,8 @@ class Radau5 final : public Interpolant {
       h_accepted = h, error_accepted = std::max(error, 0.01);
       a_.carry.last_error = error;
       if (finish(h, last)) break;
-      // A step cut short by the end says nothing against the longer one; a step that would grow by less than
-      // a fifth is kept, and its factors with it.
+      // A step cut short by the end does not count against the longer one; a step that would grow by less
+      // than a fifth is kept, together with its factors.
       double next = h < h_ ? std::max(h_, h * factor) : h * factor;
       if (slow_contraction()) {
         linearised_ = false;

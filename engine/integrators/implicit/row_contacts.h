@@ -1,9 +1,9 @@
 // Rows of three components that an implicit step must leave on surfaces (Baraff, Witkin 1998, "Large steps in
 // cloth simulation", section 5): along `normal`, or in every direction if friction makes them stick, the
-// velocity at the step's end is prescribed. The remaining directions are solved for, so that neighbours of
-// such a row see where it is: moved back only after the step, a row would stretch springs that nothing had
-// stretched. The system's contact stage fills the columns; the methods that read them (the implicit Euler
-// methods) report the impulse that the surfaces had to supply.
+// velocity at the step's end is prescribed. The remaining directions are solved for, so neighbours of such a
+// row see its position: moved back only after the step, the row would stretch springs that were at rest. The
+// system's contact stage fills the columns; the methods that read them (the implicit Euler methods) report
+// the impulse that the surfaces had to supply.
 #pragma once
 #include <optional>
 #include <span>

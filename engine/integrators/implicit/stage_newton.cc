@@ -10,9 +10,9 @@ namespace truestep {
 
 namespace {
 
-/// Share of u by which a last correction may change it, and of the places.
+/// Relative changes by a last correction that are allowed: of u, and of the positions.
 constexpr double kSettled = 1e-6, kStill = 1e-12;
-constexpr double kNear = 1e-4;  ///< of the first residual: a solution is near
+constexpr double kNear = 1e-4;  ///< fraction of the first residual: close to a solution
 /// Iterations on the whole equations before damping and air are held, and after they were.
 constexpr int kDirect = 60, kPolish = 25;
 constexpr double kCrawling = 0.25;  ///< fraction of a direction below which a line search makes no progress
@@ -97,8 +97,8 @@ StageNewton::Failure StageNewton::solve_held(const StageEquation& eq, std::span<
   return hold(report_.target);
 }
 
-// Looks at Newton's correction without taking it, so that what has converged keeps its bits: with the factors
-// of the last iteration, which are near enough, or of a matrix of its own where there was none.
+// Computes Newton's correction without applying it, so that a converged iterate keeps its bits: with the
+// factors of the last iteration, which are close enough, or with a matrix of its own if there was none.
 bool StageNewton::settled(const StageEquation& eq, std::span<const double> u, int iteration) {
   constexpr double kAccurate = 1e-6;
   if (iteration > 0) {
@@ -146,8 +146,8 @@ StageNewton::Failure StageNewton::iterate_to(double target, int most, const Stag
   }
 }
 
-// The better of the guess and standing still by incremental potential: the solution is lower still, so V
-// never exceeds the sum of V and the kinetic energy before.
+// The better of the guess and rest by incremental potential: the solution is lower still, so V never exceeds
+// the sum of V and the kinetic energy before.
 void StageNewton::choose_start(const StageEquation& eq, std::span<double> u) {
   const auto w = system_.inverse_mass();
   for (size_t k = 0; k < n_; ++k) trial_[k] = w[k / system_.width()] > 0 ? 0 : u[k];

@@ -2,16 +2,16 @@
 //   M (u - u0) = g f(x, u, t),  x = x0 + s u,
 // for any g and s, so that every implicit method can use it (implicit Euler: u0 = v, x0 = x, g = s = h).
 // Where the forces are f = -dV/dx - dR/du, its solutions are stationary points of the incremental potential
-//   phi(u) = 1/2 |u - u0|^2_M + g/s V(x0 + s u) + g R(x, u)      (Kharevych et al. 2006, "Geometric,
-// variational integrators for computer animation"; Gast, Schroeder 2015, "Optimization integrator for large
-// time steps"), which a line search decreases; R is taken at the iterate's position, so that phi falls along
-// every direction given by A, made definite if necessary. What A lacks (damping and air change with position,
-// asymmetrically) is added by conjugate residuals as soon as that halves the residual. Fields without a
-// potential are judged by the residual norm alone. When cloth buckles, R changes so much with the position
-// that the iteration does not converge: then R is taken at x0, which gives phi a minimum that a line search
-// always finds, and Newton's method on the full equations continues from there. If that does not converge,
-// the minimum is the solution. If forces are nearly rigid, (omega h)^2 > 1e7, the iteration starts with
-// softer ones.
+//   phi(u) = 1/2 |u - u0|^2_M + g/s V(x0 + s u) + g R(x, u)
+// (Kharevych et al. 2006, "Geometric, variational integrators for computer animation"; Gast, Schroeder 2015,
+// "Optimization integrator for large time steps"), which a line search decreases; R is taken at the iterate's
+// position, so phi falls along every direction given by A, made definite if necessary. What A lacks (the
+// asymmetric derivatives of damping and air by position) is added by conjugate residuals as soon as that
+// halves the residual. Fields without a potential are judged by the residual norm alone. When cloth buckles,
+// R changes so much with the position that the iteration does not converge: then R is taken at x0, which
+// gives phi a minimum that a line search always finds, and Newton's method on the full equations continues
+// from there. If that does not converge, the minimum is the solution. If forces are nearly rigid, (omega h)^2
+// > 1e7, the iteration starts with softer ones.
 #pragma once
 #include "engine/core/lagged_dissipation.h"
 #include "engine/core/softening_forces.h"
@@ -21,15 +21,15 @@
 namespace truestep {
 
 struct StageEquation {
-  double t = 0;                ///< s, when the force is taken
+  double t = 0;                ///< s, time at which the force is evaluated
   double g = 0;                ///< s, factor of the force
   double s = 0;                ///< s, factor of the velocity in the position
   std::span<const double> x0;  ///< m
   std::span<const double> u0;  ///< m/s
-  /// Where the forces' own rounding hides what is left of the residual: `rounding` ends there, which moves
-  /// nothing by more than rounding as long as the mass counts; `correction` goes on until Newton's
-  /// corrections are small against u, for equilibria, whose softest motions weigh nothing beside the stiffest
-  /// ones.
+  /// Where the iteration may end once the forces' own rounding hides the rest of the residual: `rounding`
+  /// ends there, as further corrections move nothing by more than rounding if the mass counts; `correction`
+  /// goes on until Newton's corrections are small relative to u, for equilibria, whose softest modes are
+  /// negligible next to the stiffest ones.
   enum class End : uint8_t { rounding, correction } end = End::rounding;
 };
 
@@ -72,7 +72,7 @@ class StageNewton {
   void full_step_unasked(const StageEquation& eq, std::span<double> u);
   Failure stiffen(double share, double target, const StageEquation& eq, std::span<double> u);
   Failure approach(double share, const StageEquation& eq, std::span<double> u);
-  /// Whether a further correction is small against u, or moves nothing that could be told from rounding.
+  /// Whether a further correction is small relative to u, or moves nothing by more than rounding.
   bool settled(const StageEquation& eq, std::span<const double> u, int iteration);
   Failure iterate_to(double target, int most, const StageEquation& eq, std::span<double> u);
   Failure solve_held(const StageEquation& eq, std::span<double> u);

@@ -30,9 +30,9 @@ void StageNewton::slope_along(const StageEquation& eq, std::span<const double> u
   }
 }
 
-// Fields omit the asymmetric parts of their derivatives (damping and air change with position). Conjugate
-// residuals (GCR; Eisenstat, Elman, Schultz 1983) on the full Jacobian, preconditioned with the existing
-// matrix, add them: the full step is taken when it halves the residual, otherwise d is unchanged.
+// Fields omit the asymmetric parts of their derivatives (of damping and air by position). Conjugate residuals
+// (GCR; Eisenstat, Elman, Schultz 1983) on the full Jacobian, preconditioned with the existing matrix, add
+// them: the full step is taken if it halves the residual, otherwise d is unchanged.
 bool StageNewton::full_step(const StageEquation& eq, std::span<double> u, double accuracy) {
   const auto r = rest_, d = whole_;
   std::span<double> z[kMostDirections], q[kMostDirections];

@@ -1,4 +1,4 @@
-// Solves the equations that most implicit methods consist of,
+// Solves the stage equations of most implicit methods,
 //   Y = base + z f(t, Y),
 // by simplified Newton iterations with (I - z J)^-1. The Jacobian is that of a step's start or an earlier
 // one; it is recomputed when iterations contract slowly or fail. The factors are kept as long as z and J are.

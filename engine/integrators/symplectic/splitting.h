@@ -3,9 +3,8 @@
 // Compositions of leapfrogs over w_1 h, w_2 h ... have d_i = (w_i + w_{i+1}) / 2 and k_i = w_i.
 //   yoshida4    Yoshida 1990, "Construction of higher order symplectic integrators", eq. 2.13
 //   yoshida6    same, table 1, solution A
-//   yoshida8    Yoshida's form with 15 leapfrogs and the smaller weights of Suzuki, Umeno 1993 (Hairer,
-//   Lubich,
-//               Wanner 2006, eq. V.3.11)
+//   yoshida8    Yoshida's form with 15 leapfrogs and the smaller weights of Suzuki, Umeno 1993
+//               (Hairer, Lubich, Wanner 2006, eq. V.3.11)
 //   kahan_li8   Kahan, Li 1997, "Composition constants for raising the orders of unconventional schemes",
 //               s17odr8a: 17 leapfrogs, an error constant some 20 times smaller
 //   pefrl       Omelyan, Mryglod, Folk 2002, "Optimized Forest-Ruth- and Suzuki-like algorithms", eqs. 20, 22

@@ -24,7 +24,7 @@ Barycentric barycentric(std::span<const Vec3, 3> x) {
   return out;
 }
 
-// Slope along u of the shape functions where the barycentric coordinates are l.
+// Slopes along u of the shape functions at the barycentric coordinates l.
 SixNodes slopes(const Barycentric& b, const double* l, const Vec3& u) {
   SixNodes out;
   for (size_t i = 0; i < 3; ++i) out[i] = (4 * l[i] - 1) * dot(b.g[i], u);
@@ -45,7 +45,7 @@ SixNodes second(const Barycentric& b, const Vec3& u, const Vec3& v) {
   return out;
 }
 
-// What one side of an edge has at a point of it, `share` along it from the side's own first end.
+// One side of an edge at a point of it, at `share` of the edge from the side's own first end.
 struct Side {
   SixNodes out, moment, along;  // slope along the conormal, k_mm + nu k_tt, slope along the edge
   double height;                // m, of the triangle over the edge
@@ -55,7 +55,7 @@ Side side_of(std::span<const Vec3, 3> x, size_t edge, double share, const Vec3& 
   const auto [i, j] = kEnds[edge];
   double l[3] = {};
   l[i] = 1 - share, l[j] = share;
-  // The third coordinate falls towards the edge.
+  // The third coordinate decreases towards the edge.
   const Vec3 down = b.g[3 - i - j];
   const double steep = norm(down);
   const Vec3 m = down / -steep;

@@ -23,8 +23,8 @@ Mat3 gradient_of(const CellRule& rule, const Vec3* x, size_t point) {
   return f;
 }
 
-// Axes of a membrane where F is its gradient: along the image of the first coordinate, across it in the
-// tangent plane, and the normal. What has collapsed to a line or a point has some.
+// Axes of a membrane with gradient F: along the image of the first coordinate, across it in the tangent
+// plane, and the normal. A membrane collapsed to a line or a point gets arbitrary ones.
 Mat3 frame_of(const Mat3& f) {
   const auto unit = [](const Vec3& v, const Vec3& otherwise) {
     const double size = norm(v);
@@ -36,7 +36,7 @@ Mat3 frame_of(const Mat3& f) {
   return {{e.x, t.x, n.x, e.y, t.y, n.y, e.z, t.z, n.z}};
 }
 
-// In that frame: upper triangular, the thickness kept.
+// F in that frame: upper triangular, with the thickness unchanged.
 Mat3 seen_in(const Mat3& frame, const Mat3& f) {
   Mat3 out = transposed(frame) * f;
   out.m[2] = out.m[5] = out.m[6] = out.m[7] = 0, out.m[8] = 1;
@@ -67,7 +67,7 @@ double free_thickness(const Material& material, Mat3 f) {
   return f.m[8];
 }
 
-// Slopes of what is left where F_zz follows: K - k k^T / K_zz.
+// Derivatives with F_zz eliminated: K - k k^T / K_zz.
 void condense(Mat9& h) {
   const double stiff = h[80];
   if (!(stiff > 0)) return;
@@ -78,8 +78,8 @@ void condense(Mat9& h) {
   }
 }
 
-// Slopes of a membrane in space from those in its frame: out of its plane there is what its stress resists,
-//   d2 psi (n (x) v) = v . S v,  S = F^-1 P   (with Definite, of what pulls alone).
+// Derivatives of a membrane in space from those in its frame: out of plane only its stress resists,
+//   d2 psi (n (x) v) = v . S v,  S = F^-1 P   (with Definite, its tensile part).
 Mat9 turned_membrane(const Mat3& frame, const Mat3& f, const Mat3& p, Definite definite, const Mat9& flat) {
   const double det = f(0, 0) * f(1, 1) - f(0, 1) * f(1, 0);
   double s00 = 0, s01 = 0, s11 = 0;
@@ -91,7 +91,7 @@ Mat9 turned_membrane(const Mat3& frame, const Mat3& f, const Mat3& p, Definite d
   if (definite == Definite::yes) {
     const double middle = 0.5 * (s00 + s11), half = std::sqrt(0.25 * (s00 - s11) * (s00 - s11) + s01 * s01);
     const double high = std::max(middle + half, 0.0), low = std::max(middle - half, 0.0);
-    // Of the matrix with these eigenvalues and the same axes.
+    // The matrix with these eigenvalues and the same axes.
     const double tilt = half > 0 ? 0.5 * (high - low) / half : 0, mean = 0.5 * (high + low);
     s00 = mean + tilt * (s00 - middle), s11 = mean + tilt * (s11 - middle), s01 *= tilt;
   }
@@ -162,7 +162,7 @@ void mirror(size_t nodes, double* k) {
   }
 }
 
-// What the mean volume's part of the stiffness takes from the points.
+// What the mean volume's part of the stiffness needs from the points.
 struct Pulls {
   std::array<Vec3, kMostNodes> slope_of_mean;
   double volume;
@@ -207,7 +207,7 @@ double cell_forces(const Material& material, const CellRule& rule, const Vec3* x
 
 namespace {
 
-// Of isotropic laws in space and in plane strain: U'' is left out of the points with mean volume.
+// For isotropic laws in space and in plane strain; with mean volume, U'' is left out of the points.
 Pulls add_definite_points(const Material& material, const CellRule& rule, const Vec3* x, double* k) {
   std::array<Svd3, kMostPoints> svd;
   std::array<PrincipalTheta, kMostPoints> theta;
@@ -234,8 +234,8 @@ Pulls add_definite_points(const Material& material, const CellRule& rule, const 
   return out;
 }
 
-// The linear law's: lambda grad N_a (x) grad N_b (left out of the points with mean volume) + mu grad N_b (x)
-// grad N_a + mu grad N_a . grad N_b.
+// For the linear law: lambda grad N_a (x) grad N_b (left out of the points with mean volume)
+//   + mu grad N_b (x) grad N_a + mu grad N_a . grad N_b.
 Pulls add_linear_points(const Material& material, const CellRule& rule, double* k) {
   Pulls out{};
   out.u = volumetric(material, 0);

@@ -11,7 +11,7 @@ namespace {
 struct OneD {
   double n, dn;
 };
-// Lagrange's polynomial of the node at `at` (-1, 0 or 1), linear or quadratic.
+// Lagrange polynomial of the node at `at` (-1, 0 or 1), linear or quadratic.
 OneD lagrange(double at, double x, int order) {
   if (order == 1) return {0.5 * (1 + at * x), 0.5 * at};
   if (at == 0) return {1 - x * x, -2 * x};
@@ -87,7 +87,7 @@ void set_rule(Element& e) {
   }
 }
 
-// Integrals of N_a^2, exact, scaled: of quadratic simplices 6 : 32 in space, 6 : 32 in the plane too.
+// Exact integrals of N_a^2, scaled: 6 : 32 for quadratic simplices, in space and in the plane.
 void set_lump(Element& e) {
   double total = 0;
   for (size_t a = 0; a < e.size(); ++a) {

@@ -1,12 +1,11 @@
-// What the definitions of the laws share: moduli of the longer ones, and the logarithm that goes on as a
-// polynomial.
+// Shared by the laws: moduli of the longer ones, and a logarithm that continues as a polynomial.
 #pragma once
 #include "engine/kernels/fem/material.h"
 #include "engine/math/trig.h"
 
 namespace truestep::fem {
 
-/// ln J, below kFloor its Taylor polynomial of second order, with derivatives.
+/// ln J, continued below kFloor by its second-order Taylor polynomial, with derivatives.
 struct Log {
   double l, dl, ddl;
 };
@@ -33,8 +32,8 @@ inline Mooney mooney_of(const Material& mat) {
   return {c1, c2, 2 * (c1 + 2 * c2), mat.lambda - 4 * c2};
 }
 
-/// Two singular values whose sum is all but 0 do not say which rotation is the nearest; the bound keeps the
-/// numbers finite there.
+/// If the sum of two singular values is nearly 0 the nearest rotation is undefined; the bound keeps the
+/// numbers finite.
 inline double sum_of_stretches(double s, double t) {
   constexpr double kLeast = 1e-8;
   return std::abs(s + t) > kLeast ? s + t : std::copysign(kLeast, s + t);

@@ -36,7 +36,7 @@ void add_determinant_curvature(Mat9& h, double scale, const Mat3& f) {
   }
 }
 
-// h_{ij,kl} += scale * d(F C)_ij / dF_kl with C = F^T F, whose sum with F is |C|^2 / 4's derivative.
+// h_{ij,kl} += scale * d(F C)_ij / dF_kl with C = F^T F; F C is the derivative of |C|^2 / 4 = |F^T F|^2 / 4.
 void add_quartic_curvature(Mat9& h, double scale, const Mat3& f) {
   const Mat3 c = transposed(f) * f, b = f * transposed(f);
   for (size_t i = 0; i < 3; ++i) {

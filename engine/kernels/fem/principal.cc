@@ -123,11 +123,11 @@ PrincipalSlope principal_slope(const Material& mat, const Three& s, const Dilata
 
 void clamp(PrincipalSlope& h) {
   for (size_t n = 0; n < 3; ++n) {
-    // Eigenvectors are sum and difference.
+    // Eigenvectors are the sum and the difference.
     const double sum = std::max(h.on[n] + h.off[n], 0.0), difference = std::max(h.on[n] - h.off[n], 0.0);
     h.on[n] = 0.5 * (sum + difference), h.off[n] = 0.5 * (sum - difference);
   }
-  // Sylvester: definite already.
+  // Sylvester's criterion: already definite.
   const auto& a = h.stretch;
   const double minor = a[0] * a[4] - a[1] * a[1],
                whole = minor * a[8] + a[1] * a[2] * a[5] * 2 - a[0] * a[5] * a[5] - a[4] * a[2] * a[2];
@@ -142,8 +142,8 @@ void clamp(PrincipalSlope& h) {
 
 namespace {
 
-// Element (i, l) of the block of y and z, gradients in principal axes:
-// sum over j and m of h_{ij,lm} y_j z_m.
+// Element (i, l) of the block for y and z, gradients in principal axes: the sum over j and m of h_{ij,lm} y_j
+// z_m.
 Mat3 principal_block(const PrincipalSlope& h, const Three& y, const Three& z) {
   Mat3 out;
   for (size_t i = 0; i < 3; ++i) out(i, i) = h.stretch[4 * i] * y[i] * z[i];

@@ -1,8 +1,8 @@
-// Slopes of the elastic laws in the axes of F's singular values. All laws but the linear one are isotropic:
-// with F = U diag(s) V^T and dF = U E V^T the slope dP/dF falls into a 3 x 3 block for the diagonal of E and
-// a 2 x 2 block [on off; off on] for every pair of elements E_pq, E_qp, in closed form (Smith, de Goes, Kim
-// 2019, "Analytic eigensystems for isotropic distortion energies"). Definite slopes are clamped there, and an
-// element's stiffness is cheaper from them than from dP/dF's 81 numbers.
+// Derivatives dP/dF of the elastic laws in the axes of F's singular values. All laws but the linear one are
+// isotropic: with F = U diag(s) V^T and dF = U E V^T, dP/dF splits into a 3 x 3 block for the diagonal of E
+// and a 2 x 2 block [on off; off on] for every pair of elements E_pq, E_qp, in closed form (Smith, de Goes,
+// Kim 2019, "Analytic eigensystems for isotropic distortion energies"). Definite derivatives are clamped in
+// this form, from which an element's stiffness is also cheaper than from the 81 numbers of dP/dF.
 #pragma once
 #include <array>
 #include <span>
@@ -27,17 +27,17 @@ struct PrincipalSlope {
   std::array<double, 9> stretch{};  ///< symmetric, of E_00, E_11, E_22
   std::array<double, 3> on{}, off{};
 };
-/// Of all laws but the linear one.
+/// For all laws but the linear one.
 PrincipalSlope principal_slope(const Material& material, const std::array<double, 3>& s,
                                const Dilatation& dilatation);
-/// The nearest positive semidefinite one (negative eigenvalues become 0).
+/// Projects to the nearest positive semidefinite form (negative eigenvalues become 0).
 void clamp(PrincipalSlope& slope);
 
 /// dP/dF as nine by nine numbers.
 Mat9 turned(const PrincipalSlope& slope, const Svd3& svd);
 
 /// Adds weight * grad N_a . dP/dF . grad N_b for all b >= a to the blocks k[9 (a nodes + b)], column by
-/// column. `gradients` are those at rest, turned by V^T here.
+/// column. `gradients` are at rest and are turned by V^T here.
 void add_stiffness(const PrincipalSlope& slope, const Svd3& svd, std::span<const Vec3> gradients,
                    double weight, double* k);
 

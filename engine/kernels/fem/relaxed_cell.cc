@@ -7,8 +7,7 @@ namespace truestep::fem {
 
 namespace {
 
-/// L D L^T of the symmetric n x n matrix a (row by row, overwritten); false where it is not positive
-/// definite.
+/// L D L^T of the symmetric n x n matrix a (row by row, overwritten); false if not positive definite.
 bool factorise(double* a, size_t n) {
   for (size_t j = 0; j < n; ++j) {
     double d = a[j * n + j];
@@ -35,7 +34,7 @@ void solve(const double* a, size_t n, double* b) {
   }
 }
 
-/// Component (row, column) of blocks of all nodes, as cell_stiffness lays them.
+/// Component (row, column) of the node blocks in the layout of cell_stiffness.
 double entry(const double* k, size_t all, size_t row, size_t column) {
   return k[9 * (row / 3 * all + column / 3) + 3 * (column % 3) + row % 3];
 }
@@ -55,7 +54,7 @@ RelaxedCell::RelaxedCell(const Material& material, const CellRule& rule, const V
   rule_.nodes = all, rule_.gradients = gradients_.data(), rule_.modes = 0, rule_.mode_gradients = nullptr;
 
   constexpr int kMost = 30;
-  // Of the sizes of what cancels in a residual: some roundings of sums of eight points.
+  // Relative to the terms that cancel in a residual: some roundings of sums of eight points.
   constexpr double kAccurate = 1e-14;
   for (int it = 0; it < kMost; ++it) {
     std::array<double, kOwn> r;
@@ -75,7 +74,7 @@ double RelaxedCell::residual(const Material& material, std::array<double, kOwn>&
     const Vec3 g = f[nodes_ + k];
     r[3 * k] = -g.x, r[3 * k + 1] = -g.y, r[3 * k + 2] = -g.z;
   }
-  // Moduli times gradients times volume: what the forces of a strain of 1 would be.
+  // Moduli times gradients times volume: the size of the forces at a strain of 1.
   double steep = 0, volume = 0;
   for (size_t q = 0; q < rule_.points; ++q) {
     volume += rule_.weights[q];
@@ -86,7 +85,7 @@ double RelaxedCell::residual(const Material& material, std::array<double, kOwn>&
   return energy;
 }
 
-// Moves alpha by a step that lowers the energy; false: there is none.
+// Moves alpha by a step that lowers the energy; false if there is none.
 bool RelaxedCell::improve(const Material& material, Definite definite, const std::array<double, kOwn>& r,
                           double energy) {
   const size_t all = nodes_ + modes_, own = 3 * modes_;
@@ -102,7 +101,7 @@ bool RelaxedCell::improve(const Material& material, Definite definite, const std
   double slope = 0;
   for (size_t i = 0; i < own; ++i) slope -= r[i] * d[i];
   const std::array<Vec3, kAll> from = x_;
-  // Energies that differ by rounding alone are as good.
+  // Energies within rounding count as equal.
   const double noise = 1e-14 * std::abs(energy);
   for (double share = 1; share > 1e-6; share *= 0.5) {
     for (size_t m = 0; m < modes_; ++m)
@@ -122,7 +121,7 @@ double RelaxedCell::forces(const Material& material, Vec3* forces) const {
   return energy;
 }
 
-// K_xx - K_xa K_aa^-1 K_ax. Where K_aa is not definite the modes are left as they stand.
+// K_xx - K_xa K_aa^-1 K_ax. If K_aa is not definite the modes are kept fixed.
 void RelaxedCell::stiffness(const Material& material, Definite definite, double* out) const {
   const size_t all = nodes_ + modes_, own = 3 * modes_, outer = 3 * nodes_;
   std::array<double, 9 * kAll * kAll> k;

@@ -1,6 +1,6 @@
 // Two bodies at a node of the grid, each with a velocity of its own (Bardenhagen, Guilkey, Roessig,
-// Brackbill, Witzel, Foster 2001): which way they face, how far apart their surfaces are, and what they do to
-// each other.
+// Brackbill, Witzel, Foster 2001): the normal between them, the gap between their surfaces, and the contact
+// impulse.
 //   normal   logistic regression of the particles around the node (Nairn, Hammerquist, Smith 2020): the plane
 //            n.x + d = 0 with the least  sum_j w_j ln(1 + exp(-s_j (n.x_j + d))) + lambda |n|^2 / 2,
 //            s_j = -1 or 1 for the bodies, w_j = 1 / (particles of that body), lengths in cells
@@ -74,12 +74,13 @@ inline Loss loss_of(const Cloud& c, const double* plane, float weight_a, float w
 
 }  // namespace field_contact_detail
 
-/// Unit normal of the plane between the bodies of a cloud, from -1 to 1; zero where there is none (one body
-/// alone, or both at the same places).
+/// Unit normal of the plane between the bodies of a cloud, from -1 to 1; zero if there is none (one body
+/// alone, or both at the same positions).
 inline Vec3 normal_between(const Cloud& c) {
   using namespace field_contact_detail;
-  // At this penalty what is a quarter of a cell behind the foremost particles hardly counts; more would tilt
-  // the plane at corners (by 18 degrees at 1e-2, 5 here), less leave it to single particles.
+  // At this penalty, particles a quarter of a cell behind the foremost ones hardly count; a larger one would
+  // tilt the plane at corners (by 18 degrees at 1e-2, 5 here), a smaller one would leave it to single
+  // particles.
   constexpr double kPenalty = 1e-4, kEnough = 1e-2;
   constexpr int kSteps = 24;
   int many_a = 0, many_b = 0;
@@ -99,7 +100,7 @@ inline Vec3 normal_between(const Cloud& c) {
     for (int i = 0, q = 0; i < 4; ++i) {
       for (int j = i; j < 4; ++j, ++q) lu.matrix()[4 * j + i] = lu.matrix()[4 * i + j] = now.bend[q];
     }
-    // Where every particle is far from the plane nothing holds its distance.
+    // If every particle is far from the plane, nothing determines its distance.
     lu.matrix()[15] += 1e-6;
     if (!lu.factor()) break;
     for (int i = 0; i < 4; ++i) step[i] = -now.slope[i];
@@ -119,8 +120,8 @@ struct FieldNode {
   Vec3 velocity;    ///< m/s
 };
 
-/// Velocities after contact of a and b, whose normal n points from a to b. They may approach each other at
-/// `closing` m/s (>= 0) and no faster. What one loses the other gets. Whether they touch.
+/// Velocities after contact of a and b with normal n from a to b. They may approach each other at `closing`
+/// m/s (>= 0) at most. Impulses are equal and opposite. Returns whether they touch.
 inline bool meet(FieldNode& a, FieldNode& b, const Vec3& n, double closing, double friction) {
   const Vec3 w = b.velocity - a.velocity;
   const double apart = dot(w, n);

@@ -1,6 +1,6 @@
-// What a particle's deformation gradient F means, eight floats or four doubles at a time: Kirchhoff stress
-// tau = P F^T (Pa), energy per undeformed volume (J/m^3), and the return mapping of the plastic laws. In the
-// plane F is 2 x 2 and deviators are the plane's.
+// Material laws of a particle with deformation gradient F, eight floats or four doubles at a time: Kirchhoff
+// stress tau = P F^T (Pa), energy per undeformed volume (J/m^3), and the return mapping of the plastic laws.
+// In the plane F is 2 x 2 and deviators are two-dimensional.
 //   fluid        p = K/g (J^-g - 1), g = 7 (Cole 1948; Monaghan 1994); F is not used, only J
 //   corotated    mu |F - R|^2 + lambda/2 (J - 1)^2 (Stomakhin, Howes, Schroeder, Teran 2012)
 //   neo_hookean  mu/2 (|F|^2 - d) - mu ln J + lambda/2 (ln J)^2 (Bonet, Wood 2008)
@@ -20,40 +20,40 @@ enum class Law : unsigned char { fluid, corotated, neo_hookean, snow, sand, foam
 
 struct Material {
   Law law = Law::corotated;
-  double mu = 0, lambda = 0;                     ///< Pa; of a fluid lambda is the bulk modulus
+  double mu = 0, lambda = 0;                     ///< Pa; for a fluid lambda is the bulk modulus
   double hardening = 10;                         ///< xi of snow
   double compression = 0.025, stretch = 0.0075;  ///< theta_c and theta_s of snow
   double cone = 0;                               ///< alpha of sand: sqrt(2/3) 2 sin(phi) / (3 - sin(phi))
-  double yield = 0;                              ///< Pa, of foam
+  double yield = 0;                              ///< Pa, for foam
 };
 
-/// Volume ratios below this are taken for it where a law has a pole at 0.
+/// Smaller volume ratios are raised to this where a law has a pole at 0.
 inline constexpr double kLeastVolume = 0.05;
-/// e^(xi (1 - Jp)) stays below this: snow that is pressed without end would need steps without end.
+/// Upper bound of e^(xi (1 - Jp)): snow compressed without limit would need infinitely many substeps.
 inline constexpr double kMostHardening = 50;
 
-/// ln of positive floats, from the series of atanh: 2 (s + s^3 / 3 + ...), s = (m - 1) / (m + 1), of what is
-/// left beside the power of 2; the first term left out is below 1e-9 of it.
+/// ln of positive floats, by the series of atanh: 2 (s + s^3 / 3 + ...), s = (m - 1) / (m + 1), of the
+/// mantissa m; the first omitted term is below 1e-9 of it.
 inline Wide<float> log(Wide<float> a) {
   using W = Wide<float>;
   using Bits = W::Mask;
   const auto raw = (Bits)a.v;
-  // The power of two nearest below 4/3 of a: m is in [2/3, 4/3).
+  // The nearest power of two below 4/3 of a: m is in [2/3, 4/3).
   const Bits power = (raw - 0x3f2aaaab) >> 23;
   const W m((W::Raw)(raw - (power << 23))), e(__builtin_convertvector(power, W::Raw)), one(1);
   const W s = (m - one) / (m + one), s2 = s * s;
   W series(1.0 / 9);
   for (const double k : {1.0 / 7, 1.0 / 5, 1.0 / 3}) series = madd(series, s2, W(k));
   const W rest = madd(s * s2 * series, W(2), s + s);
-  // ln 2 in two parts, the first so short that its products are exact.
+  // ln 2 in two parts, the first short enough for exact products.
   return madd(e, W(0.693359375), madd(e, W(-2.12194440054690583e-4), rest));
 }
-/// e^a, for a in [-87, 88]; beyond, as at the ends.
+/// e^a for a in [-87, 88]; a is clamped to these bounds.
 inline Wide<float> exp(Wide<float> a) {
   using W = Wide<float>;
   using Bits = W::Mask;
   const W x = min(max(a, W(-87)), W(88));
-  // To the nearest whole: the first whole numbers of floats begin at 2^23.
+  // Rounds to the nearest integer: from 2^23 on all floats are integers.
   const W big(12582912), n = madd(x, W(1.44269504088896341), big) - big;
   const W r = nmadd(n, W(-2.12194440054690583e-4), nmadd(n, W(0.693359375), x));
   W series(1.0 / 5040);
@@ -74,7 +74,7 @@ Wide<T> exp(Wide<T> a) {
   return a;
 }
 
-/// Snow's factor on both moduli.
+/// Factor of snow on both moduli.
 template <class T>
 Wide<T> hardening(const Material& mat, Wide<T> jp) {
   const T most = static_cast<T>(kMostHardening);
@@ -98,7 +98,7 @@ Square<D, T> isotropic(Wide<T> p) {
   return out;
 }
 
-/// Stress of principal values along the columns of u.
+/// Stress from principal values along the columns of u.
 template <int D, class T>
 Response<D, T> principal(const Square<D, T>& u, const Wide<T>* tau, Wide<T> energy, Wide<T> modulus) {
   return {compose(u, tau, u), energy, modulus};
@@ -117,7 +117,7 @@ Response<D, T> fluid_response(const Material& mat, Wide<T> j) {
   return {detail::isotropic<D, T>(-p * j), energy, max(k, k * i6)};
 }
 
-/// Stress of the Neo-Hookean solid, which needs no principal axes: tau = mu (F F^T - 1) + lambda ln J.
+/// Stress of the neo-Hookean solid, which needs no principal axes: tau = mu (F F^T - 1) + lambda ln J.
 template <int D, class T>
 Response<D, T> neo_hookean_response(const Material& mat, const Square<D, T>& f) {
   using W = Wide<T>;
@@ -134,7 +134,7 @@ Response<D, T> neo_hookean_response(const Material& mat, const Square<D, T>& f) 
       row += abs(b);
       out.tau(r, c) = r == c ? madd(mu, b - one, lambda * l) : mu * b;
     }
-    // Gershgorin: no eigenvalue of F F^T, the square of a stretch, is beyond the largest of the sums of rows.
+    // Gershgorin: no eigenvalue of F F^T, a squared stretch, exceeds the largest row sum.
     widest = max(widest, row);
   }
   out.energy = half * mu * (squares - W(D)) - mu * l + half * lambda * l * l;
@@ -176,7 +176,7 @@ Response<D, T> corotated_response(const Material& mat, const Square<D, T>& f, Wi
   return out;
 }
 
-/// From singular values. `plastic` is Jp of snow and is not looked at by other laws.
+/// From singular values. `plastic` is Jp for snow and unused by other laws.
 template <int D, class T>
 Response<D, T> solid_response(const Material& mat, const Svd<D, T>& d, Wide<T> plastic) {
   using W = Wide<T>;
@@ -210,9 +210,9 @@ Response<D, T> solid_response(const Material& mat, const Svd<D, T>& d, Wide<T> p
 }
 
 /// Stress of any isotropic energy (J/m^3), given with its first and second derivatives by each singular value
-/// (which are positive): tau_k = s_k dpsi/ds_k. The modulus is that of the stiffest of a stretch and of the
-/// shears between two axes, whose stiffness is the slopes' difference over that of the values, or their sum
-/// over the values' sum (Stomakhin, Howes, Schroeder, Teran 2012, section 4).
+/// (all positive): tau_k = s_k dpsi/ds_k. The modulus is the largest among the stretches and the shears
+/// between two axes; the stiffness of a shear is the difference of the derivatives over that of the values,
+/// or their sum over the sum of the values (Stomakhin, Howes, Schroeder, Teran 2012, section 4).
 template <int D, class T>
 Response<D, T> principal_response(const Svd<D, T>& d, Wide<T> energy, const Wide<T>* slope,
                                   const Wide<T>* bend) {
@@ -232,7 +232,7 @@ Response<D, T> principal_response(const Svd<D, T>& d, Wide<T> energy, const Wide
   return detail::principal(d.u, tau, energy, stiffest * widest);
 }
 
-/// Of any law but `elastic`, from deformation and volume ratio as they are.
+/// For any law but `elastic`, from the given deformation and volume ratio.
 template <int D, class T>
 Response<D, T> response(const Material& mat, const Square<D, T>& f, Wide<T> j, Wide<T> plastic) {
   if (mat.law == Law::fluid) return fluid_response<D, T>(mat, j);
@@ -241,8 +241,8 @@ Response<D, T> response(const Material& mat, const Square<D, T>& f, Wide<T> j, W
   return solid_response(mat, svd(f), plastic);
 }
 
-/// Takes what flows out of the elastic singular values d.s; `plastic` is Jp of snow, the volume correction of
-/// sand, the plastic strain of foam. Of snow, sand and foam alone.
+/// Plastic flow of the elastic singular values d.s; `plastic` is Jp of snow, the volume correction of sand,
+/// the plastic strain of foam. For snow, sand and foam only.
 template <int D, class T>
 void return_map(const Material& mat, Svd<D, T>& d, Wide<T>& plastic) {
   using W = Wide<T>;
@@ -254,7 +254,7 @@ void return_map(const Material& mat, Svd<D, T>& d, Wide<T>& plastic) {
       d.s[k] = min(max(d.s[k], W(1 - mat.compression)), W(1 + mat.stretch));
       after *= d.s[k];
     }
-    // Far beyond these bounds neither the hardening nor the picture changes.
+    // Beyond these bounds neither the hardening nor the appearance changes.
     plastic = min(max(plastic * before / after, W(0.1)), W(20));
     return;
   }
@@ -271,7 +271,7 @@ void return_map(const Material& mat, Svd<D, T>& d, Wide<T>& plastic) {
   }
   const W norm = sqrt(norm2), safe = max(norm, W(1e-30));
   if (mat.law == Law::sand) {
-    // Klar et al. 2016, section 7.3: beyond the tip nothing is left; outside the cone, onto it.
+    // Klar et al. 2016, section 7.3: beyond the tip, to zero; outside the cone, onto it.
     const W excess = norm + W((D * mat.lambda + 2 * mat.mu) / (2 * mat.mu) * mat.cone) * trace;
     const auto tip = trace > zero;
     const W keep = select(tip, zero, one - max(excess, zero) / safe);

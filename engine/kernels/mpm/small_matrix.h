@@ -1,6 +1,6 @@
-// Square matrices of two or three rows, a particle per lane, with a singular value decomposition that has no
-// branch: one-sided Jacobi rotations (Golub, Van Loan 2013, section 8.6.3) in a fixed number of sweeps; and
-// the nearest rotation, which is cheaper.
+// Square matrices of two or three rows, a particle per lane, with a branch-free singular value decomposition:
+// one-sided Jacobi rotations (Golub, Van Loan 2013, section 8.6.3) in a fixed number of sweeps; and the
+// nearest rotation, which is cheaper.
 #pragma once
 #include "engine/math/wide.h"
 
@@ -9,7 +9,7 @@ namespace truestep::mpm {
 template <int D, class T>
 struct Square {
   using W = Wide<T>;
-  W m[D * D];  ///< row after row
+  W m[D * D];  ///< row by row
   W& operator()(int r, int c) { return m[D * r + c]; }
   const W& operator()(int r, int c) const { return m[D * r + c]; }
 
@@ -73,7 +73,7 @@ Wide<T> abs(Wide<T> a) {
 }
 
 /// A = U diag(s) V^T with rotations U and V; s[0] >= ... >= |s[D - 1]|, the last with the sign of det A
-/// (Irving, Teran, Fedkiw 2004): a mirrored matrix is a rotation from the plane that it crossed.
+/// (Irving, Teran, Fedkiw 2004).
 template <int D, class T>
 struct Svd {
   Square<D, T> u, v;
@@ -105,7 +105,7 @@ void orthogonalise(Square<D, T>& b, Square<D, T>& v, int p, int q) {
   using W = Wide<T>;
   const W one(T{1}), half(T{0.5}), tiny(sizeof(T) == 4 ? T(1e-35) : T(1e-300));
   const W xx = dot_columns(b, p, p), yy = dot_columns(b, q, q), xy = dot_columns(b, p, q);
-  // Over the larger of the two, so that no square is lost below the least number.
+  // Scaled by the larger of the two, so that no square underflows.
   const W larger = max(abs(yy - xx), abs(xy + xy));
   const auto turns = larger > tiny;
   const W inverse = one / max(larger, tiny), d = (yy - xx) * inverse, o = xy * inverse;
@@ -116,7 +116,7 @@ void orthogonalise(Square<D, T>& b, Square<D, T>& v, int p, int q) {
   rotate_columns(v, p, q, c, s);
 }
 
-/// Larger column first; the exchange is a rotation by 90 degrees where it happens.
+/// Larger column first; an exchange is a rotation by 90 degrees.
 template <int D, class T>
 void order_columns(Square<D, T>& b, Square<D, T>& v, int p, int q) {
   using W = Wide<T>;
@@ -132,7 +132,7 @@ template <int D, class T>
 Svd<D, T> svd(const Square<D, T>& a) {
   using W = Wide<T>;
   using detail::dot_columns;
-  // Quadratic convergence: measured on matrices of tests/unit/mpm_matrix_test.cc.
+  // Quadratic convergence; the number was measured on the matrices of tests/unit/mpm_matrix_test.cc.
   constexpr int kSweeps = D == 2 ? 2 : sizeof(T) == 4 ? 4 : 6;
   const W tiny(sizeof(T) == 4 ? T(1e-18) : T(1e-140)), one(T{1}), zero = W::zero();
   Square<D, T> b = a;
@@ -155,7 +155,7 @@ Svd<D, T> svd(const Square<D, T>& a) {
   if constexpr (D == 2) {
     u(0, 1) = -u(1, 0), u(1, 1) = u(0, 0);
   } else {
-    // The second direction: what is left of the second column, or any that is at right angles to the first.
+    // The second direction: the rest of the second column, or any perpendicular to the first.
     constexpr T kEps = sizeof(T) == 4 ? T(5e-7) : T(1e-15);
     W w[3], along = madd(u(2, 0), b(2, 1), madd(u(1, 0), b(1, 1), u(0, 0) * b(0, 1)));
     for (int i = 0; i < 3; ++i) w[i] = nmadd(along, u(i, 0), b(i, 1));
@@ -165,7 +165,7 @@ Svd<D, T> svd(const Square<D, T>& a) {
     const W other[3] = {select(flat, zero, -u(2, 0)), select(flat, u(2, 0), zero),
                         select(flat, -u(1, 0), u(0, 0))};
     for (int i = 0; i < 3; ++i) w[i] = select(plain, w[i], other[i]);
-    // Once more: where the columns are nearly parallel the first time leaves rounding of the larger.
+    // Twice: if the columns are nearly parallel, the first pass leaves rounding errors of the larger one.
     W length = sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]);
     for (int i = 0; i < 3; ++i) w[i] = w[i] / length;
     along = madd(u(2, 0), w[2], madd(u(1, 0), w[1], u(0, 0) * w[0]));
@@ -186,9 +186,9 @@ Svd<D, T> svd(const Square<D, T>& a) {
 }
 
 /// The rotation nearest to A, U V^T, without singular values; `known` marks the lanes where it was found. In
-/// the plane that is all of them, in closed form (where every rotation is equally near, the identity); in
-/// space those where A is neither reflected nor nearly singular, by Newton's iteration with scaling (Higham
-/// 2008, section 8.6).
+/// the plane these are all lanes, in closed form (if every rotation is equally near, the identity); in space
+/// those where A is neither reflected nor nearly singular, by scaled Newton iteration (Higham 2008, section
+/// 8.6).
 template <int D, class T>
 Square<D, T> nearest_rotation(const Square<D, T>& a, typename Wide<T>::Mask& known) {
   using W = Wide<T>;
@@ -203,7 +203,7 @@ Square<D, T> nearest_rotation(const Square<D, T>& a, typename Wide<T>::Mask& kno
     known = one > zero;
     return r;
   } else {
-    // Condition numbers up to a hundred come within rounding of a rotation in so many rounds.
+    // Condition numbers up to a hundred converge to rounding in this many iterations.
     constexpr int kRounds = sizeof(T) == 4 ? 5 : 7;
     constexpr double kMostCondition = 100;
     const auto squares = [](const Square<D, T>& m) {
@@ -233,7 +233,7 @@ Square<D, T> nearest_rotation(const Square<D, T>& a, typename Wide<T>::Mask& kno
   }
 }
 
-/// The same in every lane, from singular values where it has to be.
+/// The same in every lane, from singular values where necessary.
 template <int D, class T>
 Square<D, T> nearest_rotation(const Square<D, T>& a) {
   typename Wide<T>::Mask known;

@@ -1,11 +1,11 @@
 // Weights of a particle on the nodes around it along one axis: quadratic and cubic B-splines (Steffen, Kirby,
-// Berzins 2008). They sum to 1, their first moment about the particle is 0, their second is
-// kSecond dx^2 wherever the particle is (Jiang, Schroeder, Teran 2017).
+// Berzins 2008). They sum to 1, their first moment about the particle is 0, their second is kSecond dx^2 at
+// every position (Jiang, Schroeder, Teran 2017).
 #pragma once
 
 namespace truestep::mpm {
 
-/// `f` is the particle's place behind its first node, in cells: in [0.5, 1.5) or [1, 2). F is a number or a
+/// `f` is the particle's offset from its first node, in cells: in [0.5, 1.5) or [1, 2). F is a number or a
 /// vector of numbers.
 template <int Nodes, class F>
 [[gnu::always_inline]] inline void spline_weights(F f, F* w) {
@@ -27,7 +27,7 @@ template <int Nodes, class T>
 struct Spline {
   static_assert(Nodes == 3 || Nodes == 4);
   static constexpr T kSecond = Nodes == 3 ? T(1) / 4 : T(1) / 3;  ///< dx^2, second moment
-  /// From a particle's place in cells to where its first node lies: base = floor(place - kShift).
+  /// From a particle's position in cells to its first node: base = floor(position - kShift).
   static constexpr T kShift = Nodes == 3 ? T(0.5) : T(1);
 
   static void weights(T f, T* w) { spline_weights<Nodes>(f, w); }

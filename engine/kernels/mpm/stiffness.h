@@ -1,16 +1,17 @@
 // Energy, first Piola-Kirchhoff stress P = dpsi/dF and its derivative dP = (d2psi/dF2) : dF of the elastic
 // laws, by singular values F = U diag(s) V^T (Stomakhin, Howes, Schroeder, Teran 2012, section 4; Smith, de
-// Goes, Kim 2019): in the axes of U and V the derivative falls into a matrix of the stretches and one 2 x 2
-// matrix for each pair of axes, which are
-//   d2psi/ds_i ds_j     (psi_i - psi_j) / (s_i - s_j) of shears      (psi_i + psi_j) / (s_i + s_j) of turns.
-// What is negative of them is left out, so that the whole is positive semidefinite and Newton's direction
-// goes downhill (Teran, Sifakis, Irving, Fedkiw 2005).
+// Goes, Kim 2019): in the axes of U and V the derivative splits into a matrix of the stretches and one 2 x 2
+// matrix for each pair of axes,
+//   d2psi/ds_i ds_j,    (psi_i - psi_j) / (s_i - s_j) for shears,    (psi_i + psi_j) / (s_i + s_j) for
+//   rotations.
+// Their negative parts are dropped, so that the whole is positive semidefinite and Newton's direction
+// descends (Teran, Sifakis, Irving, Fedkiw 2005).
 #pragma once
 #include "engine/kernels/mpm/laws.h"
 
 namespace truestep::mpm {
 
-/// Laws that have a stiffness here.
+/// Whether a law has a stiffness here.
 constexpr bool has_stiffness(Law law) {
   return law == Law::corotated || law == Law::neo_hookean;
 }
@@ -22,7 +23,7 @@ struct Stiffness {
   Square<D, T> stretch;                 ///< Pa, symmetric
   Wide<T> shear[kPairs], turn[kPairs];  ///< Pa, of axes (0, 1), (0, 2), (1, 2)
 
-  /// dP of a change of F.
+  /// dP for a change of F.
   Square<D, T> apply(const Square<D, T>& df) const {
     const Square<D, T> g = transposed(u) * df * v;
     Square<D, T> k;
@@ -43,7 +44,8 @@ struct Stiffness {
   }
 };
 
-/// The part of a symmetric matrix that is positive semidefinite: half of it and of its absolute value.
+/// The positive semidefinite part of a symmetric matrix: half of the sum of the matrix and its absolute
+/// value.
 template <int D, class T>
 Square<D, T> positive_part(const Square<D, T>& a) {
   const Svd<D, T> d = svd(a);
@@ -54,7 +56,7 @@ Square<D, T> positive_part(const Square<D, T>& a) {
   return out;
 }
 
-/// P (Pa) at F; `out` gets the stiffness there, its negative parts left out.
+/// P (Pa) at F; `out` gets the stiffness there without its negative parts.
 template <int D, class T>
 Square<D, T> stress_and_stiffness(const Material& mat, const Square<D, T>& f, Stiffness<D, T>& out) {
   using W = Wide<T>;
@@ -80,7 +82,7 @@ Square<D, T> stress_and_stiffness(const Material& mat, const Square<D, T>& f, St
       }
     }
   } else {
-    // Cofactors: the product of the others, and in space of a pair the third.
+    // Cofactors: the product of the others; in space, for a pair, the third.
     W j = one, others[D];
     for (int k = 0; k < D; ++k) j *= d.s[k];
     for (int i = 0; i < D; ++i) others[i] = D == 2 ? d.s[1 - i] : d.s[(i + 1) % D] * d.s[(i + 2) % D];

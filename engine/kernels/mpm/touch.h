@@ -1,11 +1,11 @@
-// What nodes and a rigid body do to each other where the body is: impulses j on the nodes, -j on the body,
+// Contact of nodes with a rigid body that contains them: impulses j on the nodes, -j on the body,
 //   j = A (u + du_v + du_w x r - v),   M du = -sum (j, r x j),
-// with u the body's velocity at a node's arm r, v the node's and A the node's mass along what is held: the
-// normal where they approach, then along the body up to Coulomb's bound, or everything where it sticks. The
-// body's answer is solved for with the nodes' (six numbers), so that a body much lighter than what it is in
-// does not overshoot. The frictionless contacts are an active set: nodes that would be pulled are released,
-// nodes that the body would pass through are added. After the idea of Hu et al. 2018 (MLS-MPM, section 5,
-// coupling by penalties), without penalties.
+// with u the body's velocity at a node's arm r, v the node's and A the node's mass along the constrained
+// directions: the normal if they approach, then along the surface up to Coulomb's bound, or all directions if
+// the body is sticky. The body's response is solved together with the nodes' (six unknowns), so a body much
+// lighter than the surrounding material does not overshoot. The frictionless contacts are an active set:
+// nodes under tension are released, nodes that the body would pass through are added. After the idea of Hu et
+// al. 2018 (MLS-MPM, section 5, coupling by penalties), without penalties.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -20,14 +20,14 @@ namespace truestep::mpm {
 struct TouchedNode {
   double mass = 0;   ///< kg
   Vec3 arm, normal;  ///< m, from the body's centre; unit, out of the body
-  Vec3 velocity;     ///< m/s, before; after it the impulse over the mass is added
+  Vec3 velocity;     ///< m/s, before; the impulse over the mass is added
   Vec3 impulse;      ///< N s, on the node
   bool held = false;
 };
 
 enum class Hold : unsigned char { sticky, slip, separate };
 
-/// A body that is touched: what it weighs against velocity and spin, and how it moves.
+/// A touched body: its mass and inertia, and its motion.
 struct TouchedBody {
   double mass = 0;              ///< kg; 0: nothing moves it
   std::array<Vec3, 3> inertia;  ///< kg m^2, columns, in the world
@@ -46,7 +46,7 @@ inline void add(Six& to, const Vec3& j, const Vec3& r) {
   to[0] += j.x, to[1] += j.y, to[2] += j.z, to[3] += l.x, to[4] += l.y, to[5] += l.z;
 }
 
-/// Solves K x = b, K symmetric and positive definite; a direction without stiffness gets nothing.
+/// Solves K x = b with K symmetric and positive definite; a direction without stiffness gets 0.
 inline Six solve(std::array<Six, 6> k, Six b) {
   std::array<double, 6> d{};
   for (size_t c = 0; c < 6; ++c) {
@@ -65,7 +65,7 @@ inline Six solve(std::array<Six, 6> k, Six b) {
   return b;
 }
 
-/// The body's change of motion where node n holds as `hold(n, w)` (N s per velocity) does against velocity w.
+/// The body's change of motion if node n responds to velocity w with the impulse `hold(n, w)` (N s).
 template <class HoldOf>
 Six answer(std::span<const TouchedNode> nodes, const TouchedBody& body, const HoldOf& hold) {
   if (!(body.mass > 0)) return {};
@@ -90,8 +90,8 @@ Six answer(std::span<const TouchedNode> nodes, const TouchedBody& body, const Ho
 
 }  // namespace touch_detail
 
-/// Impulses between the nodes inside a body and the body, whose motion changes as they say. The sum of what
-/// nodes and body get is zero to rounding, about every point.
+/// Finds the impulses between the nodes and the body and applies them to both. The total impulse on nodes and
+/// body is zero to rounding, about every point.
 inline void touch(std::span<TouchedNode> nodes, TouchedBody& body, Hold kind, double friction) {
   using namespace touch_detail;
   constexpr int kRounds = 8;
@@ -137,7 +137,7 @@ inline void touch(std::span<TouchedNode> nodes, TouchedBody& body, Hold kind, do
   pushes(along, du);
   if (kind != Hold::separate || !(friction > 0)) return;
   const auto beside = [](const TouchedNode& n, const Vec3& w) { return w - n.normal * dot(w, n.normal); };
-  // The share of what slides past that the bound allows to be stopped.
+  // The share of the sliding velocity that the bound allows to stop.
   const auto held = [&](const TouchedNode& n, const Vec3& w) {
     const double slides = norm(beside(n, body.velocity + cross(body.spin, n.arm) - n.velocity)) * n.mass;
     const double most = friction * std::max(0.0, dot(n.impulse, n.normal));

@@ -1,14 +1,14 @@
-// Distance constraints C_s = |x_{s+1} - x_s| - L_s along a chain of points, solved all at once: with unit
+// Distance constraints C_s = |x_{s+1} - x_s| - L_s along a chain of points, solved directly: with unit
 // directions n_s the system of compliance.h is tridiagonal,
 //   (w_s + w_{s+1} + a_s) l_s - w_s (n_s . n_{s-1}) l_{s-1} - w_{s+1} (n_s . n_{s+1}) l_{s+1} = b_s,
 //   a = alpha~ / (1 + gamma),   b = (-C - alpha~ lambda - gamma dC) / (1 + gamma),
 // and one elimination carries a load from one end to the other, whatever the length, the stiffness and the
-// ratio of masses. A chain of one link is the constraint by itself (Macklin et al. 2016, eq. 18). As many
-// chains as there are lanes go side by side; they share no point. Rows of points are (x, y, z, inverse mass),
-// places, or displacements from places whose differences are given: in floats these resolve far smaller
-// steps. Directions are those at the start of the call. What they turn by is left to the next substep, as a
-// symplectic Euler step of the sideways force T / l of a link under the tension T: stable while, at every
-// point,
+// mass ratio. A chain of one link is the usual single constraint (Macklin et al. 2016, eq. 18). As many
+// chains as there are lanes are solved side by side; they share no point. Rows of points are (x, y, z,
+// inverse mass): positions, or displacements from positions whose differences are given, which resolve far
+// smaller steps in floats. Directions are those at the start of the call. Their rotation is left to the next
+// substep, as a symplectic Euler step of the sideways force T / l of a link under the tension T: stable
+// while, at every point,
 //   q = w sum (-lambda) / l = h^2 w sum T / l < 2     (h^2 omega^2 <= 2 q < 4 for the chain's fastest wave).
 #pragma once
 #include <cstddef>
@@ -20,8 +20,8 @@
 
 namespace truestep::xpbd {
 
-/// Chains of at most `links` links; a shorter one ends in links of a row of its own whose inverse mass is 0
-/// and that are kIdle.
+/// Chains of at most `links` links; a shorter one is padded with links that are kIdle, at a row of their own
+/// with inverse mass 0.
 template <class T>
 struct Chains {
   size_t links = 0;
@@ -29,19 +29,19 @@ struct Chains {
   const T* rest = nullptr;           ///< links x lanes, m
   const T* compliance = nullptr;     ///< links x lanes, m/N
   const T* damping = nullptr;        ///< links x lanes, s: gamma times h; or null: undamped
-  T* lambda = nullptr;               ///< links x lanes, added to; null: zero so far, and nobody asks
+  T* lambda = nullptr;               ///< links x lanes, added to; null: zero so far, and not needed later
   const T* base = nullptr;           ///< links x 3 x lanes: x_{s+1} - x_s where rows are 0; null: 0
 };
 
-/// Scratch for a link of every lane.
+/// Scratch for one link of every lane.
 template <class T>
 struct ChainRow {
   Wide<T> x, y, z, per_length, pivot, side,
       right;  // direction, 1 / l, 1 / pivot, off-diagonal, right-hand side
 };
 
-/// Moves the points of all rows by `relax` (1: a full step) times the correction. `before` are the rows at
-/// the substep's start, for damping. `scratch` has c.links rows. Returns the largest q of all points.
+/// Moves the points of all rows by `relax` (1: a full step) times the correction. `before`, for damping, are
+/// the rows at the substep's start. `scratch` has c.links rows. Returns the largest q of all points.
 template <class T>
 T solve_chains(const Chains<T>& c, const PerStep<T>& per, const T* before, T relax, T* rows,
                ChainRow<T>* scratch) {
@@ -52,7 +52,7 @@ T solve_chains(const Chains<T>& c, const PerStep<T>& per, const T* before, T rel
     for (int i = 0; i < kLanes; ++i) r.v[i] = p[i];
     return r;
   };
-  // Two ends held and no compliance leave a straight chain without a unique tension.
+  // A straight chain held at both ends without compliance has no unique tension: regularised.
   const W regular(1 + 8 * std::numeric_limits<T>::epsilon()), zero = W::zero(), one(T(1)), per_h2(per.h2);
   W p[4], q[4], p_old[4], q_old[4];
   gather_rows4(rows, c.points, p);

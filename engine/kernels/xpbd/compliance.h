@@ -15,7 +15,7 @@ struct Softness {
   T gamma = 0;
 };
 
-/// 1/h and 1/h^2 of a substep: what turns compliances into alpha~ and gamma.
+/// 1/h and 1/h^2 of a substep, which turn compliances into alpha~ and gamma.
 template <class T>
 struct PerStep {
   T h = 1, h2 = 1;
@@ -25,10 +25,11 @@ PerStep<T> per_step(double h) {
   return {static_cast<T>(1 / h), static_cast<T>(1 / (h * h))};
 }
 
-/// Compliance of what is not there: a padded lane, a link of no stiffness. Too soft to move a point by a bit.
+/// Compliance of absent constraints, such as padded lanes and links of no stiffness: too soft to change a
+/// point by a bit.
 inline constexpr double kIdle = 1e18;
 
-/// d_lambda of one constraint by itself: `weight` is grad C M^-1 grad C^T, `change` grad C . (x - x_n).
+/// d_lambda of a single constraint: `weight` is grad C M^-1 grad C^T, `change` grad C . (x - x_n).
 template <class T>
 T multiplier_step(T c, T lambda, T change, T weight, const Softness<T>& s) {
   return weight > 0 ? (-c - s.alpha * lambda - s.gamma * change) / ((1 + s.gamma) * weight + s.alpha) : T(0);

@@ -1,9 +1,9 @@
 // Angle between two triangles about the edge x0 x1, opposite corners x2 and x3:
 //   C = theta - theta_0,   E = 1/2 C^2 / alpha,   alpha = (A0 + A1) / (|e|^2 D)
-// (Grinspun, Hirani, Desbrun, Schroeder 2003, "Discrete shells", with the weight of the hinge in linear.h, so
-// that both agree at small angles; gradient as in Bridson, Marino, Fedkiw 2003, section 4, without its
-// arccos). For sheets that are not flat at rest. theta is 0 where the triangles lie in one plane on two sides
-// of the edge, and positive where x2 and x3 bend towards (x1 - x0) x (x2 - x0).
+// (Grinspun, Hirani, Desbrun, Schroeder 2003, "Discrete shells", with the hinge weight of linear.h, so that
+// both agree at small angles; gradient as in Bridson, Marino, Fedkiw 2003, section 4, without its arccos).
+// For sheets that are not flat at rest. theta is 0 for coplanar triangles on opposite sides of the edge, and
+// positive if x2 and x3 bend towards (x1 - x0) x (x2 - x0).
 #pragma once
 #include <array>
 #include <cmath>
@@ -14,7 +14,7 @@
 
 namespace truestep::xpbd {
 
-/// Angle in (-pi, pi] and its gradients (1/m); all zero where a triangle has no area.
+/// Angle in (-pi, pi] and its gradients (1/m); all zero if a triangle has no area.
 struct Dihedral {
   double angle = 0;
   std::array<Vec3, 4> slope{};
@@ -39,8 +39,8 @@ inline double turned(double angle, double rest) {
   return d > kPi ? d - 2 * kPi : d <= -kPi ? d + 2 * kPi : d;
 }
 
-/// Moves the four rows (x, y, z, inverse mass) by `relax` times the correction; lambda is added to. `base` (n
-/// x 3) is where rows of 0 are.
+/// Moves the four rows (x, y, z, inverse mass) by `relax` times the correction; adds to lambda. `base` (n x
+/// 3): the positions at which rows are 0.
 template <class T>
 void solve_dihedral(const std::array<uint32_t, 4>& points, double rest, const Softness<double>& s, T relax,
                     const double* base, T* rows, double& lambda) {

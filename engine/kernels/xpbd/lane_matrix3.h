@@ -1,5 +1,5 @@
-// Vectors of three and matrices of three by three whose numbers are lanes: several small systems side by
-// side. Matrices lie row after row, m[3 r + c].
+// Vectors of three and 3 x 3 matrices of lanes: several small systems side by side. Matrices are row by row,
+// m[3 r + c].
 #pragma once
 #include "engine/math/wide.h"
 
@@ -121,7 +121,7 @@ struct LaneSym {
     }
     return out;
   }
-  /// The symmetric A B^T of which it is known that it is symmetric, times `sign`, added.
+  /// Adds `sign` times A B^T, which must be symmetric.
   void add(T sign, const LaneMat<T>& a, const LaneMat<T>& b) {
     const Wide<T> s(sign);
     const auto entry = [&](int r, int c) {
@@ -131,9 +131,9 @@ struct LaneSym {
     xx += entry(0, 0), xy += entry(0, 1), xz += entry(0, 2);
     yy += entry(1, 1), yz += entry(1, 2), zz += entry(2, 2);
   }
-  /// By elimination; zero where a pivot is not above zero.
+  /// By elimination; zero if a pivot is not positive.
   friend LaneSym inverse(const LaneSym& a) {
-    // L D L^T with a unit triangle L, and L^-T D^-1 L^-1 from that.
+    // L D L^T with unit lower triangular L, then L^-T D^-1 L^-1.
     const Wide<T> one(T(1)), zero = Wide<T>::zero();
     const Wide<T> d0 = where_positive(a.xx, one / a.xx, zero);
     const Wide<T> l10 = a.xy * d0, l20 = a.xz * d0;

@@ -1,18 +1,19 @@
-// Constraints that are linear in the places of N points, C = sum_i K_i x_i (a vector, m), with energy
-// E = 1/2 |C|^2 / alpha. All three components share one denominator sum_i w_i K_i^2 + alpha~, and the step is
-// exact. They bend
+// Constraints that are linear in the positions of N points, C = sum_i K_i x_i (a vector, m), with energy
+//   E = 1/2 |C|^2 / alpha.
+// All three components share one denominator sum_i w_i K_i^2 + alpha~, and the step is exact. They model
+// bending of
 //   sheets: hinge of two triangles about the edge x0 x1 with the opposite corners x2, x3 and areas A0, A1,
 //     isometric bending (Bergou, Wardetzky, Harmon, Zorin, Grinspun 2006, "A quadratic bending model for
 //     inextensible surfaces", section 3): E = D / (2 (A0 + A1)) |sum K_i x_i|^2 with
-//     K = (c03 + c04, c01 + c02, -c01 - c03, -c02 - c04), c the cotangents of the angles at the edge. A third
-//     of the paper's weight: with that a sheet rolled up has three times a plate's D, on equilateral and on
-//     right triangles; without, it is Seung and Nelson's of 1988 (Phys. Rev. A 38, 1005) on the
-//     former, isotropic, and between D / 2 and D on the latter: grids of squares take rods along their sides
-//     and diagonals instead;
-//   rods: |x0 - 2 x1 + x2|^2 EI / (2 l^3), that is 1/2 EI l k^2 with the curvature k = |x0 - 2 x1 + x2| /
-//   l^2.
-// Flat and straight at rest; neither turns nor shifts cost energy. Stretching does, which is why they hold
-// for sheets and rods that hardly stretch.
+//     K = (c03 + c04, c01 + c02, -c01 - c03, -c02 - c04), c the cotangents of the angles at the edge. The
+//     weight is a third of the paper's: at its full weight a rolled sheet has three times a plate's D, on
+//     equilateral and on right triangles. A third of it is Seung and Nelson's of 1988 (Phys. Rev. A 38, 1005)
+//     on the former, isotropic, and between D / 2 and D on the latter: square grids use rods along their
+//     sides and diagonals instead;
+//   rods: |x0 - 2 x1 + x2|^2 EI / (2 l^3), that is 1/2 EI l k^2 with the curvature
+//     k = |x0 - 2 x1 + x2| / l^2.
+// Flat and straight at rest; rigid motions cost no energy. Stretching does, so these are valid for sheets and
+// rods that hardly stretch.
 #pragma once
 #include <array>
 
@@ -22,7 +23,7 @@
 
 namespace truestep::xpbd {
 
-/// K of a hinge at rest and A0 + A1 (m^2), which is alpha times D (N m).
+/// K of a hinge at rest, and A0 + A1 (m^2), which equals alpha times D (N m).
 struct Hinge {
   std::array<double, 4> k;
   double area;
@@ -38,13 +39,13 @@ inline Hinge hinge(const Vec3& x0, const Vec3& x1, const Vec3& x2, const Vec3& x
           0.5 * norm(cross(e0, e1)) + 0.5 * norm(cross(e0, e2))};
 }
 
-/// N points of every lane, sharing none.
+/// N points in every lane, none shared.
 template <class T, int N>
 struct LinearSet {
   const uint32_t* points = nullptr;  ///< N x lanes
   const T* k = nullptr;              ///< N x lanes
   const T* compliance = nullptr;     ///< lanes
-  T* lambda = nullptr;               ///< 3 x lanes, added to; null: zero so far, and nobody asks
+  T* lambda = nullptr;               ///< 3 x lanes, added to; null: zero so far, and not needed later
   const T* base = nullptr;           ///< 3 x lanes: sum K_i x_i where rows are 0; null: 0
 };
 

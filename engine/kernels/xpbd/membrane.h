@@ -1,17 +1,17 @@
 // A triangle of a sheet of volume V (area times thickness) as constraints on its strain. With edges e1, e2
-// from the first point and B the inverse of theirs at rest, F = (e1, e2) B is 3 x 2, f1 and f2 its columns.
-//   st_venant_kirchhoff   E11 = (f1.f1 - 1) / 2, E22 = (f2.f2 - 1) / 2, g = f1.f2 (all 1), three constraints
-//   solved at
-//     once whose compliance is the inverse of plane stress, 1 / (E V) ((1, -nu, 0), (-nu, 1, 0), (0, 0, 2 (1
-//     + nu))) (Macklin, Mueller, Chentanez 2016, "XPBD", section 5.2); without compliance they are the
-//     strain-based constraints of position-based dynamics (Mueller, Chentanez, Kim, Macklin 2014, "Strain
-//     based dynamics", section 4, Green's strain in place of stretch, solved at once in place of one by one).
-//   neo_hookean   C_D = sqrt(tr F^T F), C_H = J - 1 - r, J = |f1 x f2|, alpha_D = 1 / (mu V), alpha_H = r
-//   alpha_D
-//     (neo_hookean.h in two dimensions: energy V (mu/2 (tr F^T F - 2) + l/2 ((J - 1 - r)^2 - r^2)), r = mu /
-//     l = (1 - nu) / (1 + nu), whose small strains are plane stress). A triangle without area has no normal
-//     and stays in its line.
-// Both give q = h^2 times stress times the curvature of the strains, as chain.h does of a link's tension.
+// from the first point and B the inverse of their rest matrix, F = (e1, e2) B is 3 x 2 with columns f1 and
+// f2.
+//   st_venant_kirchhoff: E11 = (f1.f1 - 1) / 2, E22 = (f2.f2 - 1) / 2, g = f1.f2 (all 1), three constraints
+//     solved at once with the inverse of plane stress as compliance,
+//       1 / (E V) ((1, -nu, 0), (-nu, 1, 0), (0, 0, 2 (1 + nu)))
+//     (Macklin, Mueller, Chentanez 2016, "XPBD", section 5.2); without compliance they are the strain-based
+//     constraints of position-based dynamics (Mueller, Chentanez, Kim, Macklin 2014, "Strain based dynamics",
+//     section 4, with Green strain instead of stretch, solved at once instead of one by one).
+//   neo_hookean: C_D = sqrt(tr F^T F), C_H = J - 1 - r, J = |f1 x f2|, alpha_D = 1 / (mu V),
+//     alpha_H = r alpha_D (neo_hookean.h in two dimensions: energy
+//       V (mu/2 (tr F^T F - 2) + l/2 ((J - 1 - r)^2 - r^2)),   r = mu / l = (1 - nu) / (1 + nu),
+//     which is plane stress at small strain). A triangle of zero area has no normal and stays on its line.
+// Both return q, h^2 times stress times the curvature of the strains, as chain.h does for a link's tension.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -32,14 +32,14 @@ inline double neo_hookean_membrane(const Vec3& f1, const Vec3& f2, double nu) {
   return 0.5 * mu * (norm2(f1) + norm2(f2) - 2) + 0.5 * mu / r * (c * c - r * r);
 }
 
-/// A triangle per lane, sharing no points.
+/// One triangle per lane, no points shared.
 template <class T>
 struct MembraneSet {
   const uint32_t* points = nullptr;  ///< 3 x lanes
   const T* inverse = nullptr;        ///< 4 x lanes: B, row by row, 1/m
   const T* compliance = nullptr;     ///< lanes: 1 / (E V); 0: rigid (st_venant_kirchhoff alone)
   T poisson_ratio = 0;
-  T* lambda = nullptr;      ///< 3 x lanes (neo_hookean: 2), added to; null: zero so far, and nobody asks
+  T* lambda = nullptr;      ///< 3 x lanes (neo_hookean: 2), added to; null: zero so far, not needed later
   const T* base = nullptr;  ///< 6 x lanes: x1 - x0, x2 - x0 where rows are 0
 };
 
@@ -76,7 +76,7 @@ struct Lanes {
     for (int i = 0; i < 3; ++i) s = madd(x[i][3], dot(g[i], k[i]), s);
     return s;
   }
-  /// sum_i w_i b_im b_in, of which curvatures of E and |F|^2 are made.
+  /// sum_i w_i b_im b_in, from which curvatures of E and |F|^2 follow.
   W spread(int m, int n) const {
     const W zero = b[0][m] + b[1][m], other = b[0][n] + b[1][n];
     return madd(x[0][3], zero * other, madd(x[1][3], b[0][m] * b[0][n], x[2][3] * b[1][m] * b[1][n]));
@@ -108,7 +108,7 @@ T solve_st_venant_kirchhoff(const MembraneSet<T>& c, const PerStep<T>& per, T re
   constexpr int kLanes = W::kLanes;
   L t(c, rows);
   const W half(T(0.5)), one(T(1)), nu(c.poisson_ratio);
-  W g[3][3][3];  // of E11, E22 and g by the points
+  W g[3][3][3];  // gradients of E11, E22 and g by the points
   for (int r = 0; r < 3; ++r) {
     for (int k = 0; k < 2; ++k) {
       g[0][k + 1][r] = t.f[0][r] * t.b[k][0], g[1][k + 1][r] = t.f[1][r] * t.b[k][1];
@@ -127,7 +127,8 @@ T solve_st_venant_kirchhoff(const MembraneSet<T>& c, const PerStep<T>& per, T re
     right[0] = nmadd(soft, nmadd(nu, l1, l0), right[0]), right[1] = nmadd(soft, nmadd(nu, l0, l1), right[1]);
     right[2] = nmadd(across, l2, right[2]);
   }
-  // A triangle with one free point has two strains to give: a share of the trace keeps the third solvable.
+  // A triangle with one free point can satisfy only two strains: a share of the trace keeps the third
+  // solvable.
   const W trace = (a[0][0] + a[1][1] + a[2][2]) * W(T(1e-9));
   a[0][0] += soft + trace, a[1][1] += soft + trace, a[2][2] += across + trace;
   a[1][0] = nmadd(soft, nu, a[1][0]);

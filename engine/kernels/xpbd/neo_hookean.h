@@ -1,11 +1,11 @@
-// A tetrahedron of stable Neo-Hookean material as two constraints (Macklin, Mueller 2021, "A constraint-based
+// A tetrahedron of stable neo-Hookean material as two constraints (Macklin, Mueller 2021, "A constraint-based
 // formulation of stable neo-Hookean materials", equations 8 to 18):
 //   C_D = sqrt(tr F^T F),         alpha_D = 1 / (mu V),
 //   C_H = det F - 1 - mu / l,     alpha_H = 1 / (l V),    l = lambda + mu,
-// with energy V (mu/2 (tr F^T F - 3) + l/2 ((det F - 1 - mu/l)^2 - (mu/l)^2)), whose Lame constants without
-// load are lambda and mu: mu / l = 1 - 2 nu. Both are solved at once, two equations for two multipliers: at
-// rest they balance, while one after the other would push points about. It has no pole: an inverted
-// tetrahedron comes back.
+// with energy V (mu/2 (tr F^T F - 3) + l/2 ((det F - 1 - mu/l)^2 - (mu/l)^2)), whose Lame constants at rest
+// are lambda and mu: mu / l = 1 - 2 nu. Both are solved together, two equations for two multipliers: at rest
+// they balance, whereas solving one after the other would disturb the points. There is no pole: an inverted
+// tetrahedron recovers.
 #pragma once
 #include "engine/kernels/xpbd/compliance.h"
 #include "engine/math/mat3.h"
@@ -19,15 +19,15 @@ inline double neo_hookean_energy(const Mat3& f, double volume, double mu, double
   return volume * (0.5 * mu * (inner(f, f) - 3) + 0.5 * l * (c * c - ratio * ratio));
 }
 
-/// A tetrahedron per lane, sharing no points.
+/// One tetrahedron per lane, no points shared.
 template <class T>
 struct NeoHookeanSet {
   const uint32_t* points = nullptr;  ///< 4 x lanes
-  const T* inverse = nullptr;        ///< 9 x lanes: of (x1 - x0, x2 - x0, x3 - x0) as columns, at rest
-  const T* compliance = nullptr;     ///< lanes: alpha_D
-  T ratio = 1;                       ///< mu / l
-  T* lambda = nullptr;               ///< 2 x lanes, added to; null: zero so far, and nobody asks
-  const T* base = nullptr;           ///< 9 x lanes: x1 - x0, x2 - x0, x3 - x0 where rows are 0
+  const T* inverse = nullptr;     ///< 9 x lanes: inverse of (x1 - x0, x2 - x0, x3 - x0) as columns, at rest
+  const T* compliance = nullptr;  ///< lanes: alpha_D
+  T ratio = 1;                    ///< mu / l
+  T* lambda = nullptr;            ///< 2 x lanes, added to; null: zero so far, and not needed later
+  const T* base = nullptr;        ///< 9 x lanes: x1 - x0, x2 - x0, x3 - x0 where rows are 0
 };
 
 template <class T>
@@ -60,7 +60,7 @@ void solve_neo_hookean(const NeoHookeanSet<T>& c, const PerStep<T>& per, T* rows
   W to[3];
   crossed(b[1], b[2], one, to);
   const W det_b = madd(b[0][0], to[0], madd(b[0][1], to[1], b[0][2] * to[2]));
-  // Gradients by the four points: d are those of C_D, g those of C_H.
+  // Gradients by the four points: d of C_D, g of C_H.
   W d[4][3], g[4][3];
   crossed(e[1], e[2], det_b, g[1]), crossed(e[2], e[0], det_b, g[2]), crossed(e[0], e[1], det_b, g[3]);
   const W volume = madd(e[0][0], g[1][0], madd(e[0][1], g[1][1], e[0][2] * g[1][2]));

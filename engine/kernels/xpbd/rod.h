@@ -1,29 +1,29 @@
-// The constraints of Cosserat rods (rod_strain.h), all of a rod solved at once, as Deul, Kugelstadt, Weiler,
+// The constraints of Cosserat rods (rod_strain.h), each rod solved directly, as Deul, Kugelstadt, Weiler,
 // Bender 2018, "Direct position-based solver for stiff rods", do for segments: bending b_j of joint j and
-// stretch s_j of link j in the order b_0 s_0 b_1 s_1 ... b_n make the system of compliance.h
+// stretch s_j of link j in the order b_0 s_0 b_1 s_1 ... b_n turn the system of compliance.h
 //   (J W J^T + a) l = (-C - alpha~ lambda - gamma (C - C_n)) / (1 + gamma),   a = alpha~ / (1 + gamma)
-// one of blocks of three by three that couple to the two before them and the two behind them, and one
-// elimination carries forces and moments from end to end whatever the stiffness. Turns are in a frame's own
-// axes, in which the inertia of a section is diagonal: with v + s = conj(qa) qb and g = R^T d / l
+// into 3 x 3 blocks, each coupled to the two before and the two after it, and one elimination carries forces
+// and moments from end to end whatever the stiffness. Rotations are in a frame's own axes, in which the
+// inertia of a section is diagonal: with v + s = conj(qa) qb and g = R^T d / l
 //   dG = [g] dt + R^T (dx1 - dx0) / l,      dO = ((s + [v]) dtb - (s - [v]) dta) / l.
-// Joint 0 joins a frame of the wall to the first link, joint n the last link to another; where an end is
-// free its compliance is kIdle. As many rods as there are lanes go side by side; they share no point and no
-// frame. What forces do to directions (geometric stiffness) is left to the next substep as of chains: see q
-// of chain.h.
+// Joint 0 connects a frame of the wall to the first link, joint n the last link to another wall frame; at a
+// free end the compliance is kIdle. As many rods as there are lanes are solved side by side; they share no
+// point and no frame. The geometric stiffness, that is the change of directions under load, is left to the
+// next substep as for chains: see q of chain.h.
 #pragma once
 #include "engine/kernels/xpbd/chain.h"
 #include "engine/kernels/xpbd/lane_matrix3.h"
 
 namespace truestep::xpbd {
 
-/// Rods of `links` links side by side: n + 1 points, n + 2 frames, n + 1 joints a lane, lane beside lane.
+/// Rods of `links` links side by side: n + 1 points, n + 2 frames, n + 1 joints in every lane, interleaved.
 template <class T>
 struct Rods {
   size_t links = 0;
-  const uint32_t* points = nullptr;     ///< (n + 1) x lanes, rows of places
+  const uint32_t* points = nullptr;     ///< (n + 1) x lanes, rows of positions
   const uint32_t* frames = nullptr;     ///< (n + 2) x lanes, rows of quaternions and of inverse inertias
-  const T* base = nullptr;              ///< n x 3 x lanes: x_{j+1} - x_j where rows of places are 0
-  const T* per_length = nullptr;        ///< n x lanes, 1/m, of links at rest
+  const T* base = nullptr;              ///< n x 3 x lanes: x_{j+1} - x_j at which rows of positions are 0
+  const T* per_length = nullptr;        ///< n x lanes, 1/m, over the rest length of links
   const T* joint_per_length = nullptr;  ///< (n + 1) x lanes, 1/m
   const T* rest = nullptr;              ///< (n + 1) x 3 x lanes, 1/m: O0
   const T* stretch = nullptr;           ///< n x 3 x lanes: 1 / (stiffness l), 1/J; along d1, d2, d3
@@ -31,17 +31,18 @@ struct Rods {
   const T* inverse_inertia = nullptr;   ///< rows of 4, 1/(kg m^2) about d1, d2, d3; 0: held
   const T* before = nullptr;  ///< (2 n + 1) x 3 x lanes: strains at the substep's start; null: undamped
   T gamma = 0;                ///< damping time over h, 1
-  T* lambda = nullptr;        ///< (2 n + 1) x 3 x lanes, added to; null: zero so far, nobody asks
+  T* lambda = nullptr;        ///< (2 n + 1) x 3 x lanes, added to; null: zero so far, not needed later
 };
 
-/// Of a row of the system: pivot's inverse, couplings to the row before and the one before that, right side.
+/// One row of the system: inverse pivot, couplings to the row before and the one before that, right-hand
+/// side.
 template <class T>
 struct RodRow {
   LaneSym<T> pivot;
   LaneMat<T> near, far;
   LaneVec<T> right;
 };
-/// Of a joint and the link behind it.
+/// Rows of a joint and the link after it.
 template <class T>
 struct RodScratch {
   RodRow<T> joint, link;
@@ -70,7 +71,7 @@ void store3(const LaneVec<T>& a, T* p) {
   for (int i = 0; i < kLanes; ++i) p[i] = a.x.v[i], p[kLanes + i] = a.y.v[i], p[2 * kLanes + i] = a.z.v[i];
 }
 
-/// conj(a) b with the sign of rod_strain.h: real part and the rest.
+/// conj(a) b with the sign of rod_strain.h: real part and vector part.
 template <class T>
 void turn_between(const Wide<T> a[4], const Wide<T> b[4], Wide<T>& s, LaneVec<T>& v) {
   s = madd(a[0], b[0], madd(a[1], b[1], madd(a[2], b[2], a[3] * b[3])));
@@ -80,7 +81,7 @@ void turn_between(const Wide<T> a[4], const Wide<T> b[4], Wide<T>& s, LaneVec<T>
   s *= sign, v = v * sign;
 }
 
-/// What a row is once the two before it have been eliminated; `row` holds its own couplings.
+/// A row after the two before it have been eliminated; `row` holds its own couplings.
 template <class T>
 void eliminate(LaneSym<T> diagonal, const RodRow<T>& last, const RodRow<T>& before_last, RodRow<T>& row) {
   const LaneMat<T> far = row.far * before_last.pivot;
@@ -98,7 +99,7 @@ RodRow<T> no_row() {
 
 }  // namespace rod_detail
 
-/// Strains of all rods as they are, as `before` wants them.
+/// Current strains of all rods, in the layout of `before`.
 template <class T>
 void measure_rods(const Rods<T>& c, const T* rows, const T* frames, T* out) {
   using namespace rod_detail;
@@ -161,7 +162,7 @@ T solve_rods(const Rods<T>& c, const PerStep<T>& per, T* rows, T* frames, RodScr
     const W per_joint = load1(c.joint_per_length + j * kLanes);
     const V compliance = load3(c.bend + 3 * j * kLanes);
     const V strain = at.v * (two * per_joint) - load3(c.rest + 3 * j * kLanes);
-    // Derivatives by the frames before and behind.
+    // Derivatives by the frames before and after.
     const M by0 = M::turn(at.s, V::zero() - at.v) * (-per_joint), by1 = M::turn(at.s, at.v) * per_joint;
     const M weighed0 = times_diagonal(by0, w0), weighed1 = times_diagonal(by1, w1);
     LaneSym<T> diagonal = LaneSym<T>::diagonal(compliance * soft);
@@ -201,7 +202,7 @@ T solve_rods(const Rods<T>& c, const PerStep<T>& per, T* rows, T* frames, RodScr
     rod_detail::store3(sum, lambda);
     return sum;
   };
-  // Backwards: joint j + 1 and link j are known when joint j is asked for.
+  // Backwards: joint j + 1 and link j are known before joint j.
   W most = W::zero(), pull_after = W::zero();
   V force_after = V::zero(), joint_after, link_after = V::zero();
   {
@@ -224,7 +225,7 @@ T solve_rods(const Rods<T>& c, const PerStep<T>& per, T* rows, T* frames, RodScr
     gather_rows4(frames, c.frames + (j + 1) * kLanes, q1);
     gather_rows4(c.inverse_inertia, c.frames + (j + 1) * kLanes, i4);
     const V force = lane_rotation(q1) * (link * per_l);
-    // J^T of the link, of the joint before it and of the one behind it.
+    // J^T of the link, of the joint before it and of the joint after it.
     const V moment = cross(link, at.g) + (joint * at.s - cross(at.v, joint)) * per_b -
                      (joint_after * next.s + cross(next.v, joint_after)) * per_e;
     const W half(T(0.5));

@@ -1,8 +1,8 @@
 // Volume of a tetrahedron as a constraint (Mueller, Heidelberger, Hennix, Ratcliff 2007, "Position based
-// dynamics", section 4.4, with the sixth):
-//   C = 1/6 (x1 - x0) . ((x2 - x0) x (x3 - x0)) - V,   E = 1/2 C^2 / alpha,   alpha = V / K for a bulk
-//   modulus K (Pa).
-// A turned tetrahedron has a negative volume and is pushed back through itself.
+// dynamics", section 4.4, with the factor 1/6):
+//   C = 1/6 (x1 - x0) . ((x2 - x0) x (x3 - x0)) - V,   E = 1/2 C^2 / alpha,   alpha = V / K,
+// with the bulk modulus K (Pa). An inverted tetrahedron has a negative volume and is pushed back through
+// itself.
 #pragma once
 #include "engine/kernels/xpbd/compliance.h"
 #include "engine/math/vec3.h"
@@ -10,18 +10,18 @@
 
 namespace truestep::xpbd {
 
-/// m^3, positive where x3 is on the side of (x1 - x0) x (x2 - x0).
+/// m^3, positive if x3 is on the side of (x1 - x0) x (x2 - x0).
 inline double volume(const Vec3& x0, const Vec3& x1, const Vec3& x2, const Vec3& x3) {
   return dot(x1 - x0, cross(x2 - x0, x3 - x0)) / 6;
 }
 
-/// A tetrahedron per lane, sharing no points.
+/// One tetrahedron per lane, no points shared.
 template <class T>
 struct VolumeSet {
   const uint32_t* points = nullptr;  ///< 4 x lanes
   const T* rest = nullptr;           ///< lanes, m^3
   const T* compliance = nullptr;     ///< lanes
-  T* lambda = nullptr;               ///< lanes, added to; null: zero so far, and nobody asks
+  T* lambda = nullptr;               ///< lanes, added to; null: zero so far, and not needed later
   const T* base = nullptr;           ///< 9 x lanes: x1 - x0, x2 - x0, x3 - x0 where rows are 0; null: 0
 };
 

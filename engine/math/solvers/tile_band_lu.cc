@@ -21,7 +21,7 @@ void store(double* p, const Lanes& w) {
   std::memcpy(p, &w.v, sizeof(w.v));
 }
 
-// c = start - a b of tiles, rows one after the other: 4 rows by 8 columns at a time stay in registers.
+// c = start - a b for tiles, row by row: 4 rows by 8 columns at a time stay in registers.
 void subtract_product(const double* a, const double* b, const double* start, double* c) {
   for (size_t i = 0; i < kT; i += 4) {
     for (size_t j = 0; j < kT; j += 8) {
@@ -44,7 +44,7 @@ void subtract_product(const double* a, const double* b, const double* start, dou
   }
 }
 
-// y -= A x of a tile.
+// y -= A x for a tile.
 void subtract_tile(const double* a, const double* x, double* y) {
   for (size_t i = 0; i < kT; i += 4) {
     Lanes sum[4] = {Lanes::zero(), Lanes::zero(), Lanes::zero(), Lanes::zero()};
@@ -71,7 +71,7 @@ double TileBandLu::bytes(double n, double diagonals) {
   return 8 * n * (kTile * (2 * std::ceil(diagonals / kTile) + 3) + 1);
 }
 
-// low = -L^-1 P and high = -U^-1 of the tile: with the sign that products of tiles are subtracted with.
+// low = -L^-1 P and high = -U^-1 of the tile: negated, as products of tiles are subtracted.
 bool TileBandLu::invert_diagonal(size_t k) {
   double* a = tile(k, k);
   double* low = low_.data() + k * kSize;
@@ -96,7 +96,7 @@ bool TileBandLu::invert_diagonal(size_t k) {
       for (size_t c = 0; c < kTile; ++c) low[i * kTile + c] -= m * low[j * kTile + c];
     }
   }
-  // Rows of U^-1 from the last one up.
+  // Rows of U^-1 from the last to the first.
   for (size_t i = kTile; i-- > 0;) {
     const double inverse = 1 / a[i * kTile + i];
     double* row = high + i * kTile;
@@ -115,7 +115,7 @@ bool TileBandLu::factor(const ThreadArena& arena) {
     if (!invert_diagonal(k)) return false;
     const size_t rest = std::min(wide_, blocks_ - 1 - k);
     if (rest == 0) continue;
-    // Tiles below the diagonal times U^-1, tiles beside it times L^-1 P.
+    // Tiles below the diagonal times U^-1, tiles to its right times L^-1 P.
     arena.for_blocks(2 * rest, 4, [&](size_t begin, size_t end) {
       double old[kSize];
       for (size_t m = begin; m < end; ++m) {

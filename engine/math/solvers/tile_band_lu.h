@@ -1,8 +1,8 @@
-// A = L U of a wide band matrix, as many diagonals below as above the main one, in square tiles of 32: rows
-// are exchanged within a tile of the diagonal only, whose inverse factors turn everything else into products
-// of tiles (block right-looking elimination: Golub, Van Loan 2013, "Matrix Computations", section 3.2.11).
-// Made for discretised differential equations, whose eliminations need no exchanges further away; a solution
-// is as good as one step of refinement says. n = 16,129 with 254 diagonals: 2.1 GFLOP.
+// A = L U of a wide band matrix with equally many diagonals below and above the main one, in square tiles of
+// 32: rows are exchanged only within a diagonal tile, whose inverse factors turn everything else into
+// products of tiles (block right-looking elimination: Golub, Van Loan 2013, "Matrix Computations", section
+// 3.2.11). Made for discretised differential equations, whose elimination needs no exchanges further away;
+// one step of refinement tells how accurate a solution is. n = 16,129 with 254 diagonals: 2.1 GFLOP.
 #pragma once
 #include <cstddef>
 #include <vector>
@@ -22,11 +22,11 @@ class TileBandLu {
   double& at(size_t row, size_t column) {
     return tile(row / kTile, column / kTile)[row % kTile * kTile + column % kTile];
   }
-  /// False: a tile of the diagonal is singular or not finite.
+  /// False: a diagonal tile is singular or not finite.
   bool factor(const ThreadArena& arena);
   /// b = A^-1 b; b has n values.
   void solve(double* b);
-  /// Bytes that such a matrix takes.
+  /// Bytes of such a matrix.
   static double bytes(double n, double diagonals);
 
  private:

@@ -207,8 +207,8 @@ std::unique_ptr<const System> build_articulation(const void* def, const BuildCon
   const auto& d = *static_cast<const ArticulationDef*>(def);
   auto field = std::make_unique<articulation::ArticulationField>(articulation::build_model(d),
                                                                  d.gravity.value_or(context.gravity));
-  // Links that flip and loops that fold turn many times faster than any did at the start: a step that divides
-  // itself holds them, with springs an implicit one. For many unknowns that takes too long.
+  // Links that flip and loops that fold reach rates many times those at the start: an adaptive method follows
+  // them, with springs an implicit one. That takes too long for many unknowns.
   constexpr size_t kFew = 64;
   const std::string_view stiff =
       field->initial_state().f64(articulation::Columns::kVelocity).size() <= kFew ? "radau5" : "bdf2";
@@ -221,7 +221,7 @@ Cost articulation_cost(const void* def) {
   const auto& d = *static_cast<const ArticulationDef*>(def);
   double n = 0;
   for (const LinkDef& l : d.links) n += l.copies ? static_cast<double>(l.copies->count) : 1;
-  // Every row of a loop takes one solve of the tree, and a column of up to six numbers per link.
+  // Every row of a loop costs one solve of the tree, and a column of up to six numbers per link.
   const double rows = 3 * static_cast<double>(d.closures.size());
   return {.state_bytes = 512 + 80 * n,
           .workspace_bytes = 4096 + 1500 * n + 8 * rows * (6 * n + rows),

@@ -1,5 +1,5 @@
-// System "articulation": a tree of rigid links in the coordinates of its joints, stepped by any integrator.
-// Rows of position and velocity are the centres of mass of all links, then their joints.
+// System "articulation": a tree of rigid links in joint coordinates, stepped by any integrator. Rows of
+// position and velocity are the centres of mass of all links, then their joints.
 #pragma once
 #include <mutex>
 
@@ -15,9 +15,9 @@ class Articulation final : public ForceSystem {
                const ArticulationDef& def);
 
   void observe(const State& state, double t, Observables& out) const override;
-  /// Parts: the links at their centres of mass, and "skeleton": centres, then joints, which lines connect.
+  /// Parts: the links at their centres of mass, and "skeleton": centres, then joints, connected by lines.
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
-  /// The links; their solids are made when somebody asks for the first time.
+  /// The links; their solids are built on first use.
   Ports ports() const override;
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;

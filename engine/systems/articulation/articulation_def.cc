@@ -196,7 +196,7 @@ const DefTable& spring_table() {
   return t;
 }
 
-/// Ends of closures and springs are links that there are.
+/// Checks that the ends of closures and springs are existing links.
 template <class D>
 void check_ends(const std::vector<D>& all, const std::string& name, const std::set<std::string>& known,
                 const DefTable::Report& report) {

@@ -1,4 +1,4 @@
-// Parameters of the system "articulation"; units and bounds stand in the table (articulation_def.cc).
+// Parameters of the system "articulation"; units and bounds are in the table (articulation_def.cc).
 #pragma once
 #include <memory>
 #include <optional>
@@ -14,7 +14,7 @@
 
 namespace truestep::articulation {
 
-/// What all shapes of a link have.
+/// Members common to all shapes of a link.
 struct LinkShapeDef {
   Vec3 position, rotation;
 };
@@ -34,7 +34,7 @@ using AnyLinkShapeDef = std::variant<SphereLinkDef, BoxLinkDef, CapsuleLinkDef, 
 
 enum class JointType : uint8_t { revolute, prismatic, spherical, universal, cylindrical, fixed, free };
 
-/// How many more links like one, each on the one before.
+/// The number of further copies of a link, each attached to the one before.
 struct LinkCopiesDef {
   int64_t count = 1;
   Vec3 offset{0, -1, 0};
@@ -60,7 +60,7 @@ struct LinkDef {
   std::optional<LinkCopiesDef> copies;
 };
 
-/// Two points that stay together.
+/// Two points that coincide.
 struct ClosureDef {
   std::string a, b = "ground";
   Vec3 point_a, point_b;
@@ -82,7 +82,7 @@ struct ArticulationDef : IntegratorParams {
   std::optional<Vec3> color;
 };
 
-/// Numbers in q and in v of a joint.
+/// Numbers of a joint in q and in v.
 constexpr size_t joint_positions(JointType j) {
   constexpr size_t kCount[] = {1, 1, 4, 2, 2, 0, 7};
   return kCount[static_cast<size_t>(j)];
@@ -93,7 +93,7 @@ constexpr size_t joint_velocities(JointType j) {
 }
 
 const DefTable& articulation_table();
-/// What it gives out.
+/// The outputs of the system.
 const Outputs& articulation_outputs();
 std::unique_ptr<const System> build_articulation(const void* def, const BuildContext& context);
 Cost articulation_cost(const void* def);

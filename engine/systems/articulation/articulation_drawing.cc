@@ -1,5 +1,4 @@
-// How an articulation is drawn: lines between joints and centres, shapes that the links carry, joints as
-// marks.
+// Drawing of an articulation: lines between joints and centres, shapes of the links, marks at joints.
 #include "engine/collision/drawn_mesh.h"
 #include "engine/systems/articulation/articulation.h"
 

@@ -42,7 +42,7 @@ ArticulationField::ArticulationField(Model model, const Vec3& gravity)
     : model_(std::move(model)), gravity_(gravity) {
   refuse_empty_joints();
   close_start();
-  // Coupled joints are faster than each of them alone.
+  // Coupled joints are faster than each on its own.
   const Spectrum whole = estimate_spectrum(*this, initial_state(), 0, kRoughSpectrum);
   stiffness_.omega = std::max(stiffness_.omega, whole.omega);
   stiffness_.damping = std::max(stiffness_.damping, whole.damping);
@@ -84,8 +84,8 @@ void ArticulationField::refuse_empty_joints() {
       const Node& n = model_.tree.nodes[size_t(i)];
       if (n.move == Move::fixed) continue;
       const NodeWork& w = work[size_t(i)];
-      // What the joint moves, kg or kg m^2 (of three directions less than the least), against rounding of all
-      // that it carries.
+      // Inertia that the joint moves, kg or kg m^2 (for three directions, a lower bound of the least),
+      // against rounding of all that it carries.
       const spatial::Symmetric& block =
           n.move == Move::revolute || n.move == Move::spherical ? w.inertia.A : w.inertia.C;
       const double trace = block.xx + block.yy + block.zz;

@@ -1,8 +1,8 @@
-// The equations of motion of a tree of links as a force field: x are the joints' coordinates, v their
-// velocities, x' = G(x) v where quaternions have four numbers for three velocities.
-// Joints may drive: tau = torque - damping v - stiffness (q - rest) - limits; balls have the potential
-// 2 k sin^2(angle / 2), whose torque is -2 k w (x, y, z) of the unit quaternion; their limits are in
-// ball_limits.h. Beyond a limit a spring and a damper push back, together never pulling.
+// The equations of motion of a tree of links as a force field: x are the joint coordinates, v their
+// velocities, x' = G(x) v, as quaternions have four numbers for three velocities. Joints may have drives: tau
+// = torque - damping v - stiffness (q - rest) - limits; balls have the potential 2 k sin^2(angle / 2), whose
+// torque is -2 k w (x, y, z) of the unit quaternion; their limits are in ball_limits.h. Beyond a limit a
+// spring and a damper push back; together they never pull.
 #pragma once
 #include "engine/core/force_field.h"
 #include "engine/systems/articulation/model.h"
@@ -19,16 +19,16 @@ struct Columns {
     kTorque,        ///< N m or N, one per velocity
     kGravity,       ///< m/s^2, 3
     kPushLink,      ///< link that is pushed, -1: none
-    kPushForce,     ///< N, 3
-    kPushAt,        ///< m, 3, where, in the frame of the link's joint
+    kPushForce,     ///< N
+    kPushAt,        ///< m, in the frame of the link's joint
     kPushRemaining  ///< s
   };
 };
 
 class ArticulationField final : public ForceField {
  public:
-  /// Error "scene_invalid" when a joint has nothing to move or a loop cannot be closed; the start is moved to
-  /// where loops close.
+  /// Error "scene_invalid" if a joint has nothing to move or a loop cannot be closed; the initial coordinates
+  /// are corrected so that loops close.
   ArticulationField(Model model, const Vec3& gravity);
 
   State initial_state() const override;
@@ -42,17 +42,17 @@ class ArticulationField final : public ForceField {
   std::optional<Stiffness> stiffness(const State& state) const override;
   /// In O(n) for trees without closures and springs between links.
   std::unique_ptr<FieldLinearSolver> linear_solver() const override;
-  /// The tree about `at`, closures and springs left out.
+  /// The tree linearised about `at`, without closures and springs.
   void linearise(const Phase& at, LinearTree& out, Evaluation& e) const;
 
   const Model& model() const { return model_; }
-  /// Frames and velocities of all nodes, and accelerations with joint forces where asked for by the second.
+  /// Frames and velocities of all nodes; the second also gives accelerations and joint forces.
   Work placed(const State& state) const;
   Work accelerated(const State& state) const;
-  /// Change of v when `link` is hit at its centre by an impulse (N s, world).
+  /// Change of v when an impulse (N s, world) hits `link` at its centre.
   std::vector<double> response(const State& state, size_t link, const Vec3& impulse, const Vec3& at) const;
-  /// Where a link is taken hold of, in the frame of its joint: `place` (m, in the world), or its centre of
-  /// mass.
+  /// The point at which a link is held, in the frame of its joint: `place` (m, in the world), or its centre
+  /// of mass.
   Vec3 hold(const State& state, size_t link, const std::optional<Vec3>& place) const;
 
  private:

@@ -1,5 +1,5 @@
-// What implicit methods ask of a tree of links (tree_newton.h): the linearisation of its field, whose drives
-// answer with their own slopes.
+// A tree of links for implicit methods (tree_newton.h): the linearisation of its field, including the
+// derivatives of its drives.
 #include <algorithm>
 
 #include "engine/core/linear_solver.h"
@@ -39,7 +39,7 @@ class TreeSolver final : public FieldLinearSolver {
   std::vector<Complex> b_;
 };
 
-// Of the unit quaternion (w, u): the torque -2 k w u changes by -k (w^2 + w [u] - u u^T) per turn.
+// For the unit quaternion (w, u), the torque -2 k w u changes by -k (w^2 + w [u] - u u^T) per unit rotation.
 void ball_slope(double k, const double* q, DriveSlope& out) {
   const double n2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
   const double s = k / n2, w = q[0], u[] = {q[1], q[2], q[3]};

@@ -1,4 +1,4 @@
-// What the system type "articulation" gives out, in words.
+// Descriptions of the outputs of the system type "articulation".
 #include "engine/core/outputs.h"
 #include "engine/systems/articulation/articulation_def.h"
 

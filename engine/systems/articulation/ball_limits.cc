@@ -9,7 +9,7 @@ namespace truestep::articulation {
 
 namespace {
 
-/// What is beyond a limit: how far (rad), and the direction in which the angle that is limited grows.
+/// An excess over a limit: how far (rad), and the gradient of the limited angle.
 struct Beyond {
   double by = 0;
   Vec3 along;

@@ -18,7 +18,7 @@ using animation::rotate;
 
 constexpr double kTurn = 6.283185307179586;
 
-/// b as a sees it.
+/// Pose b relative to a.
 Pose seen_from(const Pose& a, const Pose& b) {
   const Quat back = conjugate(a.orientation);
   return {rotate(back, b.position - a.position), normalized(back * b.orientation)};
@@ -27,15 +27,15 @@ Pose pose_of(const spatial::Frame& f) {
   return {f.p, quaternion(f.R)};
 }
 
-/// The turn about a that brings b nearest to where q turns it.
+/// The turn about a that brings b closest to q b.
 double turn_between(const Vec3& a, const Vec3& b, const Quat& q) {
   const Vec3 to = rotate(q, b);
   const Vec3 from_across = b - a * dot(a, b), to_across = to - a * dot(a, to);
   return trig::atan2(dot(a, cross(from_across, to_across)), dot(from_across, to_across));
 }
 
-/// Coordinates of one node for which it is nearest to `to`, in its joint's frame. `next` turns behind it, in
-/// the same joint, or is null.
+/// Coordinates of one node that bring it closest to `to`, in its joint's frame. `next` is the node that
+/// follows in the same joint, or null.
 void reach(const Node& n, const Node* next, const Pose& to, double* q) {
   switch (n.move) {
     case Move::revolute: {
@@ -73,7 +73,7 @@ void carry_links(const Model& m, std::span<const BodyMotion> to, std::span<const
     const int32_t before = grounded ? kGround : m.links[size_t(l.parent)].node;
     Pose here = grounded ? Pose{} : w.poses[size_t(l.parent)];
     const Pose wanted{to[i].place - rotate(to[i].orientation, l.center), to[i].orientation};
-    // A joint has two nodes at most.
+    // A joint has at most two nodes.
     const int32_t first = nodes[size_t(l.node)].parent == before ? l.node : nodes[size_t(l.node)].parent;
     for (int32_t k = first;; k = l.node) {
       const Node& n = nodes[size_t(k)];

@@ -1,9 +1,10 @@
-// Links that something else moves: the joints take the coordinates in which every link, from the ground on,
-// lies nearest to where it is wanted, and of all velocities that the joints allow those that differ least
-// from the wanted ones in kinetic energy,
-//   q' = M(q)^-1 sum_i J_i^T I_i u_i          u_i: wanted twist of link i, I_i its inertia
-// (as if every link's wanted momentum hit the tree at rest), one articulated body solve. What the joints can
-// do they do exactly; a tree whose root is free has the wanted momentum and angular momentum in any case.
+// Links moved from outside: the joints take the coordinates that put every link, from the ground outwards, as
+// close as possible to its target, and the velocities closest to the targets in kinetic energy among those
+// the joints allow,
+//   q' = M(q)^-1 sum_i J_i^T I_i u_i          u_i: target twist of link i, I_i its inertia
+// (as if every link's target momentum were applied as an impulse at rest), one articulated body solve.
+// Motions that the joints allow are followed exactly; a tree with a free root has the target momentum and
+// angular momentum in any case.
 #pragma once
 #include "engine/core/body_access.h"
 #include "engine/geometry/shape.h"
@@ -22,7 +23,7 @@ struct CarryWork {
 };
 
 /// `to`: one per link, of its centre of mass in the world; links whose `given` is 0 keep their coordinates
-/// and are wanted at rest in their joint.
+/// and have zero target velocity in their joint.
 void carry_links(const Model& model, std::span<const BodyMotion> to, std::span<const uint8_t> given,
                  std::span<double> q, std::span<double> v, CarryWork& work);
 

@@ -18,8 +18,9 @@ Vec3 point(const Tree& tree, std::span<const NodeWork> work, int32_t node, const
 
 namespace {
 
-constexpr double kRate = 20;  // 1/s of Baumgarte's terms: holds what one step leaves, stiffens nothing
-constexpr double kLeastPivot = 1e-11;  // of the largest
+constexpr double kRate =
+    20;  // 1/s, of Baumgarte's terms: corrects the drift of one step without adding stiffness
+constexpr double kLeastPivot = 1e-11;  // share of the largest
 
 Vec3 apart(const Tree& tree, std::span<const NodeWork> work, const Closure& c, Of what, const Vec3& gravity) {
   return point(tree, work, c.a, c.at_a, what, gravity) - point(tree, work, c.b, c.at_b, what, gravity);
@@ -34,7 +35,7 @@ void pull(const Closure& c, const Vec3& force, std::vector<Push>& pushes) {
   if (c.b != kGround) pushes.push_back({.node = c.b, .at = c.at_b, .force = -force});
 }
 
-// J M^-1 J^T and the responses behind it.
+// J M^-1 J^T and the responses it is made of.
 void respond(const Tree& tree, std::span<const Closure> closures, std::span<const double> q, ClosureWork& s) {
   const size_t rows = 3 * closures.size(), n = tree.velocities;
   s.response.resize(rows * n), s.matrix.resize(rows * rows), s.lambda.resize(rows), s.residual.resize(rows);
@@ -50,8 +51,8 @@ void respond(const Tree& tree, std::span<const Closure> closures, std::span<cons
   }
 }
 
-// lambda = -matrix^-1 residual by elimination of the largest diagonal element first; the rest, where the
-// matrix has no more rank, stays 0. Overwrites the matrix.
+// lambda = -matrix^-1 residual by elimination with diagonal pivoting; components beyond the matrix's rank
+// stay 0. Overwrites the matrix.
 void solve(ClosureWork& s) {
   const size_t n = s.residual.size();
   double* A = s.matrix.data();
@@ -75,7 +76,7 @@ void solve(ClosureWork& s) {
       s.residual[i] -= factor * s.residual[best];
     }
   }
-  // Row k of the order holds only the columns from it on.
+  // In this order row k has only the columns from k on.
   for (size_t k = s.order.size(); k-- > 0;) {
     const size_t row = s.order[k];
     double sum = -s.residual[row];
@@ -115,7 +116,7 @@ void closed_accelerations(const Tree& tree, std::span<const Closure> closures, s
 
 void close(const Tree& tree, std::span<const Closure> closures, std::span<double> q, std::span<double> v,
            ClosureWork& s) {
-  // Newton's method with the last place's matrix; two rounds do from where a step ends.
+  // Newton's method with the matrix of the current point; two rounds suffice after a step.
   constexpr int kMostRounds = 20;
   for (int round = 0; round < kMostRounds; ++round) {
     respond(tree, closures, q, s);
@@ -132,7 +133,7 @@ void close(const Tree& tree, std::span<const Closure> closures, std::span<double
     position_rate(tree, q, s.change, s.rate);
     for (size_t i = 0; i < q.size(); ++i) q[i] += s.rate[i];
     normalise(tree, q);
-    if (largest < 1e-8) break;  // what is left is its square
+    if (largest < 1e-8) break;  // the next error is its square
   }
   respond(tree, closures, q, s);
   move(tree, q, v, s.work);

@@ -1,9 +1,9 @@
-// Loops in a tree: points of two links that stay together, Phi = x_a - x_b = 0. Their forces lambda follow
-// from
+// Loops in a tree: points of two links that coincide, Phi = x_a - x_b = 0. Their forces lambda follow from
 //   J M^-1 J^T lambda = -(J q'' at lambda = 0, + J' v) - 2 w Phi' - w^2 Phi          (Baumgarte 1972)
-// where every column of J M^-1 J^T is one articulated body solve at rest under a unit force. What remains of
-// Phi and Phi' is taken out after each step by coordinate projection along M^-1 J^T (Eich 1993). Directions
-// in which links cannot part anyhow (out of the plane of a planar loop) have pivots of 0 and are left out.
+// where every column of J M^-1 J^T is one articulated body solve at rest under a unit force. Remaining errors
+// in Phi and Phi' are removed after each step by coordinate projection along M^-1 J^T (Eich 1993). Directions
+// in which the links cannot separate anyway (out of the plane of a planar loop) have zero pivots and are left
+// out.
 #pragma once
 #include "engine/systems/articulation/tree.h"
 
@@ -15,14 +15,14 @@ struct Closure {
 };
 
 enum class Of : uint8_t { place, velocity, acceleration };
-/// World vector of a point of a node, after `move`, for accelerations after `accelerations`: these lack
-/// gravity for every node and the ground alike.
+/// World vector of a point of a node: position or velocity after `move`; acceleration after `accelerations`,
+/// which leaves out gravity for every node and the ground alike.
 Vec3 point(const Tree& tree, std::span<const NodeWork> work, int32_t node, const Vec3& r, Of what,
            const Vec3& gravity);
 
 /// Scratch of all below; grows once.
 struct ClosureWork {
-  std::vector<double> response;  ///< rows x velocities: what unit forces do to q''
+  std::vector<double> response;  ///< rows x velocities: change of q'' by unit forces
   std::vector<double> matrix, lambda, residual, change, rate;
   std::vector<uint32_t> order;
   std::vector<Push> outside, pushes;

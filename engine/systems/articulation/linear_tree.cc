@@ -94,7 +94,7 @@ void LinearTree::linearise(const Tree& tree, std::span<const double> q, std::spa
     }
   }
   if (width_ == kMotions) return;
-  // A force that keeps its direction in the world turns against the node: f x xi.
+  // A force with a fixed direction in the world turns relative to the node: f x xi.
   frames_.resize(nodes_.size());
   world_frames(tree, work, frames_);
   for (const Push& push : pushes) {

@@ -8,10 +8,10 @@
 
 namespace truestep::articulation {
 
-/// What unit impulses on a link change: N s along and N m s about the three axes.
+/// Responses to unit impulses on a link, N s along and N m s about the three axes.
 struct LinkResponse {
-  uint64_t version = 0;         ///< of the places that it was made at; 0: never
-  std::vector<double> columns;  ///< 6 x velocities: of q'
+  uint64_t version = 0;         ///< of the positions it was computed at; 0: never
+  std::vector<double> columns;  ///< 6 x velocities: changes of q'
   std::array<BodyTwist, 6> own{};
 
   static std::array<double, 6> numbers(const BodyImpulse& on) {
@@ -34,8 +34,8 @@ struct LinkBodies::Scratch {
   std::vector<double> none, change, rate;
   ClosureWork closures;
   std::vector<LinkResponse> responses;
-  uint64_t version = 1;  ///< of the places
-  bool posed = false;    ///< frames and turns are those of the state
+  uint64_t version = 1;  ///< of the positions
+  bool posed = false;    ///< frames and turns are up to date with the state
 
   static Scratch& of(Workspace& memory) { return memory.object<Scratch>("articulation.bodies"); }
 };
@@ -65,7 +65,7 @@ LinkBodies::LinkBodies(const ArticulationField& field) : field_(field) {
     }
     if (!parts.empty()) form.solid = &solids_.emplace_back(compound_solid(std::move(parts)));
     forms_.push_back(form);
-    // A free joint is a translation from the ground and a ball behind it.
+    // A free joint is a translation from the ground followed by a ball.
     const auto root = size_t(root_of_[size_t(l.node)]);
     const bool free = m.tree.nodes[root].move == Move::translation && root + 1 < m.tree.nodes.size() &&
                       m.tree.nodes[root + 1].move == Move::spherical &&
@@ -177,7 +177,7 @@ void LinkBodies::push(State& s, size_t row, const BodyImpulse& on, Workspace& me
   response_now(s, row, Scratch::of(memory)).add(on, s.f64(Columns::kVelocity));
 }
 
-// Of a root's tree: kg m/s, and kg m^2/s about the origin.
+// For a root's tree: kg m/s, and kg m^2/s about the origin.
 spatial::Force LinkBodies::momentum(const State& s, int32_t root, Scratch& scratch) const {
   const Tree& tree = field_.model().tree;
   pose(s, scratch);
@@ -200,7 +200,8 @@ void LinkBodies::shift(State& s, size_t row, const BodyImpulse& by, const Vec3& 
     wanted = momentum(s, root, scratch);
     wanted.n += cross(by.impulse, motion(s, row).velocity) - gained;
   }
-  // Along the answer at the place where the search began: corrections are short, and gaps are measured again.
+  // The response at the positions where the search began is used: corrections are short, and gaps are
+  // measured again.
   const bool known = row < scratch.responses.size() && scratch.responses[row].version > 0;
   const LinkResponse& r = known ? scratch.responses[row] : response(s, row, scratch);
   scratch.change.assign(m.tree.velocities, 0.0);

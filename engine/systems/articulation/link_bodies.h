@@ -1,9 +1,9 @@
-// Links as couplings reach them. An impulse at a link acts through the inverse joint-space inertia,
+// Links as bodies for couplings. An impulse at a link acts through the inverse joint-space inertia,
 //   dq' = M^-1 J^T (J, T),   loops closed,
-// one articulated body solve in O(n) each, so that all links answer as the joints let them. A correction of
-// place moves q as far. A tree whose root is free keeps its momentum in that: what moving at unchanged q' has
-// changed of it is given back as an impulse on the root (the joints answer to that as to any). What hangs
-// from the ground keeps q'.
+// one articulated body solve in O(n) each, so all links respond as the joints allow. A position correction
+// moves q in the same way. For a tree with a free root it conserves momentum: the change of momentum from
+// moving at unchanged q' is returned as an impulse on the root, to which the joints respond as to any other.
+// Trees attached to the ground keep q'.
 #pragma once
 #include <deque>
 
@@ -19,7 +19,7 @@ class LinkBodies final : public BodyAccess, public BodyCarrier {
  public:
   explicit LinkBodies(const ArticulationField& field);
 
-  /// One per link, in the frame of its centre with the link's axes.
+  /// One per link, in the frame at its centre of mass with the link's axes.
   std::span<const BodyForm> forms() const { return forms_; }
 
   void wake(State&, size_t) const override {}
@@ -49,10 +49,10 @@ class LinkBodies final : public BodyAccess, public BodyCarrier {
   spatial::Force momentum(const State& state, int32_t root, Scratch& scratch) const;
 
   const ArticulationField& field_;
-  std::deque<Solid> solids_;  // keeps its places
+  std::deque<Solid> solids_;  // a deque, so that addresses stay valid
   std::vector<BodyForm> forms_;
   std::vector<int32_t> root_of_;    // of every node
-  std::vector<int32_t> free_root_;  // of every link: the node that carries its tree's free root, or kGround
+  std::vector<int32_t> free_root_;  // of every link: the node of its tree's free root, or kGround
 };
 
 }  // namespace truestep::articulation

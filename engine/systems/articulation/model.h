@@ -1,4 +1,4 @@
-// What a scene's links are once they are built: the tree, what acts in its joints, and how links are drawn.
+// A scene's links once built: the tree, the forces in its joints, and how links are drawn.
 #pragma once
 #include <string>
 #include <vector>
@@ -12,7 +12,7 @@ namespace truestep::articulation {
 /// No limit of a ball's swing.
 inline constexpr double kNoCone = 1e30;
 
-/// What acts between a node and its parent besides the joint.
+/// Forces between a node and its parent besides the joint's.
 struct Drive {
   double damping = 0, stiffness = 0, rest = 0;
   double lowest = 0, highest = 0, limit_stiffness = 0, limit_damping = 0;
@@ -21,8 +21,8 @@ struct Drive {
     lower,
     upper,
     both
-  } limits = Limits::none;  ///< of a ball: of its twist
-  double cone = kNoCone;    ///< rad, of a ball's swing
+  } limits = Limits::none;  ///< for a ball: of its twist
+  double cone = kNoCone;    ///< rad, for a ball's swing
   bool limited() const { return limits != Limits::none || cone < kNoCone; }
   bool anything() const { return damping > 0 || stiffness > 0 || limited(); }
 };
@@ -40,10 +40,10 @@ struct LinkShape {
 
 struct Link {
   std::string id;
-  int32_t node = kGround;    ///< its last node, which has the mass
+  int32_t node = kGround;    ///< its last node, which carries the mass
   int32_t parent = kGround;  ///< link
   uint32_t v = 0, velocities = 0;
-  size_t def = 0;  ///< of the scene's links
+  size_t def = 0;  ///< index among the scene's links
   Vec3 center;     ///< in the link's frame
 };
 
@@ -58,7 +58,7 @@ struct Model {
   std::vector<double> q, v, torque;            ///< at the start
 };
 
-/// Error "no_mass" or "bad_solid" when a link's shapes have none.
+/// Error "no_mass" or "bad_solid" if a link's shapes have no mass.
 Model build_model(const ArticulationDef& def);
 
 }  // namespace truestep::articulation

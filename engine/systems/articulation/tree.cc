@@ -1,6 +1,6 @@
-// Places and velocities of the nodes, and the articulated body algorithm (table 7.1) in three passes: out for
-// velocities and bias forces, in for articulated inertias, out for accelerations. Every joint's motion
-// subspace is constant in the node's frame, so that the book's c_J is 0.
+// Positions and velocities of the nodes, and the articulated body algorithm (table 7.1) in three passes:
+// outwards for velocities and bias forces, inwards for articulated inertias, outwards for accelerations.
+// Every joint's motion subspace is constant in the node's frame, so the book's c_J is 0.
 #include "engine/systems/articulation/tree.h"
 
 #include <algorithm>
@@ -32,7 +32,7 @@ Rotation turn(const Vec3& a, double angle) {
            {k.z * a.x - sa.y, k.z * a.y + sa.x, c + k.z * a.z}}};
 }
 
-// Of q / |q|: the stages of an integrator leave the unit sphere.
+// For q / |q|: the stages of an integrator leave the unit sphere.
 Rotation turn(const double* q) {
   const double n = 2 / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   const double w = q[0], x = q[1], y = q[2], z = q[3];
@@ -58,7 +58,7 @@ Motion joint_motion(const Node& n, const double* v) {
   return {};
 }
 
-// S^T f into tau.
+// Writes S^T f to tau.
 void joint_effort(const Node& n, const Force& f, double* tau) {
   switch (n.move) {
     case Move::revolute:
@@ -131,7 +131,7 @@ Shown show_parent(const Node& n, NodeWork& w, const double* tau) {
   return {I, w.p};
 }
 
-// v' of the node's joint when its parent's side accelerates with `a`; completes w.a.
+// v' of the node's joint if its parent's side accelerates with `a`; completes w.a.
 void give_way(const Node& n, NodeWork& w, const Motion& a, double* qdd) {
   w.a = a;
   switch (n.move) {
@@ -228,7 +228,7 @@ void accelerations(const Tree& tree, std::span<const double> q, std::span<const 
     parent.inertia += out(work[i].frame, s.inertia);
     parent.p += work[i].frame.out(s.p);
   }
-  // Gravity as an acceleration of the ground, so that no node needs to know its orientation.
+  // Gravity is an acceleration of the ground, so no node needs its orientation in the world.
   const Motion ground{{}, -gravity};
   for (size_t i = 0; i < n; ++i) {
     const Node& node = tree.nodes[i];
@@ -268,8 +268,8 @@ void mass_matrix(const Tree& tree, std::span<const double> q, std::span<NodeWork
   for (size_t i = tree.nodes.size(); i-- > 0;) {
     const Node& n = tree.nodes[i];
     if (n.parent != kGround) work[size_t(n.parent)].inertia += out(work[i].frame, work[i].inertia);
-    // Force that gives all behind joint i a unit acceleration along one of its directions, felt by the joints
-    // on the way to the ground.
+    // The force that gives everything beyond joint i a unit acceleration along one of its directions,
+    // projected on the joints on the path to the ground.
     for (uint32_t k = 0; k < velocities_of(n.move); ++k) {
       double unit[3] = {0, 0, 0}, felt[3];
       unit[k] = 1;
@@ -322,7 +322,7 @@ Frame world_frame(const Tree& tree, std::span<const NodeWork> work, int32_t node
   return f;
 }
 
-// Velocities add up from the node to the ground: what a joint adds to a place is v + w x r there.
+// Velocities add up from the node to the ground: a joint adds v + w x r at the point.
 BodyMotion link_motion(const Tree& tree, std::span<const double> q, std::span<const double> v, int32_t node,
                        const Vec3& center) {
   Frame f;

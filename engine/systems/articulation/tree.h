@@ -1,10 +1,9 @@
-// Links joined into a tree, in the coordinates of their joints, so that nothing can come apart:
+// A tree of links in joint coordinates, which cannot drift apart:
 //   M(q) q'' + h(q, q', gravity, pushes) = tau
-// in O(n) both ways, without recursion: parents come before their children. What a scene calls a joint may be
-// several nodes one behind the other (universal: two revolutes, free: a translation and a spherical one), all
-// but the last without mass. Source: Featherstone, Rigid Body Dynamics Algorithms (2008): recursive
-// Newton-Euler algorithm (table 5.1), composite rigid body algorithm (table 6.2), articulated body algorithm
-// (table 7.1).
+// in O(n) both ways, without recursion: parents come before their children. A joint of the scene may be
+// several nodes in a row (universal: two revolutes, free: a translation and a spherical one), all but the
+// last without mass. Source: Featherstone, Rigid Body Dynamics Algorithms (2008): recursive Newton-Euler
+// algorithm (table 5.1), composite rigid body algorithm (table 6.2), articulated body algorithm (table 7.1).
 #pragma once
 #include <cstdint>
 #include <span>
@@ -32,22 +31,22 @@ struct Node {
   int32_t parent = kGround;  ///< an earlier node
   uint32_t q = 0, v = 0;     ///< first coordinate and velocity
   spatial::Frame frame;      ///< the joint's frame in the parent's
-  Vec3 axis{0, 0, 1};        ///< unit; of revolute and prismatic ones, the same in both frames
+  Vec3 axis{0, 0, 1};        ///< unit; for revolute and prismatic, the same in both frames
   spatial::Inertia inertia;
 };
 
-/// Nodes in an order in which parents come first.
+/// Nodes ordered so that parents come first.
 struct Tree {
   std::vector<Node> nodes;
   uint32_t positions = 0, velocities = 0;  ///< numbers in q and v
 
-  /// Adds a node and gives it its place in q and v; returns its index.
+  /// Adds a node and assigns its place in q and v; returns its index.
   int32_t add(Node node);
 };
 
 /// What the algorithms keep per node.
 struct NodeWork {
-  spatial::Frame frame;     ///< of the node in its parent
+  spatial::Frame frame;     ///< of the node in its parent's
   spatial::Motion v, c, a;  ///< velocity, velocity-dependent acceleration, acceleration less gravity
   spatial::ArticulatedInertia inertia;
   spatial::Force p;         ///< bias force
@@ -66,9 +65,9 @@ struct Push {
   enum class Axes : uint8_t { world, node } axes = Axes::world;  ///< of force and torque
 };
 
-/// A node in its parent at the tree's coordinates q.
+/// Frame of a node in its parent's at the tree's coordinates q.
 spatial::Frame node_frame(const Node& node, const double* q);
-/// Frames and velocities of all nodes into `work` (as many elements as nodes); v may be empty: at rest.
+/// Writes frames and velocities of all nodes to `work` (one element per node); empty v: at rest.
 void move(const Tree& tree, std::span<const double> q, std::span<const double> v, std::span<NodeWork> work);
 
 /// Velocities alone, after `move`; v is not empty.
@@ -79,11 +78,11 @@ void velocities(const Tree& tree, std::span<const double> v, std::span<NodeWork>
 void accelerations(const Tree& tree, std::span<const double> q, std::span<const double> v,
                    std::span<const double> tau, const Vec3& gravity, std::span<const Push> pushes,
                    std::span<NodeWork> work, std::span<double> qdd);
-/// After `accelerations`: force and moment that the parent's side exerts through the joint on the node, in
-/// the node's frame.
+/// Force and moment that the parent's side exerts on the node through the joint, in the node's frame; after
+/// `accelerations`.
 spatial::Force joint_force(const NodeWork& w);
 
-/// tau for which the tree has the accelerations qdd, by the recursive Newton-Euler algorithm.
+/// The tau that gives the tree the accelerations qdd, by the recursive Newton-Euler algorithm.
 void inverse_dynamics(const Tree& tree, std::span<const double> q, std::span<const double> v,
                       std::span<const double> qdd, const Vec3& gravity, std::span<NodeWork> work,
                       std::span<double> tau);
@@ -93,12 +92,12 @@ void mass_matrix(const Tree& tree, std::span<const double> q, std::span<NodeWork
 /// q' = G(q) v.
 void position_rate(const Tree& tree, std::span<const double> q, std::span<const double> v,
                    std::span<double> rate);
-/// Brings quaternions back to length 1.
+/// Normalises the quaternions.
 void normalise(const Tree& tree, std::span<double> q);
 
 /// A node's frame in the world, after `move`.
 spatial::Frame world_frame(const Tree& tree, std::span<const NodeWork> work, int32_t node);
-/// The same of all nodes.
+/// The same for all nodes.
 void world_frames(const Tree& tree, std::span<const NodeWork> work, std::span<spatial::Frame> out);
 
 }  // namespace truestep::articulation

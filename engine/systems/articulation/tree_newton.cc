@@ -45,7 +45,7 @@ void add_out(const spatial::Frame& x, const T* f, T* sum) {
   for (int i = 0; i < 3; ++i) sum[i] += n[i], sum[3 + i] += g[i];
 }
 
-// sum += X^T M X for `width` / 6 matrices beside each other; leaves M turned.
+// sum += X^T M X for `width` / 6 matrices side by side; leaves M transformed.
 template <class T, class Row>
 void add_congruent(const spatial::Frame& x, Row* M, Row* sum, size_t width) {
   const Vec3 p = x.p;
@@ -74,7 +74,8 @@ void add_congruent(const spatial::Frame& x, Row* M, Row* sum, size_t width) {
   }
 }
 
-// (I + [w] + w w^T)^-1 = (I - [w]) / (1 + w w): what a ball's quaternion makes of its angular velocity.
+// (I + [w] + w w^T)^-1 = (I - [w]) / (1 + w w), with which a ball's quaternion follows from its angular
+// velocity.
 template <class T>
 void turning(T half_z, const double* spin, T K[3][3]) {
   const T w[3] = {spin[0] * half_z, spin[1] * half_z, spin[2] * half_z};
@@ -103,7 +104,7 @@ bool invert(const T (*D)[3], size_t m, T (*inverse)[3]) {
   return finite(one);
 }
 
-// Hamilton product of quaternions, b real or of T.
+// Hamilton product of quaternions, b real or of type T.
 template <class T, class B>
 void times(const T* a, const B* b, T* out) {
   out[0] = b[0] * a[0] - b[1] * a[1] - b[2] * a[2] - b[3] * a[3];
@@ -131,7 +132,7 @@ bool TreeFactors<T>::factor(const LinearTree& tree, T with_x, T with_v, T half_z
   return true;
 }
 
-// d of the node, and what is passed on to its parent.
+// Eliminates d of the node and passes the rest on to its parent.
 template <class T>
 bool TreeFactors<T>::eliminate(const NodeSlope& n, Node& f, T with_x, size_t width) {
   const size_t m = velocities_of(n.move);

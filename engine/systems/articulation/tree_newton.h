@@ -1,15 +1,15 @@
 // Newton's linear systems of a tree of links in O(n), by the articulated body algorithm of the linearised
-// motion. With changes in a node's own coordinates of its velocity nu, its acceleration alpha and its pose
-// xi, and v_j the joint's velocity,
+// motion. With the changes, in a node's own coordinates, of its velocity nu, its acceleration alpha and its
+// pose xi, and with the joint's velocity v_j,
 //   xi    = X xi' + S dp
 //   nu    = X nu' + (X v' x S) dp + S dv
 //   alpha = X alpha' + (X a' x S) dp + (v x S) dv + S da - S v_j x nu        (' : of the parent)
-// the wrench through its joint changes by dF = P (nu, alpha, xi) + p, where P and p gather what hangs from
-// it, a change dp of the joint turning F as well. A method's equations make dp, dv and da of one unknown d,
+// the wrench through its joint changes by dF = P (nu, alpha, xi) + p, where P and p sum up the subtree; a
+// change dp of the joint turns F as well. A method's equations make dp, dv and da functions of one unknown d,
 //   dp = Ax d + cx,  dv = Av d + cv,  da = d + ca,
-// and S^T dF + K dp + C dv = 0 with the joint's own stiffness K and damping C gives d; what is left of P goes
-// to the parent. Poses matter only where forces keep their direction in the world.
-// Source: Featherstone, Rigid Body Dynamics Algorithms (2008), table 7.1, differentiated.
+// and S^T dF + K dp + C dv = 0, with the joint's own stiffness K and damping C, gives d; what remains of P
+// goes to the parent. Poses matter only for forces with a fixed direction in the world. Source: Featherstone,
+// Rigid Body Dynamics Algorithms (2008), table 7.1, differentiated.
 #pragma once
 #include <vector>
 
@@ -18,9 +18,9 @@
 
 namespace truestep::articulation {
 
-/// What a joint's drive answers to small changes: effort = -stiffness dp - damping dv.
+/// The response of a joint's drive to small changes: effort = -stiffness dp - damping dv.
 struct DriveSlope {
-  double stiffness[3][3] = {};  ///< rows and columns as the joint has velocities
+  double stiffness[3][3] = {};  ///< rows and columns in the order of the joint's velocities
   double damping = 0;
 };
 
@@ -38,11 +38,11 @@ struct NodeSlope {
   double turned[6][3];                                            ///< of the wrench on the parent, per dp
   double own[6][kMotionsAndPose];                                 ///< P of the node alone
   spatial::Motion joint;                                          ///< S v_j
-  double orientation[4], spin[3];                                 ///< of balls: quaternion, angular velocity
+  double orientation[4], spin[3];                                 ///< for balls: quaternion, angular velocity
   DriveSlope drive;
 };
 
-/// The tree about a point where its accelerations are known.
+/// The tree linearised at a point with known accelerations.
 class LinearTree {
  public:
   /// `work` and `qdd` as `accelerations` leaves them at (q, v) under `pushes`; one drive per node.
@@ -50,7 +50,7 @@ class LinearTree {
                  std::span<const double> qdd, std::span<const NodeWork> work, std::span<const Push> pushes,
                  std::span<const DriveSlope> drives);
   const std::vector<NodeSlope>& nodes() const { return nodes_; }
-  /// kMotions, with poses kMotionsAndPose.
+  /// kMotions, or kMotionsAndPose with poses.
   size_t width() const { return width_; }
 
  private:
@@ -63,9 +63,9 @@ class LinearTree {
 template <class T>
 class TreeFactors {
  public:
-  /// Of I - z J; false: singular or not finite.
+  /// Factorises I - z J; false: singular or not finite.
   bool factor(const LinearTree& tree, T z) { return factor(tree, z * z, z, 0.5 * z); }
-  /// Of I - with_v da/dv - with_x da/dx, for trees without balls.
+  /// Factorises I - with_v da/dv - with_x da/dx, for trees without balls.
   bool factor_second_order(const LinearTree& tree, T with_x, T with_v) {
     return factor(tree, with_x, with_v, T(0));
   }

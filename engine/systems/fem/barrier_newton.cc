@@ -11,17 +11,17 @@ namespace truestep::fem {
 namespace {
 
 constexpr int kMostIterations = 60;
-/// Of a gap: what an advance aims at.
+/// Share of the gap that an advance aims at.
 constexpr double kAim = 0.1;
-/// Of the reach: a Newton step below it ends the search.
+/// Share of the reach: a shorter Newton step ends the search.
 constexpr double kNear = 1e-2;
-/// Of the reach: a gap that shrinks below it doubles the stiffness of the barrier.
+/// Share of the reach: a gap that shrinks below it doubles the barrier's stiffness.
 constexpr double kThin = 1e-4;
-/// Of the shortest edge: how much further than needed pairs are looked for.
+/// Share of the shortest edge by which pairs are searched further than needed.
 constexpr double kSlack = 0.1;
 constexpr double kNoise = 1e-12;
 
-// The share of the way at which no more than kLeftOfGap of the gap is left, by steps that cannot meet;
+// The share of the step at which at most kLeftOfGap of the gap is left, by conservative advancement;
 // gap(share).
 template <class Gap>
 double share_before(double share, double speed, Gap gap) {
@@ -147,7 +147,7 @@ void BarrierNewton::direction(BarrierWork& k) const {
       }
     }
   }
-  // What is prescribed keeps its place.
+  // Prescribed components keep their position.
   const Body& body = field_.body();
   const auto fixed = [&](uint32_t i) -> uint8_t { return k.w[i] > 0 ? body.axes[i] : 7; };
   for (uint32_t i = 0; i < nodes; ++i) {
@@ -170,10 +170,10 @@ void BarrierNewton::direction(BarrierWork& k) const {
     throw Instability("", "position", -1, "the matrix of a step is singular; a smaller dt would help");
 }
 
-// Features that turn about each other come nearer than their normals at the start say, by e: what Newton's
-// direction p says of a gap holds for x + p + q with the same matrix times q = the forces of those gaps (a
-// second-order correction; Nocedal, Wright 2006, section 15.6). Without it a needle that slips along an edge
-// is followed in tiny steps.
+// Features that turn about each other come closer than their initial normals predict, by e. To make Newton's
+// direction p exact for such gaps, x + p + q is used, where the same matrix times q = the forces of the
+// errors e (a second-order correction; Nocedal, Wright 2006, section 15.6). Without it a needle that slips
+// along an edge advances in tiny steps.
 void BarrierNewton::bend(BarrierWork& k) const {
   constexpr double kWorthIt = 0.1;
   const double h = k.in.h;
@@ -208,7 +208,7 @@ void BarrierNewton::bend(BarrierWork& k) const {
   k.system.solver.solve_again(k.system.a, push, q, 1e-6, k.in.arena);
   double slope = 0;
   for (size_t i = 0; i < k.n; ++i) slope += k.gradient[i] * (k.d[i] + q[i]);
-  // Only where the way still leads down.
+  // Only while the direction still descends.
   for (size_t i = 0; i < k.n && slope < 0; ++i) k.d[i] += q[i];
 }
 

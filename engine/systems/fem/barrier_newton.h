@@ -7,18 +7,18 @@
 
 namespace truestep::fem {
 
-/// A step in the making; memory belongs to the workspace.
+/// A step in progress; memory belongs to the workspace.
 struct BarrierWork {
   State& state;
   const StepInput& in;
   Evaluation e;
   BarrierLaw law;
-  double tau = 0;  ///< s, when walls are looked at
-  size_t n, all;   ///< numbers of nodes' and of all places
+  double tau = 0;  ///< s, time at which walls are evaluated
+  size_t n, all;   ///< coordinates of nodes; of nodes and obstacle corners
   std::span<double> x, x0, push, to, a, v, gradient, d, trial, target;
   std::span<const double> w;  ///< 1/kg
   std::vector<FeaturePair>& pairs;
-  std::span<double> ways;  ///< 6 a row: boxes of the ways that pairs were found for
+  std::span<double> ways;  ///< 6 a row: boxes of the paths that pairs were found for
   bool searched = false;
   std::vector<BarrierHessian>& forms;
   std::vector<BarrierTouch>& touches;
@@ -26,7 +26,7 @@ struct BarrierWork {
   struct System {
     BlockSparse dfdx, dfdv, a;
     std::vector<BlockSparse::Pair> extra, pattern;
-    std::vector<BlockSparse::Slot> slots;  ///< of dfdx's blocks in a
+    std::vector<BlockSparse::Slot> slots;  ///< positions of dfdx's blocks in a
     BlockSolver solver;
   };
   System& system;
@@ -34,22 +34,22 @@ struct BarrierWork {
   BarrierOutput::Slip slip = BarrierOutput::Slip::exact;
 };
 
-/// Of a gap: what may be left of it after a move.
+/// Share of the gap that must be left after a move.
 inline constexpr double kLeftOfGap = 0.2;
 
-/// m, by which the features' distance can change at most on the way d.
+/// m, bound on the change of the features' distance along d.
 double relative_way(const FeaturePair& pair, std::span<const double> d);
 
 class BarrierNewton {
  public:
   BarrierNewton(const FemField& field, const BarrierSurface& surface) : field_(field), surface_(surface) {}
 
-  /// Pairs that may come within reach on the ways x to x + d. Those of an earlier search serve as long as
-  /// every point stays in the box of its way then, and some slack.
+  /// Finds pairs that may come within reach on the paths from x to x + d. The pairs of an earlier search are
+  /// reused while every point stays in the box of its path then, plus some slack.
   void find_pairs(BarrierWork& work, std::span<const double> d) const;
-  /// The share of the way d that nothing ends in anything else on; the pairs must be those near it.
+  /// The share of the step d before anything comes into contact; the pairs must be those near it.
   double safe_share(const BarrierWork& work, std::span<const double> d) const;
-  /// Instability where none is found.
+  /// Throws Instability if no minimum is found.
   void minimise(BarrierWork& work) const;
 
  private:

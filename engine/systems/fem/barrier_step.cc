@@ -13,9 +13,9 @@ using Column = State::Column;
 namespace {
 
 constexpr int kMostRounds = 200, kMostParts = 64;
-/// Slips below this share of the body's size a second stick.
+/// In body sizes a second: slower slips stick.
 constexpr double kStill = 1e-3;
-/// Strain that the barrier answers as elements do.
+/// Strain whose elastic force the barrier matches.
 constexpr double kStrain = 0.1;
 
 }  // namespace
@@ -27,9 +27,9 @@ BarrierStep::BarrierStep(const FemField& field, BarrierSurface surface, double r
   for (const double m : field_.body().masses) mean_ += m / static_cast<double>(field_.body().masses.size());
 }
 
-// So stiff that at half the reach it balances what elements answer a strain of a tenth with, and stops a node
-// that would go in by `overshoot` (m) in the step: resting gaps stay near the reach, where the barrier bends
-// least.
+// The barrier is stiff enough to balance, at half the reach, the elements' response to a strain of a tenth,
+// and to stop a node that would penetrate by `overshoot` (m) in the step: resting gaps stay near the reach,
+// where the barrier curves least.
 BarrierLaw BarrierStep::law_in(const State& state, double h, double overshoot) const {
   BarrierLaw law = law_;
   const double elements =
@@ -39,7 +39,8 @@ BarrierLaw BarrierStep::law_in(const State& state, double h, double overshoot) c
   return law;
 }
 
-// Brings what is prescribed as far as nothing touches; the share of the rest of its way that it went.
+// Moves held nodes and obstacles as far as nothing touches; returns the share of the remaining path that was
+// covered.
 double BarrierStep::move_prescribed(BarrierWork& k) const {
   const BarrierNewton newton(field_, surface_);
   std::fill(k.d.begin(), k.d.end(), 0.0);
@@ -57,7 +58,7 @@ double BarrierStep::move_prescribed(BarrierWork& k) const {
     newton.find_pairs(k, k.d);
     share = newton.safe_share(k, k.d);
   }
-  // Walls, as far as they leave every node some of its gap.
+  // Walls move only as far as every node keeps some of its gap.
   const double end = k.in.t + k.in.h;
   const auto moves = [&] {
     for (const Wall& wall : surface_.walls()) {
@@ -129,7 +130,7 @@ void BarrierStep::advance(State& state, const StepInput& in, double overshoot) c
                         "another motion would help");
     }
   }
-  // Friction with the normal forces that the step has come to.
+  // Friction with the normal forces at the minimum just found.
   const size_t before = k.friction.size();
   look();
   if (before + k.friction.size() > 0) newton.minimise(k);
@@ -139,7 +140,7 @@ void BarrierStep::advance(State& state, const StepInput& in, double overshoot) c
   }
 }
 
-// m, by which features that are about to meet would go through each other.
+// m, by which features that are about to meet would pass through each other.
 double BarrierStep::overshoot(const State& state, const StepInput& in) const {
   const auto places = state.f64(Columns::position), velocities = state.f64(Columns::velocity);
   const size_t n = places.size(), all = 3 * surface_.rows();
@@ -165,8 +166,8 @@ double BarrierStep::overshoot(const State& state, const StepInput& in) const {
   return most;
 }
 
-// A step in one piece finds its way only where features would not go far through each other; where even one
-// of them finds no end, it is halved.
+// Newton's method converges in one step only if features would not pass far through each other; a part that
+// still finds no minimum is halved.
 void BarrierStep::step(State& state, const StepInput& in) const {
   const double through = overshoot(state, in);
   const double count = std::clamp(std::ceil(through / surface_.shortest_edge()), 1.0, double(kMostParts));
@@ -190,7 +191,7 @@ void BarrierStep::step(State& state, const StepInput& in) const {
       continue;
     }
     done += length;
-    // What is left by rounding is no part.
+    // A remainder due to rounding is not a part.
     if (1 - done < 1e-9) done = 1;
   }
 }

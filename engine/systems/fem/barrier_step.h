@@ -35,8 +35,8 @@ class BarrierStep {
   const FemField& field_;
   BarrierSurface surface_;
   BarrierLaw law_;
-  double size_ = 0;  // m, of the body
-  double mean_ = 0;  // kg, of a node
+  double size_ = 0;  // m, size of the body
+  double mean_ = 0;  // kg, mean mass of a node
 };
 
 }  // namespace truestep::fem

@@ -19,11 +19,11 @@ Box box_around(std::span<const uint32_t> rows, std::span<const double> x, std::s
   return out.grown(grow);
 }
 
-// Whether the segment p q goes through the triangle a b c (Moeller, Trumbore 1997).
+// Whether the segment p q intersects the triangle a b c (Moeller, Trumbore 1997).
 bool pierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 along = q - p, e1 = b - a, e2 = c - a, h = cross(along, e2);
   const double det = dot(e1, h);
-  // In one plane with it, but for rounding: then features would touch.
+  // Coplanar up to rounding: then other features would touch.
   if (det * det <= 1e-24 * norm2(along) * norm2(e1) * norm2(e2)) return false;
   const Vec3 s = p - a, k = cross(s, e1);
   const double u = dot(s, h) / det, v = dot(along, k) / det, t = dot(e2, k) / det;
@@ -116,7 +116,7 @@ void BarrierSurface::place_obstacles(double t, std::span<double> x) const {
   }
 }
 
-// What bodies meet has a say of its own; bodies among themselves have one for all.
+// An obstacle's coefficient wins; pairs of the body's own features share one.
 double BarrierSurface::pair_friction(uint32_t a, float of_a, uint32_t b, float of_b) const {
   return !of_body(a) ? of_a : !of_body(b) ? of_b : own_friction_;
 }

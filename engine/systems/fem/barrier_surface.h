@@ -1,7 +1,7 @@
-// What must not touch: the surface of a body, as triangles, edges and points, and the obstacles around it.
-// Solid obstacles are features too, whose corners follow their prescribed motion: a box is its triangles, a
-// ball a point with a radius, a capsule an edge with one. Half spaces and containers are convex from where
-// the body is, so that its nodes alone tell how far all of it is: they are walls.
+// The features that must not touch: the surface of a body, as triangles, edges and points, and the obstacles
+// around it. Solid obstacles are features too, whose corners follow their prescribed motion: a box is its
+// triangles, a ball a point with a radius, a capsule an edge with one. Half spaces and the insides of
+// containers are convex, so the body's nodes alone determine its distance to them: these are walls.
 #pragma once
 #include <optional>
 #include <string>
@@ -12,13 +12,13 @@
 
 namespace truestep::fem {
 
-/// Two features that may meet: a point and a triangle or two edges.
+/// Two features that may meet: a point and a triangle, or two edges.
 struct FeaturePair {
   std::array<uint32_t, 4> rows;  ///< nodes, then corners of obstacles
   bool edges = false;
-  float radius = 0;     ///< m, of both together
+  float radius = 0;     ///< m, sum of both
   float friction = 0;   ///< Coulomb's coefficient
-  double parallel = 0;  ///< m^4, mollifier's bound of two edges
+  double parallel = 0;  ///< m^4, threshold of the mollifier for two edges
 
   FeaturePoints at(std::span<const double> x) const {
     return {load3(x.data(), rows[0]), load3(x.data(), rows[1]), load3(x.data(), rows[2]),
@@ -29,7 +29,7 @@ struct FeaturePair {
   }
 };
 
-/// A side of an obstacle that nodes stay on.
+/// A side of an obstacle that nodes must stay on.
 struct Wall {
   uint32_t collider;
   int8_t face = -1;  ///< of a box from inside: 0 to 5
@@ -52,25 +52,25 @@ class BarrierSurface {
   /// m, of the body's own edges.
   double shortest_edge() const { return shortest_; }
 
-  /// Writes the corners of obstacles as they are at time t, behind the nodes.
+  /// Writes the corners of obstacles at time t, after the nodes.
   void place_obstacles(double t, std::span<double> x) const;
-  /// Pairs that come within `reach` (m) of each other on their ways from x to x + d; d empty: where they are.
+  /// Pairs that come within `reach` (m) of each other on their paths from x to x + d; empty d: at x.
   void find_pairs(std::span<const double> x, std::span<const double> d, double reach,
                   std::vector<FeaturePair>& out) const;
 
   const std::vector<Wall>& walls() const { return walls_; }
   WallGap wall_gap(const Wall& wall, double t, const Vec3& x) const;
   double wall_friction(const Wall& wall) const { return frictions_[wall.collider]; }
-  /// m, by which the material of the wall at x has moved from time t0 to t.
+  /// m, displacement of the wall's material at x from time t0 to t.
   Vec3 wall_shift(const Wall& wall, double t0, double t, const Vec3& x) const;
 
-  /// Says in words what touches or goes through what at time t; nothing where all is apart.
+  /// Describes what touches or intersects at time t; nothing if all features are apart.
   std::optional<std::string> entangled(std::span<const double> nodes, double t) const;
 
  private:
   struct Corner {
     uint32_t collider;
-    Vec3 at;  // m, in its frame
+    Vec3 at;  // m, in the obstacle's frame
   };
   struct Edge {
     std::array<uint32_t, 2> rows;
@@ -92,7 +92,7 @@ class BarrierSurface {
   size_t nodes_;
   double own_friction_, shortest_ = HUGE_VAL;
   const ColliderSet& colliders_;
-  std::vector<double> frictions_;  // of every collider
+  std::vector<double> frictions_;  // per collider
   std::vector<uint32_t> points_;
   std::vector<Point> all_points_;
   std::vector<Edge> edges_;

@@ -45,7 +45,7 @@ double barrier_energy(const BarrierSurface& surface, const BarrierLaw& law, cons
     out.forms->push_back({pair.rows, near.c, 4, outer(near.normal, law.stiffness * m.value * b.second)});
     if (out.touches) out.touches->push_back({&pair, near, gap, law.stiffness * m.value * b.second});
     if (m.by_c == 0) continue;
-    // Of c = |u x v|^2 with u all but parallel to v: 2 |(du - r dv) x v|^2, r = u.v / v.v.
+    // Hessian of c = |u x v|^2 with u nearly parallel to v: 2 |(du - r dv) x v|^2, r = u.v / v.v.
     const Vec3 u = x[1] - x[0], v = x[3] - x[2];
     const double r = dot(u, v) / norm2(v), scale = 2 * law.stiffness * b.value * m.by_c;
     Mat3 across = outer(v, -scale);
@@ -108,7 +108,8 @@ double friction_energy(const BarrierLaw& law, std::span<const FrictionTerm> term
     for (uint32_t i = 0; !out.gradient.empty() && i < f.count; ++i)
       if (f.rows[i] < nodes) add(out.gradient, f.rows[i], f.most * slip.first * f.c[i] * u);
     if (!out.forms) continue;
-    // Across the slip f1 / y, along it f1'; nothing along the normal. f1 / y for both lies above.
+    // f1 / y across the slip, f1' along it, nothing along the normal. Using f1 / y for both is an upper
+    // bound.
     Mat3 m = outer(f.normal, -f.most * slip.first);
     for (size_t k = 0; k < 3; ++k) m(k, k) += f.most * slip.first;
     if (y > 0 && out.slip == BarrierOutput::Slip::exact)

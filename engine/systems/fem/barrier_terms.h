@@ -15,7 +15,7 @@ struct BarrierLaw {
   double still = 0;      ///< m of slip in a step, below which friction grows with it
 };
 
-/// Where the features are judged: `x` holds nodes and corners; walls as they are at time t.
+/// Where the features are evaluated: `x` holds nodes and corners; walls as they are at time t.
 struct BarrierPlace {
   std::span<const double> x;
   double t;
@@ -33,31 +33,31 @@ struct FrictionTerm {
   std::array<uint32_t, 4> rows{};
   std::array<double, 4> c{};
   uint32_t count = 0;
-  Vec3 normal, shift;  ///< unit; m, by which the wall moves
+  Vec3 normal, shift;  ///< unit; m, motion of the wall
   double most = 0;     ///< N, coefficient times normal force
 };
 
-/// A pair within reach as the quadratic model sees it.
+/// A pair within reach, as the quadratic model sees it.
 struct BarrierTouch {
   const FeaturePair* pair;
   Proximity near;
   double gap, curvature;  ///< m; N/m, of the potential along the gap
 };
 
-/// What features within reach add. Gradients go to `gradient` (3 a row, nodes only), forms to `forms`; both
-/// may be left out.
+/// Contributions of features within reach. Gradients go to `gradient` (3 a row, nodes only), forms to
+/// `forms`; both may be left out.
 struct BarrierOutput {
   std::span<double> gradient{};
   std::vector<BarrierHessian>* forms = nullptr;
   std::vector<BarrierTouch>* touches = nullptr;
-  /// Of friction along a slip: its second derivative, or a form that lies above the potential everywhere,
-  /// with which steps never overshoot where slips turn back but end slowly.
+  /// Form of friction along a slip: the exact second derivative, or one whose model bounds the potential from
+  /// above: steps then never overshoot where slips reverse, but converge slowly.
   enum class Slip : uint8_t { exact, above } slip = Slip::exact;
   double least_gap = HUGE_VAL;
   size_t touching = 0;  ///< pairs within reach
 };
 
-/// J. Infinite where something touches.
+/// J. Infinite if anything touches.
 double barrier_energy(const BarrierSurface& surface, const BarrierLaw& law, const BarrierPlace& at,
                       std::span<const FeaturePair> pairs, BarrierOutput& out);
 

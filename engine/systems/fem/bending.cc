@@ -8,14 +8,14 @@ namespace truestep::fem {
 namespace {
 
 constexpr size_t kBlockRows = 256;
-constexpr double kStraight = 1e-9;  // of |J| at rest: what is less is rounding
+constexpr double kStraight = 1e-9;  // |J| at rest below which it is rounding
 
 std::array<Vec3, 3> corners_of(const Mesh& mesh, size_t cell) {
   const auto nodes = mesh.cell(cell);
   return {mesh.x[nodes[0]], mesh.x[nodes[1]], mesh.x[nodes[2]]};
 }
 
-// The sides of every edge: one or two facets of elements, in the order of the first.
+// The sides of every edge: one or two facets of elements, ordered by the first.
 struct Edge {
   std::array<uint32_t, 2> ends;
   Facet one, two;
@@ -42,7 +42,7 @@ std::vector<Edge> edges_of(const Mesh& mesh) {
 }  // namespace
 
 std::optional<std::array<size_t, 2>> first_fold(const Mesh& mesh) {
-  constexpr double kSame = 1 - 1e-9;  // of the cosine between the two sides
+  constexpr double kSame = 1 - 1e-9;  // cosine between the two sides
   for (const Edge& e : edges_of(mesh)) {
     if (e.rim) continue;
     const Vec3 from = mesh.x[e.ends[0]], along = normalized(mesh.x[e.ends[1]] - from);
@@ -107,7 +107,7 @@ void Bending::add_edge(const Mesh& mesh, const Facet& one, const Facet* two, dou
       }
     }
     if (!two) {
-      // J is the slope less what it is at rest.
+      // J is the slope relative to rest.
       for (size_t a = 0; a < nodes.size(); ++a)
         constant_[nodes[a]] += p.weight * (p.penalty * p.jump[a] - p.moment[a]) * jump;
       continue;
@@ -156,7 +156,7 @@ std::array<Vec3, 3> Bending::sums_of(const BentPoint& p, std::span<const double>
   return out;
 }
 
-// Of Q x, with differences, as its rows sum to 0: where the sheet is makes no rounding.
+// Row i of Q x, computed from differences, as its rows sum to 0: the sheet's position adds no rounding.
 Vec3 Bending::row(std::span<const double> x, size_t i) const {
   const Vec3 own = load3(x.data(), i);
   Vec3 out;
@@ -188,7 +188,7 @@ void Bending::add_forces(double rigidity, std::span<const double> x, std::span<d
       store3(f.data(), i, load3(f.data(), i) - rigidity * (row(x, i) - constant_[i]));
     }
   });
-  // Neighbours share nodes: one after another.
+  // Neighbours share nodes, so one after another.
   for (const BentPoint& p : bent_) {
     const auto [l, t, c] = sums_of(p, x);
     const Bent b = bent(l, t, c);
@@ -216,7 +216,7 @@ void Bending::add_stiffness(double rigidity, std::span<const double> x, BentSlop
     const auto h = bent_slope(l, t, c, kind, p.penalty);
     const size_t n = p.nodes.size();
     for (size_t a = 0; a < n; ++a) {
-      // Sums over this node's share of L, t and c: three rows of nine.
+      // Sums over this node's coefficients in L, t and c: three rows of nine.
       double rows[3][9] = {};
       for (size_t s = 0; s < 3; ++s) {
         for (size_t r = 0; r < 3; ++r) {

@@ -1,5 +1,5 @@
-// Bending of a shell (kernels/fem/bending.h) put together: a constant matrix over its nodes, the same for x,
-// y and z, what edges that are held in their direction add in places alone, and edges that are bent at rest.
+// Assembled bending of a shell (kernels/fem/bending.h): a constant matrix over its nodes, the same for x, y
+// and z, the constant vector of edges with a clamped direction, and edges that are bent at rest.
 //   E / D = 1/2 x . Q x - c . x + sum over points of bent edges w j (M - eta / h J) . n(x) + E_0,  0 at rest
 #pragma once
 #include <array>
@@ -14,7 +14,8 @@
 
 namespace truestep::fem {
 
-/// Two elements that lie on each other along an edge, where a shell has no direction; nothing: none do.
+/// Two elements folded onto each other along an edge, where a shell has no direction; nothing if there are
+/// none.
 std::optional<std::array<size_t, 2>> first_fold(const Mesh& mesh);
 
 class Bending {
@@ -27,20 +28,20 @@ class Bending {
   void add_pairs(std::vector<BlockSparse::Pair>& pairs) const;
   void find_slots(const BlockSparse& pattern);
 
-  /// J, of the flexural rigidity D (N m).
+  /// J, at flexural rigidity D (N m).
   double energy(double rigidity, std::span<const double> x, const ThreadArena& arena) const;
-  /// -dE/dx added to f.
+  /// Adds -dE/dx to f.
   void add_forces(double rigidity, std::span<const double> x, std::span<double> f,
                   const ThreadArena& arena) const;
-  /// -d2E/dx2 added to dfdx.
+  /// Adds -d2E/dx2 to dfdx.
   void add_stiffness(double rigidity, std::span<const double> x, BentSlope kind, BlockSparse& dfdx,
                      const ThreadArena& arena) const;
 
  private:
-  /// A point of an edge that is bent at rest.
+  /// A quadrature point of an edge that is bent at rest.
   struct BentPoint {
     std::vector<uint32_t> nodes;
-    std::vector<std::array<double, 3>> sums;  ///< of every node: in L, t, c
+    std::vector<std::array<double, 3>> sums;  ///< coefficients of every node in L, t, c
     double weight, penalty;                   ///< w j; eta j / h
     std::vector<BlockSparse::Slot> slots;     ///< nodes x nodes
   };
@@ -48,7 +49,7 @@ class Bending {
   Vec3 row(std::span<const double> x, size_t i) const;
   void add_edge(const Mesh& mesh, const Facet& one, const Facet* two, double poisson);
 
-  std::vector<std::pair<BlockSparse::Pair, double>> entries_;  // while it is put together
+  std::vector<std::pair<BlockSparse::Pair, double>> entries_;  // during assembly
   std::vector<uint32_t> row_begin_, columns_;
   std::vector<double> values_;
   std::vector<BlockSparse::Slot> slots_;

@@ -15,7 +15,7 @@ namespace {
   throw Error("scene_invalid", pointer + ": " + message, {{pointer, code, message, value, "", "", ""}});
 }
 
-/// Texts of some components as a program over nodes; `variables` are their names.
+/// Compiles the texts of some components into a program over nodes; `variables` are their names.
 ExpressionRows compile(const std::vector<std::pair<std::string, std::string>>& texts,
                        const std::vector<const char*>& variables) {
   ExpressionGraph graph;
@@ -58,7 +58,7 @@ void set_geometry(const FemDef& def, Body& b) {
         b.gradients.push_back(back * kind.gradient[q * n + a]);
       }
     }
-    // The rule is exact for the squares of products; simplices have their own exact shares.
+    // The rule is exact for the squares of products; simplices have exact weights of their own.
     for (size_t a = 0; a < n; ++a) {
       b.masses[b.mesh.cell(k)[a]] +=
           def.density * volume * (kind.simplex ? kind.lump[a] : share[a] / squares);
@@ -66,8 +66,8 @@ void set_geometry(const FemDef& def, Body& b) {
   }
 }
 
-// G_k = |J0| / |J| J0^-T grad (1 - xi_k^2) of the modes 1 - xi_k^2: with the middle's J0 they pass the patch
-// test.
+// G_k = |J0| / |J| J0^-T grad (1 - xi_k^2) of the modes 1 - xi_k^2: with J0 taken at the centre they pass the
+// patch test.
 void set_modes(Body& b) {
   const Element& kind = *b.mesh.kind;
   b.modes = kind.dimension;
@@ -95,7 +95,7 @@ void set_modes(Body& b) {
   }
 }
 
-// integral of N_a over a facet at rest, times the traction there; the area.
+// Adds the integral of N_a over a facet at rest, times the traction there; returns the area.
 double add_traction(const Body& b, const Facet& f, const ExpressionRows* traction, uint8_t axes,
                     const Vec3& even, std::vector<double>& out) {
   const Element& face = b.mesh.facet_kind(f);
@@ -193,7 +193,7 @@ void set_holds(const FemDef& def, Body& b) {
       hold.axes = 7;
     }
     hold.displacement = compile(texts, {"t", "X", "Y", "Z"});
-    // At two times, to tell whether two holds want the same of a node.
+    // At two times, to tell whether two holds ask the same of a node.
     for (const double t : {0.0, 1.0}) {
       for (const uint32_t p : hold.nodes) {
         const Vec3& x = b.mesh.x[p];
@@ -240,8 +240,8 @@ void set_holds(const FemDef& def, Body& b) {
   }
 }
 
-// Groups of elements that follow one another, so that what a group needs lies together in memory; the colours
-// of groups greedily, in their order.
+// Groups of consecutive elements, so that what a group needs lies together in memory; groups are coloured
+// greedily, in their order.
 void set_groups(Body& b) {
   constexpr size_t kMost = 64, kLeast = 8, kWanted = 64, kLastColour = 63;
   const size_t cells = b.mesh.cells(), size = std::clamp(cells / kWanted, kLeast, kMost);
@@ -267,7 +267,7 @@ void set_groups(Body& b) {
   for (size_t c = 0; c < colours.size(); ++c) {
     for (const Body::Group& group : colours[c]) {
       b.groups.push_back(group);
-      // What found no colour may share nodes: one by one.
+      // Groups left without a colour may share nodes: one by one.
       if (c == kLastColour) b.colours.push_back(b.groups.size());
     }
     if (c != kLastColour) b.colours.push_back(b.groups.size());

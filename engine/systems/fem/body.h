@@ -1,5 +1,5 @@
-// What of a body does not change: mesh, gradients of the shape functions at rest, masses, loads, holds and
-// the order in which elements are assembled.
+// The constant part of a body: mesh, gradients of the shape functions at rest, masses, loads, holds and the
+// order in which elements are assembled.
 #pragma once
 #include "engine/math/block_sparse.h"
 #include "engine/math/expression/rows.h"
@@ -8,7 +8,7 @@
 
 namespace truestep::fem {
 
-/// Displacements of a set of nodes; component c is prescribed where bit c of `axes` is set.
+/// Displacements of a set of nodes; component c is prescribed if bit c of `axes` is set.
 struct Hold {
   std::vector<uint32_t> nodes;
   uint8_t axes = 0;
@@ -23,27 +23,27 @@ struct PressureFacet {
 struct Body {
   Mesh mesh;
   bool plane = false, plane_stress = false, mean_volume = false;
-  double thickness = 1;              ///< m, of a plane body or a sheet
+  double thickness = 1;              ///< m, for a plane body or a sheet
   std::vector<Vec3> gradients;       ///< dN_a / dX, 1/m, at [(cell * points + q) * nodes + a]
   std::vector<double> weights;       ///< m^3 of point q, at [cell * points + q]
-  size_t modes = 0;                  ///< incompatible ones of every element
+  size_t modes = 0;                  ///< incompatible modes of every element
   std::vector<Vec3> mode_gradients;  ///< 1/m, at [(cell * points + q) * modes + k]
   std::vector<double> masses;        ///< kg, lumped
   std::vector<double> loads;         ///< N, 3 a node: forces that keep their direction
   std::vector<PressureFacet> pressures;
   std::vector<Hold> holds;
-  std::vector<uint8_t> axes;   ///< components of every node that are prescribed, bits
-  std::vector<uint32_t> pins;  ///< nodes that are held altogether, ascending
+  std::vector<uint8_t> axes;   ///< prescribed components of every node, as bits
+  std::vector<uint32_t> pins;  ///< nodes held in all components, ascending
   struct Group {
     uint32_t begin, end;  ///< elements
   };
-  std::vector<Group> groups;             ///< colour by colour: those of a colour share no node
-  std::vector<size_t> colours;           ///< where each begins in `groups`, and the end
-  std::vector<BlockSparse::Pair> pairs;  ///< of nodes with an element in common
+  std::vector<Group> groups;             ///< colour by colour: groups of one colour share no node
+  std::vector<size_t> colours;           ///< where each colour begins in `groups`, and the end
+  std::vector<BlockSparse::Pair> pairs;  ///< pairs of nodes with an element in common
   std::vector<BlockSparse::Slot>
-      slots;  ///< of node pair (a, b) of a cell, at [(cell * nodes + a) * nodes + b]
+      slots;  ///< for node pair (a, b) of a cell, at [(cell * nodes + a) * nodes + b]
 
-  Bending bending;  ///< of a shell
+  Bending bending;  ///< for a shell
 
   size_t points() const { return mesh.kind->points.size(); }
   size_t size() const { return mesh.kind->size(); }

@@ -127,8 +127,8 @@ void Fem::add_dynamic_stages(const FemDef& def, const std::string& why) {
   }
 }
 
-// Methods that solve for a step keep nodes on surfaces within it: put back afterwards they would squeeze what
-// is behind them, which of a stiff body makes energy without end.
+// Methods that solve for a step keep nodes on surfaces within the solve: putting nodes back afterwards would
+// squeeze the elements behind them, which keeps adding energy to a stiff body.
 void Fem::add_contact_stages(const std::string& why) {
   const std::string count = std::to_string(colliders_.colliders().size());
   if (solves_contacts()) {

@@ -1,9 +1,9 @@
 // The system type "fem": elastic bodies of finite elements (fem_field.h) in space, plane strain and plane
-// stress. Dynamic bodies are advanced by any method of the table, implicit Euler unless one is named;
-// quasi-static ones are in equilibrium at the end of every step, found by Newton's method with a line search
-// on the energy, in shorter steps of the load where that fails. Obstacles keep nodes out; with a barrier
-// (barrier_step.h) nothing of the surface ever touches them or itself.
-// Commands: push, impulse, drag, release, pin, unpin, set_parameter (youngs_modulus, damping, gravity).
+// stress. Dynamic bodies are advanced by any method of the table, implicit Euler by default; quasi-static
+// ones are in equilibrium at the end of every step, found by Newton's method with a line search on the
+// energy, with smaller load increments where that fails. Obstacles keep nodes out; with a barrier
+// (barrier_step.h) the surface never touches them or itself. Commands: push, impulse, drag, release, pin,
+// unpin, set_parameter (youngs_modulus, damping, gravity).
 #pragma once
 #include "engine/collision/points/surface_contacts.h"
 #include "engine/core/force_system.h"
@@ -16,12 +16,12 @@ namespace truestep::fem {
 
 class Fem final : public ForceSystem, public AnswersImpulses {
  public:
-  /// Error "scene_invalid" when the def's integrator, an expression or a hold is no good.
+  /// Error "scene_invalid" if the def's integrator, an expression or a hold is invalid.
   static std::unique_ptr<const Fem> make(const FemDef& def, const BuildContext& context);
 
   State initial_state() const override;
   /// Besides the energies: energy.elastic, energy.external, momenta, displacement.max, jacobian.min, pins,
-  /// reaction.x/y/z, frequency.1 ... as many as `modes`; of a barrier energy.contact, contact.gap,
+  /// reaction.x/y/z, frequency.1 ... as many as `modes`; with a barrier energy.contact, contact.gap,
   /// contact.pairs.
   void observe(const State& state, double t, Observables& out) const override;
   /// Nodes: position, velocity, displacement, von_mises. Part "elements": stress, strain, von_mises,
@@ -42,7 +42,7 @@ class Fem final : public ForceSystem, public AnswersImpulses {
   const Body& body() const { return elements_.body(); }
   const FemField& elements() const { return elements_; }
   const ColliderSet& colliders() const { return colliders_; }
-  /// Null where there is none.
+  /// Null if there is none.
   const BarrierStep* barrier() const { return barrier_.get(); }
   /// Hz, ascending.
   const std::vector<double>& frequencies() const { return frequencies_; }
@@ -71,7 +71,7 @@ class Fem final : public ForceSystem, public AnswersImpulses {
   PartDrawing drawing_;
   ColliderSet colliders_;
   std::vector<Surface> surfaces_;  // one per collider
-  double radius_;                  // m, kept from colliders
+  double radius_;                  // m, distance kept from colliders
   SurfaceContacts on_surfaces_{
       colliders_,
       surfaces_,
@@ -84,8 +84,8 @@ class Fem final : public ForceSystem, public AnswersImpulses {
 
 std::unique_ptr<const System> build_fem(const void* def, const BuildContext& context);
 
-/// Lowest natural frequencies (Hz) of the body at rest, held as it is, ascending: K y = (2 pi f)^2 M y by
-/// subspace iteration with a shift that free bodies need too (Bathe 1996, section 11.6).
+/// Lowest natural frequencies (Hz) of the body at rest with its holds, ascending: K y = (2 pi f)^2 M y by
+/// subspace iteration, with a shift for the rigid motions of free bodies (Bathe 1996, section 11.6).
 std::vector<double> natural_frequencies(const FemField& field, int count);
 
 }  // namespace truestep::fem

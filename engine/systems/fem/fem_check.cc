@@ -1,5 +1,5 @@
-// Faults of a scene's body of elements, each with its pointer: shapes, elements and materials that do not go
-// together, cells that no body can have, names that nobody bears.
+// Finds faults in a scene's body of elements, each with its pointer: shapes, elements and materials that do
+// not fit together, invalid cells, unknown names.
 #include <algorithm>
 #include <cmath>
 

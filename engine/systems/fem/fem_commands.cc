@@ -1,4 +1,4 @@
-// What commands do to a body of finite elements; errors name the member of the command that is wrong.
+// How commands change a body of finite elements; errors name the member of the command that is wrong.
 #include <algorithm>
 
 #include "engine/core/point_commands.h"
@@ -48,7 +48,7 @@ void Fem::apply(State& s, const Command& given) const {
 }
 
 double Fem::default_drag(const State& s, size_t row) const {
-  // As stiff as a cube of the material of the node's share of volume.
+  // As stiff as a cube of the material with the node's share of volume.
   double volume = 0;
   for (size_t k = 0; k < body().mesh.cells(); ++k) {
     const auto nodes = body().mesh.cell(k);

@@ -61,7 +61,7 @@ FemCounts fem_counts(const FemDef& d) {
     cells = boxes * (!kind.simplex ? 1 : d.block ? 5 : 2);
     corners = (nx + 1) * (ny + 1) * (nz + 1);
     if (second && !(kind.simplex && d.block)) corners = (2 * nx + 1) * (2 * ny + 1) * (2 * nz + 1);
-    // Of tetrahedra: a node an edge; three edges along the lattice and three diagonals a box.
+    // Tetrahedra have a node per edge: three edges along the lattice and three diagonals per box.
     if (second && kind.simplex && d.block) corners += 6 * boxes + 2 * (nx * ny + ny * nz + nx * nz);
   } else if (d.fill) {
     const StuffingSize size = stuffing_size(region_of(d)->volume(), d.fill->spacing);
@@ -70,15 +70,15 @@ FemCounts fem_counts(const FemDef& d) {
   } else if (d.mesh) {
     cells = static_cast<double>(d.mesh->cells.size()) / kind.corners;
     corners = static_cast<double>(d.mesh->vertices.size());
-    // Edges a corner, faces and cells where elements have nodes in them.
+    // Edges per corner, and faces and cells where elements have nodes in them.
     if (second)
       corners +=
           kind.dimension == 2 ? (kind.simplex ? 1.6 : 1.1) * cells + corners : 1.4 * cells + 4 * corners;
   }
-  // Neighbours of a node, inside a large lattice.
+  // Neighbours of a node inside a large lattice.
   const double each = kind.dimension == 2 ? (second ? (kind.simplex ? 12 : 16) : (kind.simplex ? 7 : 9))
                                           : (second ? (kind.simplex ? 27 : 64) : (kind.simplex ? 14 : 27));
-  const double across = d.plane == Plane::shell ? 1.8 : 1;  // edges join the nodes of both their sides
+  const double across = d.plane == Plane::shell ? 1.8 : 1;  // edges couple the nodes on both their sides
   const double copies = std::max<double>(1, static_cast<double>(d.copies.size()));
   return {copies * corners, copies * cells, copies * each * across * corners};
 }

@@ -1,4 +1,4 @@
-// What a scene says about elastic bodies of finite elements; see fem.h.
+// Scene parameters of elastic bodies of finite elements; see fem.h.
 #pragma once
 #include <optional>
 #include <string>
@@ -40,7 +40,7 @@ struct CylinderRegion {
   double radius = 0.5;  // m
 };
 
-/// A region that is filled with tetrahedra: one of the three.
+/// A region filled with tetrahedra: one of the three.
 struct FillShape {
   std::optional<BallRegion> ball;
   std::optional<CylinderRegion> cylinder;
@@ -48,14 +48,14 @@ struct FillShape {
   double spacing = 0.1;  // m
 };
 
-/// Points with a name.
+/// A named set of points.
 struct SetDef {
   std::string name;
   std::vector<int64_t> points;
   std::optional<Vec3> low, high;  // m
 };
 
-/// What the cells of a mesh are.
+/// The kind of cells in a mesh.
 enum class Form : uint8_t { as_element, triangles, quadrangles, tetrahedra, hexahedra };
 
 struct CellsShape {
@@ -65,21 +65,21 @@ struct CellsShape {
   std::vector<SetDef> sets;
 };
 
-/// Components of the displacement of a set; expressions of t, X, Y, Z.
+/// Prescribed displacement components of a set; expressions of t, X, Y, Z.
 struct HoldDef {
   std::string on;
   std::optional<std::string> x, y, z;  // m
 };
 
-/// What acts on a set's part of the surface; the traction's components are expressions of X, Y, Z.
+/// Loads on a set's part of the surface; the traction's components are expressions of X, Y, Z.
 struct LoadDef {
   std::string on;
-  std::optional<Vec3> force;           // N, in all
+  std::optional<Vec3> force;           // N, total
   std::optional<std::string> x, y, z;  // Pa
   std::optional<double> pressure;      // Pa
 };
 
-/// A further body alike: the shape turned about the origin, then moved.
+/// One more copy: the shape turned about the origin, then moved.
 struct CopyDef {
   Vec3 position, axis{0, 0, 1}, velocity;  // m, -, m/s
   double angle = 0;                        // rad
@@ -124,18 +124,18 @@ const DefTable& fem_table();
 const Outputs& fem_outputs();
 Cost fem_cost(const void* def);
 const Resolution& fem_resolution();
-/// All that is wrong with a def.
+/// Reports all that is wrong with a def.
 void check_fem(const FemDef& def, const DefTable::Report& report);
 /// In the order of Cell.
 const std::vector<std::string>& cell_names();
 /// Never automatic.
 Cell cell_of(const FemDef& def);
 bool in_plane(const FemDef& def);
-/// Of triangles or quadrangles in space.
+/// Whether elements are triangles or quadrangles in space.
 bool is_sheet(const FemDef& def);
-/// What a def fills; null: nothing.
+/// The region that a def fills; null: none.
 std::unique_ptr<Region> region_of(const FemDef& def);
-/// Names of sets that the def has, without those that no shape gives.
+/// Names of the def's sets, except those that no shape provides.
 std::vector<std::string> set_names(const FemDef& def);
 /// Numbers of nodes, elements and blocks of the stiffness matrix, from counts alone.
 struct FemCounts {

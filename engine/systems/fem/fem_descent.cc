@@ -1,6 +1,6 @@
-// What vertex block descent asks of an elastic body (core/point_forces.h): the force on a node and how it
-// changes as that node alone moves, from the elements around it; colours of which no two nodes share an
-// element (Chen, Liu, Yang, Yuksel 2024, "Vertex Block Descent", section 3.1).
+// An elastic body for vertex block descent (core/point_forces.h): the force on a node and its derivative as
+// that node alone moves, from the elements around it; colours in which no two nodes share an element (Chen,
+// Liu, Yang, Yuksel 2024, "Vertex Block Descent", section 3.1).
 #include <algorithm>
 
 #include "engine/systems/fem/fem_field.h"
@@ -9,8 +9,8 @@ namespace truestep::fem {
 
 using Columns = FemColumns;
 
-// Greedily in the order of the nodes. Left empty where forces are not those of elements in space with volumes
-// of their own: the method is then refused.
+// Greedily in the order of the nodes. Left empty, and the method refused, if forces do not come from single
+// elements in space with pointwise volume.
 void FemField::colour_points() {
   if (body_.plane || body_.mesh.sheet || body_.mean_volume || body_.modes > 0 || !body_.pressures.empty())
     return;
@@ -82,7 +82,7 @@ void FemField::point_slopes(const Phase& at, std::span<const double>, double h,
       const UserForces::Push push = Columns::kHands.push(s, p);
       if (push.who == i) force += push.force;
     }
-    // Components that are prescribed neither move nor are moved by the others.
+    // Prescribed components neither move nor are moved by the others.
     double f[3] = {force.x, force.y, force.z};
     for (size_t c = 0; c < 3; ++c) {
       if (!(body_.axes[i] >> c & 1)) continue;

@@ -1,4 +1,4 @@
-// Displacements that the scene prescribes, and the equilibrium that quasi-static motion finds under them.
+// Prescribed displacements, and the equilibrium of quasi-static motion under them.
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +10,7 @@ namespace truestep::fem {
 
 using Columns = FemColumns;
 
-// Where a node's prescribed components belong at time t; visit(index of the component, place).
+// Target of a node's prescribed components at time t; visit(index of the component, position).
 template <class Visit>
 void Fem::prescribed(double t, Visit visit) const {
   for (const Hold& hold : body().holds) {
@@ -32,9 +32,9 @@ void Fem::prescribed(double t, Visit visit) const {
   }
 }
 
-// A node that is held altogether gets the velocity that brings it there: every method moves what has no
-// acceleration by h v. Single components are there at once and have no velocity during the step: methods that
-// minimise a potential may not meet one that moves without a force.
+// A node held in all components gets the velocity that takes it to its target: every method moves points
+// without acceleration by h v. Single components jump there at once and have no velocity during the step:
+// methods that minimise a potential do not handle a component that moves without a force.
 void Fem::begin_holds(State& s, double t, double h) const {
   const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity), w = s.f64(Columns::inverse_mass);
   prescribed(t + h, [&](size_t k, double place) {
@@ -55,11 +55,11 @@ void Fem::end_holds(State& s, double t, double h) const {
   });
 }
 
-// The equation of a stage, M (u - u0) = s f(x0 + s u), for so large an s that what is left of M is below
-// rounding: its solution has f = 0. Where none is found the step is made in parts: what was out of balance at
-// its start is then balanced little by little, and prescribed displacements come little by little. A step at
-// whose start forces are as well balanced as the last one left them, prescribed displacements in place, has
-// nothing to do.
+// Solves the equation of a stage, M (u - u0) = s f(x0 + s u), with s so large that the M term is below
+// rounding: the solution has f = 0. If none is found, the step is made in parts: the imbalance at its start
+// is then removed gradually, and prescribed displacements are applied gradually. A step has nothing to do if
+// its forces are as well balanced at its start as the last one left them and prescribed displacements are in
+// place.
 void Fem::equilibrium(State& s, const StepInput& in) const {
   constexpr double kBeyondMass = 1e12;  // times the fastest period
   constexpr double kShortest = 1.0 / 256;
@@ -98,7 +98,7 @@ void Fem::equilibrium(State& s, const StepInput& in) const {
   while (done < 1) {
     share = std::min(share, 1 - done);
     const double left = 1 - (done + share);
-    // Prescribed components are there at once; the last step's displacements are the guess of the others.
+    // Prescribed components jump there at once; the last step's displacements are the guess for the others.
     prescribed(in.t + (done + share) * in.h, [&](size_t k, double place) { x[k] = place; });
     for (size_t k = 0; k < n; ++k) {
       const bool held = body().axes[k / 3] >> (k % 3) & 1 || !(w[k / 3] > 0);

@@ -36,7 +36,7 @@ FemField::FemField(const FemDef& def, const BuildContext& context)
       dependence_(def.damping > 0 ? Dependence::position_and_velocity : Dependence::position) {
   if (body_.plane) gravity_.z = 0;
   const State s = initial_state();
-  // Sums of rows bound the eigenvalues (Gershgorin).
+  // Row sums bound the eigenvalues (Gershgorin).
   static const ThreadArena kSerial(1);
   Workspace workspace;
   Evaluation e{workspace, kSerial};
@@ -138,7 +138,7 @@ void FemField::gather(const double* x, size_t cell, Vec3* out) const {
   for (const uint32_t p : body_.mesh.cell(cell)) *out++ = load3(x, p);
 }
 
-// Groups of a colour share no node: each writes to its own.
+// Groups of one colour share no node, so each writes to its own.
 template <class Work>
 void FemField::by_colour(const ThreadArena& arena, Work work) const {
   for (size_t c = 0; c + 1 < body_.colours.size(); ++c) {
@@ -258,7 +258,7 @@ std::optional<double> FemField::potential(const Phase& at, Evaluation& e) const 
   return elastic(at, e.arena) + external(at);
 }
 
-// At rest mu / 2 |F|^2 and what it is balanced by: the density of energy that rounding is a share of.
+// mu / 2 |F|^2 at rest, and the terms that cancel it: rounding is relative to this energy.
 double FemField::cancelling_terms(const State& s) const {
   double volume = 0;
   for (const double w : body_.weights) volume += w;

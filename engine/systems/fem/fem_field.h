@@ -1,5 +1,5 @@
-// The forces of an elastic body (kernels/fem/cell.h), of gravity, loads, pressure, damping and hands, with
-// their exact derivatives, for every method of the table of integrators.
+// The forces of an elastic body (kernels/fem/cell.h), of gravity, loads, pressure, damping and drags and
+// pushes, with their exact derivatives, for every method in the table of integrators.
 //   m_a x_a'' = f_a + s load_a + m_a g - damping m_a v_a + hands + pressure - balance_a
 // Prescribed components have no acceleration; their velocity is set before each step (fem.cc).
 #pragma once
@@ -25,8 +25,8 @@ struct FemColumns {
     push_row,
     push_force,      ///< N
     push_remaining,  ///< s
-    balance,         ///< N, a row a node in quasi-static motion: what a part of a step leaves out of balance
-    unbalanced,      ///< N, of quasi-static motion alone: the largest force that its last step left, -1: none
+    balance,         ///< N, a row a node in quasi-static motion: the imbalance that a part of a step leaves
+    unbalanced,      ///< N, quasi-static motion only: the largest force left by the last step, -1: none
   };
   static constexpr UserForces kHands{{push_row, push_force, push_remaining},
                                      {drag_row, drag_target, drag_stiffness}};
@@ -51,7 +51,7 @@ class FemField final : public ForceField, public PointForces {
   void definite_jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv, Evaluation& e) const override;
   std::optional<Stiffness> stiffness(const State& state) const override;
 
-  /// Of solid elements with pointwise volume, without pressure.
+  /// For solid elements with pointwise volume, without pressure.
   const PointForces* point_forces() const override { return colours_.points.empty() ? nullptr : this; }
   const PointColours& colours() const override { return colours_; }
   Vec3 free_acceleration(const State& state) const override;
@@ -62,20 +62,20 @@ class FemField final : public ForceField, public PointForces {
   const Body& body() const { return body_; }
   Material material(const State& state) const;
   CellRule rule(size_t cell) const;
-  /// Forces of the elements alone (N, 3 a node), overwritten.
+  /// Forces of the elements alone (N, 3 a node); overwrites f.
   void elastic_forces(const Phase& at, std::span<double> f, Evaluation& e) const;
   /// J, of deformation; of gravity, loads and drags.
   double elastic(const Phase& at, const ThreadArena& arena) const;
   double external(const Phase& at) const;
-  /// N m, of a shell.
+  /// N m, for a shell.
   double flexural_rigidity(const State& state) const;
-  /// What loads, and gravity in quasi-static motion, are multiplied by at time t.
+  /// Factor on loads, and on gravity in quasi-static motion, at time t.
   double load_share(double t) const;
-  /// m, of an element of mean volume.
+  /// m, size of an element of mean volume.
   double cell_size() const;
-  /// N/m, of an element against what pushes on one of its sides.
+  /// N/m, of an element pushed on one of its sides.
   double contact_stiffness(const State& state) const;
-  /// Places of an element's nodes.
+  /// Positions of an element's nodes.
   void gather(const double* x, size_t cell, Vec3* out) const;
 
  private:
@@ -99,7 +99,7 @@ class FemField final : public ForceField, public PointForces {
   double omega_ = 0;  // 1/s, bound at rest
   PointColours colours_;
   struct Corner {
-    uint32_t cell, node;  // which of the cell's
+    uint32_t cell, node;  // index among the cell's nodes
   };
   std::vector<uint32_t> corners_begin_;
   std::vector<Corner> corners_;  // of every node

@@ -11,13 +11,13 @@ using Columns = FemColumns;
 
 namespace {
 
-// Of xx, yy, zz, xy, yz, xz.
+// From xx, yy, zz, xy, yz, xz.
 double von_mises(const double* s) {
   const double a = s[0] - s[1], b = s[1] - s[2], c = s[2] - s[0];
   return std::sqrt(0.5 * (a * a + b * b + c * c) + 3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
 }
 
-// Means over an element: Cauchy's stress, Green's strain (of the linear law: small ones), energy density, J.
+// Means over an element: Cauchy stress, Green strain (small strain for the linear law), energy density, J.
 struct ElementMeans {
   double stress[6] = {}, strain[6] = {}, energy = 0, least = HUGE_VAL;
 };
@@ -92,7 +92,7 @@ void Fem::observe(const State& s, double t, Observables& out) const {
       p += mv, l += cross(x, mv);
     }
     pins += !(w[i] > 0);
-    // What a support adds to the forces on its node.
+    // Forces on the node other than the support's.
     const Vec3 rest = load3(f.data(), i) + share * load3(b.loads.data(), i) + weight * b.masses[i] * g;
     const double r[3] = {rest.x, rest.y, rest.z};
     double support[3] = {};
@@ -136,7 +136,7 @@ FieldView Fem::field(const State& s, size_t part, size_t which, std::vector<doub
     return {scratch.data(), Scalar::f64, n, 3};
   }
   if (part == 0) {
-    // Of the elements at a node, by their volumes.
+    // Mean over the elements at a node, weighted by volume.
     scratch.assign(n, 0);
     std::vector<double> volumes(n, 0);
     each_element(elements_, s, [&](size_t k, const ElementMeans& m) {

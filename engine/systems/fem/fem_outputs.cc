@@ -1,4 +1,4 @@
-// What the system type "fem" gives out, in words, and what it will cost.
+// Descriptions of the outputs of the system type "fem", and its cost estimate.
 #include <algorithm>
 #include <cmath>
 
@@ -57,8 +57,8 @@ Cost fem_cost(const void* def) {
   // Gradients and weights at the points, slots of the element's blocks, pairs of the pattern.
   const double system =
       n.elements * (points * (24 * nodes + 8) + 4 * nodes * nodes + 8 * nodes) + 4 * n.blocks + 120 * n.nodes;
-  // A factor fills in with the logarithm of the nodes in the plane, with their cube root in space, each body
-  // for itself; of a strip with those of a square as wide as it.
+  // The fill-in of a factor grows with the logarithm of the nodes in the plane and with their cube root in
+  // space, for each body by itself; for a strip, as for a square as wide as it.
   const auto bodies = static_cast<double>(std::max<size_t>(d.copies.size(), 1));
   const auto narrow = d.quad ? static_cast<double>(std::min(d.quad->cells_x, d.quad->cells_y)) : HUGE_VAL;
   const double across = nodes > 4 ? 2 * narrow + 1 : narrow + 1;
@@ -68,15 +68,15 @@ Cost fem_cost(const void* def) {
   const double matrices = (76 * 3 + 84 * fill) * n.blocks + 700 * n.nodes;
   const double element_seconds = points * (2e-7 + 6e-9 * nodes * nodes);
   const double factor_seconds = 3e-8 * fill * fill * n.blocks * 10;
-  // Incompatible modes: an element's own gradients, and of every force and stiffness a search for its modes.
+  // Incompatible modes: gradients per element, and a solve for the modes with every force and stiffness.
   const double modes =
       d.incompatible_modes == Incompatible::wilson ? n.elements * points * 24 * kind.dimension : 0;
   const double dear = modes > 0 ? 5 : 1;
-  // Nodes that may touch colliders: what the surfaces say of them.
+  // Per node that may touch colliders: contact data.
   const double touches = d.colliders.empty() || d.contact == Meeting::barrier || !solves ? 0 : 250 * n.nodes;
   if (named && named->name == "vertex_block_descent") {
     const double visits = n.elements * nodes * d.choice().options.descent_iterations;
-    // Measured with tet4, tet10, hex8 and hex27; corotated elements are taken apart into turn and stretch.
+    // Measured with tet4, tet10, hex8 and hex27; corotated elements need a polar decomposition.
     const double each = d.material == Law::corotated ? 8.8e-7 : 5.5e-7;
     return {.state_bytes = 80 * n.nodes,
             .workspace_bytes = system + 8 * nodes * n.elements + 300 * n.nodes,

@@ -1,4 +1,4 @@
-// Bodies of finite elements divided more finely: the same block or quad in more cells.
+// Refinement of finite elements: the same block or quad in more cells.
 #include <cmath>
 
 #include "engine/core/resolution.h"
@@ -40,7 +40,7 @@ const Resolution& fem_resolution() {
   static const Resolution kCells{
       .parameter = "block.cells_x, cells_y, cells_z, quad.cells_x, cells_y, fill.spacing",
       .divide = divide,
-      // Corners and edges that are held take from the order that an element has on smooth solutions.
+      // Held corners and edges lower the order that an element has on smooth solutions.
       .order = [](const void*) { return 0; },
       .places = [](const void* def) { return build_mesh(*static_cast<const FemDef*>(def)).x; }};
   return kCells;

@@ -96,7 +96,7 @@ Coarse coarse_quad(const QuadShape& shape, const Element& kind) {
   return out;
 }
 
-// The same again for every copy, body after body.
+// Repeats the mesh for every copy, one after another.
 void multiply(const std::vector<CopyDef>& copies, Coarse& coarse) {
   if (copies.empty()) return;
   const Coarse one = std::move(coarse);
@@ -116,7 +116,7 @@ void multiply(const std::vector<CopyDef>& copies, Coarse& coarse) {
   }
 }
 
-// Further nodes in the middles of edges, faces and cells, each once.
+// Adds nodes in the middles of edges, faces and cells, each once.
 void elevate(const Coarse& coarse, Mesh& out, Bits& sets) {
   const Element& kind = *out.kind;
   std::map<std::vector<uint32_t>, uint32_t> known;
@@ -150,7 +150,7 @@ struct Face {
   Facet facet;
 };
 
-// Faces of all elements, those of the same corners one after another in the order of their elements.
+// Faces of all elements, those with the same corners grouped in the order of their elements.
 std::vector<Face> sorted_faces(const Mesh& mesh) {
   std::vector<Face> faces;
   for (uint32_t k = 0; k < mesh.cells(); ++k) {
@@ -166,7 +166,7 @@ std::vector<Face> sorted_faces(const Mesh& mesh) {
   return faces;
 }
 
-// Faces of one element only, in the order of the elements.
+// Faces that belong to one element only, in the order of the elements.
 std::vector<Facet> outer_faces(const Mesh& mesh) {
   const std::vector<Face> faces = sorted_faces(mesh);
   std::vector<Facet> out;
@@ -320,7 +320,7 @@ std::optional<std::array<size_t, 3>> first_crowded_face(const Mesh& mesh) {
 
 size_t first_bad_cell(const Mesh& mesh) {
   for (size_t k = 0; k < mesh.cells(); ++k) {
-    // Against the element's own size, so that thin elements pass and flat ones do not.
+    // Relative to the element's own size, so that thin elements pass and flat ones do not.
     Vec3 low = mesh.x[mesh.cell(k)[0]], high = low;
     for (const uint32_t p : mesh.cell(k)) {
       const Vec3& x = mesh.x[p];

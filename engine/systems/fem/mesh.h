@@ -10,7 +10,7 @@
 
 namespace truestep::fem {
 
-/// A face of an element that no other element has; of a sheet a whole element.
+/// A face that belongs to one element only; for a sheet, a whole element.
 struct Facet {
   static constexpr uint32_t kWhole = 0xffffffff;
   uint32_t cell, face;
@@ -18,11 +18,11 @@ struct Facet {
 
 struct Mesh {
   const Element* kind = nullptr;
-  std::vector<Vec3> x;          ///< m; of second order: corners first
+  std::vector<Vec3> x;          ///< m; for second order: corners first
   std::vector<uint32_t> nodes;  ///< of element k from k * kind->size()
-  bool sheet = false;           ///< of elements of two dimensions, in space
+  bool sheet = false;           ///< elements of two dimensions, in space
   std::vector<Facet> surface;
-  std::vector<Facet> rim;  ///< of a sheet: edges that one element has
+  std::vector<Facet> rim;  ///< for a sheet: edges that belong to one element
   struct Set {
     std::string name;
     std::vector<uint32_t> nodes;  ///< ascending
@@ -39,9 +39,9 @@ struct Mesh {
     return f.face == Facet::kWhole ? *kind : *kind->faces[f.face].kind;
   }
   const Set* find(std::string_view name) const;
-  /// Facets all of whose nodes belong to a set; of a sheet where there are none, edges of its rim.
+  /// Facets all of whose nodes belong to a set; for a sheet without any, edges of its rim.
   std::vector<Facet> facets_of(const Set& set) const;
-  /// m, of the box around all nodes.
+  /// m, diagonal of the box around all nodes.
   double diagonal() const;
   /// Triangles to draw: the surface, or a plane body itself.
   std::vector<std::array<uint32_t, 3>> triangles() const;
@@ -49,17 +49,17 @@ struct Mesh {
 
 Mesh build_mesh(const FemDef& def);
 
-/// d x / d xi at a point of the rule and its determinant (area or volume over the reference one). Of a sheet
-/// x is measured in its own plane, along the image of xi first.
+/// d x / d xi at a quadrature point and its determinant (area or volume over the reference one). For a sheet,
+/// x is measured in the sheet's plane, with the first axis along the image of xi.
 struct Jacobian {
   Mat3 j;
   double size;
 };
 Jacobian jacobian(const Mesh& mesh, size_t cell, size_t point);
-/// Three elements that share a face (an edge in the plane), which lie on two sides of it at most; nothing
-/// where there are none.
+/// Three elements that share a face (an edge in the plane), which can have only two sides; nothing if there
+/// are none.
 std::optional<std::array<size_t, 3>> first_crowded_face(const Mesh& mesh);
-/// The first element that is turned inside out or has no size somewhere; npos: none.
+/// The first element that is inverted or has zero size at a point; npos: none.
 size_t first_bad_cell(const Mesh& mesh);
 
 }  // namespace truestep::fem

@@ -15,8 +15,9 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kMostIterations = 300;
-constexpr double kAccurate = 1e-10;  // of a squared frequency, from one iteration to the next
-constexpr double kShift = 1e-11;     // of the highest squared frequency; rigid motions have none of their own
+constexpr double kAccurate = 1e-10;  // relative change of a squared frequency between iterations
+constexpr double kShift =
+    1e-11;  // share of the highest squared frequency; for rigid motions, whose stiffness is 0
 
 }  // namespace
 
@@ -77,7 +78,7 @@ std::vector<double> natural_frequencies(const FemField& field, int count) {
   times_mass();
   Eigen::VectorXd last = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(m));
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
-    // x = A^-1 M y; on their span A is x^T M y.
+    // x = A^-1 M y; A projected onto their span is x^T M y.
     Matrix x(n, m);
     for (Eigen::Index c = 0; c < y.cols(); ++c) {
       factors.solve({my.col(c).data(), n}, {x.col(c).data(), n});
@@ -101,7 +102,7 @@ std::vector<double> natural_frequencies(const FemField& field, int count) {
   std::vector<double> out;
   for (size_t k = 0; k < wanted; ++k) {
     const double squared = last[static_cast<Eigen::Index>(k)] - shift;
-    // A rigid motion's is rounding.
+    // That of a rigid motion is rounding.
     out.push_back(squared > 10 * shift ? std::sqrt(squared) / (2 * kPi) : 0);
   }
   return out;

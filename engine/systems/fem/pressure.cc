@@ -1,5 +1,5 @@
-// Pressure on the deformed surface: f_a = -p sum_q N_a (x_xi x x_eta), whose slope is symmetric but for what
-// happens at the surface's rim (Belytschko, Liu, Moran 2000, section 6.4.4): the symmetric part is used.
+// Pressure on the deformed surface: f_a = -p sum_q N_a (x_xi x x_eta). Its derivative is symmetric except for
+// terms at the surface's rim (Belytschko, Liu, Moran 2000, section 6.4.4); the symmetric part is used.
 #include <array>
 
 #include "engine/systems/fem/fem_field.h"

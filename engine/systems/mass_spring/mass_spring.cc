@@ -12,12 +12,12 @@ using Columns = MassSpringColumns;
 
 namespace {
 
-// One Newton step per step, unconditionally stable as far as a spring's direction stands still. Where it
-// turns the spring is stretched by half the square of the angle, and a stiff one makes energy of that.
+// One Newton step per step, unconditionally stable while a spring's direction does not change. A spring that
+// turns is stretched by half the square of the angle, which adds energy if it is stiff.
 constexpr std::string_view kUsual = "linear_implicit_euler", kStiff = "implicit_euler",
                            kMeetsBodies = "velocity_verlet";
-// omega dt from which that is seen: a falling rope gains a thousandth of its energy at 105, three times its
-// energy at 330; cloth that crumples on what it falls on gains four hundredths at 80.
+// omega dt from which this shows: a falling rope gains a thousandth of its energy at 105, three times its
+// energy at 330; cloth that crumples on an obstacle gains four hundredths at 80.
 constexpr double kMostLinear = 50;
 
 ChosenMethod settle(const MassSpringDef& def, const BuildContext& context, const MassSpringField& field) {

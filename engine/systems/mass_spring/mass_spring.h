@@ -12,7 +12,7 @@ namespace truestep::mass_spring {
 
 class MassSpring final : public ForceSystem, public AnswersImpulses {
  public:
-  /// Error "scene_invalid" when the def's integrator is unknown or does not fit.
+  /// Error "scene_invalid" if the def's integrator is unknown or does not fit.
   static std::unique_ptr<const MassSpring> make(const MassSpringDef& def, const BuildContext& context);
 
   State initial_state() const override;
@@ -20,19 +20,18 @@ class MassSpring final : public ForceSystem, public AnswersImpulses {
   /// reaction.x/y/z (N, sum over the pins).
   void observe(const State& state, double t, Observables& out) const override;
   /// position, velocity, force (N, total on a point), strain (1, largest magnitude at a point), reaction (N,
-  /// of a pin on its point; gusts as at t = 0).
-  /// Parts: the points, and "springs" with their strain (1).
+  /// force of a pin on its point; gusts as at t = 0). Parts: the points, and "springs" with their strain (1).
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   /// The solids: the triangles of a cloth; otherwise a capsule along every structural spring and a ball at
-  /// every point without one. Points that an implicit method solves for together answer together; loose
-  /// points are never solved for together.
+  /// every point without one. Points that an implicit method solves together also respond to impulses
+  /// together; loose points never do.
   Ports ports() const override;
   void answer(State& state, const StepInput& input, Answer which, std::span<const double> impulses,
               std::span<double> dv) const override;
-  /// Open in the wind, while something is pushed, and where obstacles put points back.
+  /// Open in wind, while something is pushed, and where obstacles put points back.
   Energy::Exchange exchange(const State& state) const override;
 
   const MassSpringField& springs() const { return springs_; }
@@ -59,7 +58,7 @@ class MassSpring final : public ForceSystem, public AnswersImpulses {
                                radius_,
                                {MassSpringColumns::position, MassSpringColumns::velocity,
                                 MassSpringColumns::inverse_mass, MassSpringColumns::gravity}};
-  std::vector<std::array<uint32_t, 2>> segments_;  // published where there are no triangles
+  std::vector<std::array<uint32_t, 2>> segments_;  // published if there are no triangles
 };
 
 std::unique_ptr<const System> build_mass_spring(const void* def, const BuildContext& context);

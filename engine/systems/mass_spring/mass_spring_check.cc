@@ -1,4 +1,4 @@
-// What a state from outside may hold: hands on points that are there.
+// Checks a state from outside: drags and pushes must act on points that exist.
 #include "engine/systems/mass_spring/mass_spring.h"
 
 namespace truestep::mass_spring {

@@ -1,4 +1,4 @@
-// What commands do to a mass_spring state; errors name the member of the command that is wrong.
+// How commands change a mass_spring state; errors name the member of the command that is wrong.
 #include <algorithm>
 #include <cmath>
 
@@ -22,7 +22,7 @@ void MassSpring::apply(State& s, const Command& c) const {
 }
 
 double MassSpring::default_drag(const State& s, size_t row) const {
-  // As stiff as the stiffest spring at the point: it follows the hand and asks for no smaller step.
+  // As stiff as the stiffest spring at the point: it follows the hand and does not require a smaller step.
   const SpringSchedule& schedule = springs_.schedule();
   double k = 0;
   for (size_t i = 0; i < schedule.a.size(); ++i) {

@@ -1,4 +1,4 @@
-// What a system of springs will cost, from counts alone.
+// Cost estimate of a system of springs, from counts alone.
 #include <algorithm>
 #include <cmath>
 
@@ -9,14 +9,14 @@ namespace truestep::mass_spring {
 
 namespace {
 
-constexpr double kSheet = 2, kLattice = 8;  // springs a point from which on a system is no tree, no sheet
+constexpr double kSheet = 2, kLattice = 8;  // springs per point: more than in a tree, more than in a sheet
 
 double springs_each(const MassSpringCounts& n) {
   return n.springs / std::max(n.points, 1.0);
 }
 
-// Measured. A solve keeps matrix and factor: trees fill in nothing (hair, ropes), sheets log2(points) times
-// some share in the order of elimination that is used, lattices in space the cube root of the points.
+// Measured. A solve keeps matrix and factor: trees (hair, ropes) have no fill-in, sheets a share of
+// log2(points) in the elimination order used, lattices in space the cube root of the points.
 double solver_bytes(const MassSpringCounts& n) {
   const double levels = std::log2(std::max(n.points, 1.0));
   if (springs_each(n) < kSheet) return 300 * n.points + 1200 * n.springs;
@@ -24,10 +24,9 @@ double solver_bytes(const MassSpringCounts& n) {
   return 300 * n.points + (1100 + 60 * std::cbrt(n.points)) * n.springs;
 }
 
-// The factor of a sheet takes points^1.5 operations and leaves the caches as it grows: measured points^1.75.
-// That of a tree takes its springs. Springs that reach over a
-// neighbour (more than four a point) make separators twice as wide, and the work grows with the cube of that.
-// Points that touch something make a step solve again.
+// Factorising a sheet takes points^1.5 operations, and leaves the caches as it grows: measured points^1.75. A
+// tree takes time proportional to its springs. Springs that skip a neighbour (more than four a point) double
+// the width of separators, and the work grows with its cube. Points in contact make a step solve again.
 double solver_seconds(const MassSpringCounts& n, bool touches) {
   const double tree = 2.2e-7 * n.springs, each = springs_each(n);
   if (each < kSheet) return (touches ? 1.7 : 1) * tree;
@@ -35,8 +34,8 @@ double solver_seconds(const MassSpringCounts& n, bool touches) {
   return tree + (touches ? 3.5 : 1) * (each > 4.5 ? 2.0e-8 : 3.1e-9) * n.points * root * std::sqrt(root);
 }
 
-// Measured at 100 x 100 and 200 x 200 points: of an iteration of projective dynamics the solves with its
-// factor, of vertex block descent a visit to every spring from both ends.
+// Measured at 100 x 100 and 200 x 200 points: an iteration of projective dynamics is the solves with its
+// factor, one of vertex block descent a visit to every spring from both ends.
 double descent_seconds(const MassSpringCounts& n, std::string_view method, int iterations) {
   const double levels = std::log2(std::max(n.points, 2.0)) / 13.3;
   const double each =
@@ -50,11 +49,11 @@ Cost mass_spring_cost(const void* def) {
   const auto& d = *static_cast<const MassSpringDef*>(def);
   const MassSpringCounts n = mass_spring_counts(d);
   const Integrator* named = find_integrator(d.choice().name);
-  // Measured: an evaluation, of which adaptive methods need many, or a solve per step.
+  // Measured: one evaluation, of which adaptive methods need many, or a solve per step.
   const bool solves = !named || named->kind == Integrator::Kind::implicit;
   const double evaluations = named && named->stepping == Integrator::Stepping::adaptive ? 20 : 2;
   if (named && (named->name == "projective_dynamics" || named->name == "vertex_block_descent")) {
-    // One number a pair of points in place of nine; of descents by points no matrix at all.
+    // One number per pair of points instead of nine; no matrix at all for descent by points.
     const bool factor = named->name == "projective_dynamics";
     return {
         .state_bytes = (factor ? 56.0 : 80.0) * n.points,

@@ -50,8 +50,8 @@ const DefTable& free_table() {
   return t;
 }
 
-/// Springs without length have no direction, triangles without area no mass; across an edge of three
-/// triangles nobody knows what bends.
+/// Springs of zero length have no direction, triangles of zero area no mass; the bending at an edge of three
+/// triangles is undefined.
 void check_mesh(const MassSpringDef& d, const DefTable::Report& report) {
   const auto fault = [&](const ClothFault& f, const char* more) {
     report("/mesh/triangles/" + std::to_string(f.corner), f.what + more);

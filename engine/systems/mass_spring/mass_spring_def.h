@@ -56,16 +56,16 @@ struct MassSpringDef : IntegratorParams {
 
 /// The table that parser, schema and documentation read.
 const DefTable& mass_spring_table();
-/// What it gives out.
+/// The outputs of the system.
 const Outputs& mass_spring_outputs();
-/// Counts of links and points, as long as the object stays the same.
+/// Refinement: counts of links and points for the same object.
 const Resolution& mass_spring_resolution();
 /// Numbers of points and springs of the def's shape, from counts alone (an upper bound for meshes).
 struct MassSpringCounts {
   double points = 0, springs = 0, triangles = 0;
 };
 MassSpringCounts mass_spring_counts(const MassSpringDef& def);
-/// Names that "pinned" understands for the def's shape.
+/// Names that "pinned" accepts for the def's shape.
 std::vector<std::string> pin_names(const MassSpringDef& def);
 
 }  // namespace truestep::mass_spring

@@ -1,5 +1,5 @@
-// What descents on the potential of mass_spring_field.h ask of it: a bound of its stiffness that knows no
-// directions, and the forces on single points with their slopes.
+// Support for descent methods on the potential of mass_spring_field.h: a bound of its stiffness that is
+// independent of directions, and the forces on single points with their derivatives.
 #include <algorithm>
 
 #include "engine/kernels/air.h"
@@ -66,7 +66,7 @@ void MassSpringField::bound(const State& state, double h, BlockSparse& out) cons
     }
     values[out.diagonal_slot(i)] += sum;
   }
-  // Of three points in line E = B / 2 |sum c_i x_i|^2.
+  // For three points in line, E = B / 2 |sum c_i x_i|^2.
   for (size_t k = 0; k < network_.bends.size(); ++k) {
     const Bend& b = network_.bends[k];
     const auto l = bending::links(network_.x[b.points[0]], network_.x[b.points[1]], network_.x[b.points[2]]);
@@ -128,7 +128,7 @@ void MassSpringField::point_slopes(const Phase& at, std::span<const double> x_la
       const double l2 = norm2(d), per_l = l2 > 0 ? 1 / std::sqrt(l2) : 0;
       const double across = 1 - schedule_.rest[spring] * per_l;
       s.force += d * (stiff * across);
-      // Without the sideways push of a compressed spring (kernels/spring.h).
+      // Without the destabilising sideways term of a compressed spring (kernels/spring.h).
       const double alpha = l2 > 0 ? std::max(0.0, across) * stiff : stiff;
       add_to_slope(s, alpha, (stiff - alpha) * per_l * per_l, d);
       if (internal > 0) {

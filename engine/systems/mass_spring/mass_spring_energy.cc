@@ -8,7 +8,7 @@ using Columns = MassSpringColumns;
 
 namespace {
 
-// sum_i term(i), i < n, in fixed blocks; the line search asks for it in every step, so without allocation.
+// sum_i term(i), i < n, in fixed blocks; without allocation, as the line search needs it in every step.
 template <class Term>
 double sum(Evaluation& e, size_t n, Term term) {
   const auto partial = e.workspace.doubles("mass_spring.partial", (n + kBlockRows - 1) / kBlockRows);

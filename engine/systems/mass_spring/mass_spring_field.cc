@@ -44,7 +44,7 @@ MassSpringField::MassSpringField(const MassSpringDef& def, const BuildContext& c
       dependence_(def.damping > 0 || def.internal_damping > 0 || def.wind ? Dependence::position_and_velocity
                                                                           : Dependence::position) {
   if (network_.triangles.empty()) {
-    // Every point carries half of the links beside it.
+    // Each point carries half of each of its links.
     section_.assign(network_.x.size(), 0);
     for (const SpringLink& s : network_.springs) {
       if (s.family == SpringFamily::bending) continue;
@@ -134,7 +134,7 @@ void MassSpringField::accelerate(const Phase& at, std::span<double> a, Evaluatio
   const bool hands = Columns::kHands.any(state);
   const bool moving = internal > 0 || (air && !network_.triangles.empty());
 
-  // Coordinates apart from each other, so that the springs' loops read straight through.
+  // Coordinates in separate arrays, so that the spring loops read contiguously.
   const Scratch s = scratch(e);
   const auto separate = [](const double* from, size_t begin, size_t end, double* const to[3]) {
     double* __restrict x = to[0], * __restrict y = to[1], * __restrict z = to[2];
@@ -210,7 +210,7 @@ void MassSpringField::spring_forces(const Rows& rows, const State& state, const 
   }
 }
 
-// Every point adds up its own part of each bend that it belongs to.
+// Every point adds up its own part of each of its bends.
 void MassSpringField::bending_forces(const Rows& rows, const Scratch& s) const {
   const auto load = [&](size_t i) { return Vec3{s.x[0][i], s.x[1][i], s.x[2][i]}; };
   for (size_t i = rows.begin; i < rows.end; ++i) {
@@ -248,7 +248,7 @@ void MassSpringField::air_forces(const Rows& rows, const Phase& at, const Scratc
   }
 }
 
-// Drag springs and pushes, which commands put into the state.
+// Drag springs and pushes, which commands add to the state.
 void MassSpringField::hand_forces(const Rows& rows, const State& state, const Scratch& s,
                                   Forces which) const {
   const auto add_force = [&](size_t i, const Vec3& f) {

@@ -1,7 +1,6 @@
 // Forces on a network of springs (kernels/spring.h, kernels/air.h):
-//   m a = m g + sum springs + bending - c_d v + air + drag springs + pushes,    V = sum k/2 (l - L)^2 - sum m
-//   g . x +
-//   ...
+//   m a = m g + sum springs + bending - c_d v + air + drag springs + pushes,
+//   V = sum k/2 (l - L)^2 - sum m g . x + ...
 // Everything that commands may change is read from the state; the network itself is fixed.
 #pragma once
 #include <memory>
@@ -31,7 +30,7 @@ struct MassSpringColumns {
     damping,       ///< N s/m: viscous, internal
     gravity,       ///< m/s^2
     wind,          ///< m/s
-    air,           ///< u32: 0 means that there is no air
+    air,           ///< u32: 0 means no air
     drag_row,
     drag_target,     ///< m
     drag_stiffness,  ///< N/m
@@ -56,7 +55,7 @@ class MassSpringField final : public ForceField,
     accelerate(at, a, e, Forces::all);
   }
   /// Forces (N) by which pins hold their points, 3 per point and 0 where a point is free: minus the sum of
-  /// what springs, gravity, air and hands do to it.
+  /// the forces of springs, gravity, air, drags and pushes on it.
   void reactions(const Phase& at, std::span<double> out, Evaluation& e) const;
   void lagged_acceleration(const Phase& at, std::span<const double> x_lagged, std::span<double> a,
                            Evaluation& e) const override;
@@ -72,7 +71,7 @@ class MassSpringField final : public ForceField,
   bool symmetric_jacobian() const override { return true; }
   std::span<const double> inverse_mass(const State& state) const override;
   void jacobian_pattern(const State& state, BlockSparse& dfdx, BlockSparse& dfdv) const override;
-  /// 1 when velocities of different points act on each other (internal damping, air on triangles), else 0.
+  /// 1 if velocities of different points affect each other (internal damping, air on triangles), else 0.
   uint64_t pattern_version(const State& state) const override;
   void jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv, Evaluation& e) const override {
     assemble_jacobian(at, dfdx, dfdv, e, spring::stiffness, bending::hessian);
@@ -81,7 +80,7 @@ class MassSpringField final : public ForceField,
                          Evaluation& e) const override {
     assemble_jacobian(at, dfdx, dfdv, e, spring::definite_stiffness, bending::definite_hessian);
   }
-  /// omega^2 <= 2 max_i |K_ii| / m_i with the blocks of the present state: 4 k/m for a chain.
+  /// omega^2 <= 2 max_i |K_ii| / m_i with the diagonal blocks of the current state: 4 k/m for a chain.
   std::optional<Stiffness> stiffness(const State& state) const override;
   /// 4 k / m of the stiffest springs and the lightest points.
   double fastest_squared(const State& state) const override;
@@ -91,7 +90,7 @@ class MassSpringField final : public ForceField,
 
   const StiffnessBound* stiffness_bound() const override { return this; }
   const PointForces* point_forces() const override { return this; }
-  /// Bends count as at the start, the air not at all.
+  /// Bends count as at the start; air is left out.
   void bound_pattern(BlockSparse& out) const override;
   void bound(const State& state, double h, BlockSparse& out) const override;
   const PointColours& colours() const override { return colours_; }
@@ -106,16 +105,16 @@ class MassSpringField final : public ForceField,
   double strain(std::span<const double> x, size_t s) const;
 
  private:
-  /// How a spring's stiffness follows from its squared length, constant and rest length.
+  /// How a spring's effective stiffness follows from its squared length, constant and rest length.
   using SpringStiffness = spring::Stiffness (*)(double l2, double k, double rest);
   using BendSlope = bending::Hessian (*)(const bending::Links& links, double B);
   void assemble_jacobian(const Phase& at, BlockSparse& dfdx, BlockSparse& dfdv, Evaluation& e,
                          SpringStiffness stiffness, BendSlope slope) const;
 
-  /// Those of the potential, those of the dissipation function, or both.
+  /// Forces from the potential, from the dissipation function, or both.
   enum class Forces : uint8_t { all, conservative, dissipative };
   void accelerate(const Phase& at, std::span<double> a, Evaluation& e, Forces which) const;
-  /// Lengths without tension: the network's, or shifted ones while springs are softer.
+  /// Lengths without tension: the network's, or shifted ones while springs are softened.
   struct Rests {
     const double *springs, *list;
   };
@@ -156,10 +155,10 @@ class MassSpringField final : public ForceField,
   Network network_;
   std::vector<double> masses_;
   SpringSchedule schedule_;
-  std::vector<double> section_;  // m^2 per point, for the air; empty when triangles catch the wind
+  std::vector<double> section_;  // m^2 per point, for the air; empty if triangles catch the wind
   Vec3 gravity_;
   double stiffness_[kSpringFamilies], damping_[2];
-  double largest_scale_[kSpringFamilies] = {};  // of a family's springs
+  double largest_scale_[kSpringFamilies] = {};  // largest scale of a family's springs
   Vec3 wind_;
   uint32_t air_ = 0;
   double air_factor_, gust_, gust_period_;
@@ -168,11 +167,11 @@ class MassSpringField final : public ForceField,
   std::vector<std::array<uint32_t, 2>> pairs_;
   std::vector<uint32_t> row_begin_;  // entries of block row i: row_begin_[i] ... row_begin_[i + 1]
   std::vector<RowEntry> rows_;
-  /// Bends at every point, and which of its three the point is.
+  /// A bend at a point, and which of the bend's three points this is.
   struct PointBend {
     uint32_t bend, corner;
   };
-  std::vector<uint32_t> point_bends_begin_;  // empty where nothing resists bending
+  std::vector<uint32_t> point_bends_begin_;  // empty if nothing resists bending
   std::vector<PointBend> point_bends_;
   std::vector<std::array<uint32_t, 9>> bend_slots_;  // of the blocks (corner, corner)
   std::vector<uint32_t> point_triangles_begin_;

@@ -1,7 +1,7 @@
 // Derivatives of the forces of mass_spring_field.h and the stiffness bound read off them. Rows are assembled
 // independently (each spring twice), because a row's blocks lie next to each other in memory: the diagonal
-// block is minus the sum of the others plus what acts on the point alone. Left out, as usual, because they
-// are not symmetric and vanish with the step: the change of damping and air forces with position.
+// block is minus the sum of the others plus the forces on the point alone. Left out, as usual, because they
+// are not symmetric and vanish with the step: the derivatives of damping and air forces by position.
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -181,7 +181,7 @@ void MassSpringField::assemble_jacobian(const Phase& at, BlockSparse& dfdx, Bloc
       }
       dfdx.add_block(dfdx.diagonal_slot(i), own);
       dfdv.add_block(dfdv.diagonal_slot(i), own_rate);
-      // The wind's slope of a triangle is the same for all nine pairs of its corners.
+      // The derivative of a triangle's wind force is the same for all nine pairs of its corners.
       if (!air || !coupled) continue;
       for (uint32_t k = point_triangles_begin_[i]; k < point_triangles_begin_[i + 1]; ++k) {
         const auto& t = network_.triangles[point_triangles_[k].triangle];
@@ -220,7 +220,7 @@ std::optional<ForceField::Stiffness> MassSpringField::stiffness(const State& sta
       add_symmetric(&sum_n[9 * size_t{p}], 0, per_l2, d);
     }
   }
-  // Of three points: u^T K u <= 3 sum_i u_i^T K_ii u_i, hence half as much again as of two.
+  // Three points: u^T K u <= 3 sum_i u_i^T K_ii u_i, half as much again as for two.
   for (const Bend& b : network_.bends) {
     const auto l = bending::links(load3(x.data(), b.points[0]), load3(x.data(), b.points[1]),
                                   load3(x.data(), b.points[2]));

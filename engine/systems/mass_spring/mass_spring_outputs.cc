@@ -1,4 +1,4 @@
-// What the system type "mass_spring" gives out, in words.
+// Descriptions of the outputs of the system type "mass_spring".
 #include "engine/core/outputs.h"
 #include "engine/systems/mass_spring/mass_spring_def.h"
 

@@ -1,6 +1,6 @@
-// Ropes, hair and cloth divided more finely. A chain of n springs of stiffness k is as stiff as one of 2 n
-// with 2 k; a sheet keeps the stiffness of its springs, whatever their number. Mass comes from a density. At
-// ends and borders the lumped values are off by half a link, which leaves first order where they count.
+// Refinement of ropes, hair and cloth. A chain of n springs of stiffness k is as stiff as one of 2 n with 2
+// k; a sheet keeps its spring stiffness at any number of springs. Mass comes from a density. At ends and
+// borders the lumped values are off by half a link, which makes them first order there.
 #include <cmath>
 
 #include "engine/core/resolution.h"
@@ -33,7 +33,7 @@ Why divide(void* def, double factor) {
     d.stiffness *= factor, d.internal_damping *= factor, d.damping /= factor;
     return std::nullopt;
   }
-  // Points along a side; the links between them are what is divided.
+  // Points along a side; refinement divides the links between them.
   auto& g = *d.cloth_grid;
   int u = g.nx - 1, v = g.ny - 1;
   if (!divided(u, factor, 2) || !divided(v, factor, 2)) return "nx - 1 and ny - 1 are whole numbers";
@@ -42,7 +42,7 @@ Why divide(void* def, double factor) {
   return std::nullopt;
 }
 
-// Rows of a sheet or of strands, as shares of their length.
+// Positions of the points in a sheet or along strands, as shares of their length.
 std::vector<Vec3> places(const void* def) {
   const auto& d = *static_cast<const MassSpringDef*>(def);
   const int across = d.cloth_grid ? d.cloth_grid->nx : (d.rope ? d.rope->links : d.hair->links) + 1;

@@ -1,4 +1,4 @@
-// Springs that are softer for a while, with rest lengths shifted by their tensions (core/softening_forces.h).
+// Temporarily softened springs, with rest lengths shifted by their tensions (core/softening_forces.h).
 #include <algorithm>
 #include <cmath>
 
@@ -13,7 +13,7 @@ namespace {
 struct SoftSprings {
   bool on = false;
   double share = 1;
-  double stiffness[kSpringFamilies] = {};  // of the state
+  double stiffness[kSpringFamilies] = {};  // from the state
   std::vector<double> rest, list_rest;
 };
 constexpr std::string_view kSoft = "mass_spring.soft";
@@ -53,7 +53,8 @@ SofteningForces::Lengths MassSpringField::shift(const Phase& at, State& state, d
   Lengths out;
   for (size_t s = 0; s < schedule_.rest.size(); ++s) {
     const double l = norm(load3(x, schedule_.b[s]) - load3(x, schedule_.a[s]));
-    // What the tension stretches with the whole stiffness, and where it comes about with a share of it.
+    // Stretch by the tension at full stiffness, and the rest length that gives the same tension at the
+    // reduced one.
     const double stretched = soft.share * (l - soft.rest[s]);
     const double shifted = schedule_.rest[s] + stretched - stretched / share;
     out.off = std::max(out.off, std::abs(l - schedule_.rest[s] - stretched));

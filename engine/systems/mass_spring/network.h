@@ -1,4 +1,4 @@
-// Points and springs of a shape, before they become a force field: what the builders of the shapes produce.
+// Points and springs of a shape, as its builder produces them, before they become a force field.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -23,7 +23,7 @@ struct SpringLink {
   double scale;  ///< stiffness as a multiple of the family's (own: N/m)
 };
 
-/// Two links that meet in the second point and resist being bent (kernels/bending.h).
+/// Two links that meet in the second point and resist bending (kernels/bending.h).
 struct Bend {
   std::array<uint32_t, 3> points;
   double stiffness;  ///< J
@@ -31,7 +31,7 @@ struct Bend {
 
 struct Network {
   std::vector<Vec3> x, v;     ///< m, m/s
-  std::vector<double> share;  ///< length (m) or area (m^2) that a point stands for; free: its mass if given
+  std::vector<double> share;  ///< length (m) or area (m^2) of a point; free networks: its mass if given
   std::vector<SpringLink> springs;
   std::vector<Bend> bends;
   std::vector<std::array<uint32_t, 3>> triangles;

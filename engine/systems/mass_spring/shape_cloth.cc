@@ -1,5 +1,5 @@
 // Cloth: grids with structural, shear and bending springs (Provot 1995), meshes with springs along edges and
-// from corner to opposite corner across them, and free networks.
+// between the corners opposite an edge, and free networks.
 #include <algorithm>
 
 #include "engine/systems/mass_spring/network.h"
@@ -15,7 +15,7 @@ constexpr double kFromPositions = -1;  // rest length still to be measured
 void build_cloth_grid(const ClothGridShape& shape, const MassSpringDef& def, Network& out) {
   ClothGrid grid = make_cloth_grid(shape);
   out.x = std::move(grid.x), out.share = std::move(grid.share), out.triangles = std::move(grid.triangles);
-  // Family by family and direction by direction: both ends of consecutive springs are then consecutive.
+  // Family by family and direction by direction: successive springs then join successive points at both ends.
   const auto add = [&](SpringFamily family, int di, int dj) {
     for (const auto& p : grid_pairs(shape, di, dj))
       out.springs.push_back({p[0], p[1], family, kFromPositions, 1});

@@ -1,4 +1,4 @@
-// Ropes and hair: chains of structural springs, skip-one springs against bending.
+// Ropes and hair: chains of structural springs, with skip-one springs against bending.
 #include "engine/systems/mass_spring/network.h"
 
 namespace truestep::mass_spring {
@@ -39,7 +39,7 @@ void build_hair(const HairShape& shape, const MassSpringDef& def, Network& out) 
   out.x = hair_points(shape);
   for (size_t first = 0; first < out.x.size(); first += points) {
     for (size_t i = 0; i < points; ++i) out.share.push_back(i + 1 == points ? 0.5 * link : link);
-    // Two held points give the root its direction.
+    // Two held points fix the direction at the root.
     out.pins.push_back(static_cast<uint32_t>(first));
     out.pins.push_back(static_cast<uint32_t>(first + 1));
     add_chain(first, points, def, link, out);

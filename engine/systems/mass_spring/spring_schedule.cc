@@ -21,7 +21,7 @@ SpringSchedule::SpringSchedule(const Network& network, size_t block_rows)
     family.push_back(s.family);
   }
 
-  // Runs, and what is too short to be one.
+  // Runs, and springs too few to form one.
   const auto n = static_cast<uint32_t>(a.size());
   std::vector<uint32_t> loose;
   for (uint32_t first = 0, end; first < n; first = end) {

@@ -1,7 +1,7 @@
-// Particles in the order of the blocks of cells that they are in, and the blocks that are in use: scratch
-// that a step makes from the state's rows and that nothing outlives. Blocks are 8 x 8 cells in the plane and
-// 4 x 4 x 4 in space; a block's tile has its own nodes and those that particles reach which have moved by
-// less than a cell since they were sorted.
+// Particles sorted by the blocks of cells that contain them, and the blocks in use: scratch that a step
+// builds from the state's rows and discards. Blocks are 8 x 8 cells in the plane and 4 x 4 x 4 in space; a
+// block's tile has the block's own nodes and those reached by particles that have moved by less than a cell
+// since they were sorted.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -17,20 +17,20 @@ namespace truestep::mpm {
 template <class T>
 using Aligned = std::vector<T, CacheLineAllocator<T>>;
 
-/// Sizes of everything for one dimension and one spline.
+/// All sizes for one dimension and one spline.
 template <int D, int Nodes>
 struct Tiling {
   static constexpr int kBlock = D == 2 ? 8 : 4;      ///< cells along each axis
   static constexpr int kPad = 2 * kBlock;            ///< cells before the box
   static constexpr int kReach = kBlock + Nodes + 1;  ///< nodes of a tile along each axis
-  static constexpr int kRow = kBlock + 5;            ///< along the last, with room for four
+  static constexpr int kRow = kBlock + 5;  ///< nodes of a tile along the last axis, with room for four
   static constexpr size_t kBlockNodes = D == 2 ? 64 : 64;
   static constexpr size_t kTileNodes = D == 2 ? size_t{kReach} * kRow : size_t{kReach} * kReach * kRow;
   static constexpr int kNeighbours = D == 2 ? 9 : 27;
   static constexpr int kSelf = kNeighbours / 2;
 };
 
-/// Where numbers of a particle are: components of a group of lanes follow one another.
+/// Offsets of a particle's numbers: the components of a group of lanes follow one another.
 template <int D>
 struct Layout {
   static constexpr int x = 0, v = D, c = 2 * D, f = 2 * D + D * D, plastic = 2 * D + 2 * D * D,
@@ -43,7 +43,7 @@ struct Sorted {
   static constexpr uint32_t kNone = ~0u;
   static constexpr size_t kCount = Layout<D>::count;
   Aligned<T> data;
-  std::vector<uint32_t> row;  ///< of the state; kNone: fills up a group
+  std::vector<uint32_t> row;  ///< of the state; kNone: padding of a group
 
   size_t slots() const { return row.size(); }
   void resize(size_t n) { data.resize(n * kCount), row.assign(n, kNone); }
@@ -63,17 +63,17 @@ struct Run {
   size_t begin, end;
 };
 
-/// A block in use; where no particles are it has nodes that those of its neighbours reach. Every field of
-/// velocities has blocks of its own, those at one place one after another.
+/// A block in use; without particles of its own it has nodes that those of its neighbours reach. Every
+/// velocity field has blocks of its own; those at the same place are consecutive.
 struct Block {
-  int64_t id = 0;              ///< number of the place, times the fields, plus the field
+  int64_t id = 0;              ///< index of the place, times the number of fields, plus the field
   int at[3] = {};              ///< in blocks
   int32_t tile = -1;           ///< -1: no particles
   size_t first = 0, last = 0;  ///< its runs
   int32_t neighbours[27];      ///< first axis slowest; -1: not in use
 };
 
-/// Least whole side of a square or cube of so many.
+/// Smallest integer side of a square or cube that holds `many`.
 inline double side_of(double many, int dimension) {
   double side = 1;
   while ((dimension == 2 ? side * side : side * side * side) < many) ++side;
@@ -85,7 +85,7 @@ struct Blocks {
   using Size = Tiling<D, Nodes>;
   double low[3] = {}, inverse_dx = 1;
   int extent[3] = {1, 1, 1};   ///< in blocks
-  int64_t fields = 1;          ///< of velocities
+  int64_t fields = 1;          ///< velocity fields
   std::vector<int32_t> table;  ///< by id: place in `blocks`, or -1
   std::vector<Block> blocks;
   std::vector<Run> runs;
@@ -104,11 +104,11 @@ struct Blocks {
     }
     table.assign(total, -1);
   }
-  /// In cells from the first node of the padded grid.
+  /// Position in cells from the first node of the padded grid.
   T place(T x, int axis) const {
     return (x - static_cast<T>(low[axis])) * static_cast<T>(inverse_dx) + static_cast<T>(Size::kPad);
   }
-  /// Id of the block of a particle at x in a field.
+  /// Id of the block in which a particle at x belongs, in a field.
   int64_t block_of(const T* x, size_t field) const {
     int64_t id = 0;
     for (int a = 0; a < D; ++a) {
@@ -117,8 +117,8 @@ struct Blocks {
     return id * fields + static_cast<int64_t>(field);
   }
 
-  /// Sets memory aside for n particles that are in four times as many blocks as now (or as `expected`, where
-  /// that is more), or in all that there are.
+  /// Reserves memory for n particles spread over four times as many blocks as now (or as `expected`, if that
+  /// is more), at most over all blocks.
   void reserve(size_t n, size_t bodies, double expected, Sorted<D, T>& a, Sorted<D, T>& b) {
     const double side = side_of(expected, D) + 2;
     const auto around = static_cast<size_t>(expected > 0 ? (D == 2 ? side * side : side * side * side) : 0);
@@ -134,8 +134,8 @@ struct Blocks {
   size_t reserved() const { return blocks.capacity(); }
   size_t reserved_owners() const { return owners.capacity(); }
 
-  /// Gives every one of n particles a slot in the order of blocks, bodies and what comes first. `keys` are
-  /// the blocks of all (-1: no particle); afterwards they are the slots.
+  /// Assigns a slot to each of n particles, in the order of blocks, bodies and input. `keys` are the
+  /// particles' blocks (-1: no particle) and become their slots.
   template <class BodyOf, class RowOf>
   void arrange(size_t n, size_t bodies, const BodyOf& body_of, const RowOf& row_of, Sorted<D, T>& to) {
     for (const Block& b : blocks) table[static_cast<size_t>(b.id)] = -1;
@@ -164,7 +164,7 @@ struct Blocks {
       keys[s] = static_cast<int64_t>(slot);
     }
   }
-  /// Fills up groups with their last particle.
+  /// Pads groups with copies of their last particle.
   void fill_up(Sorted<D, T>& to) const {
     for (const Run& r : runs) {
       for (size_t s = r.end; s % Sorted<D, T>::kLanes != 0; ++s) {
@@ -173,7 +173,7 @@ struct Blocks {
     }
   }
 
-  /// Fills `to` from `from`, in the order of blocks, bodies and slots. body_of(row), field_of(row).
+  /// Fills `to` from `from` in the order of blocks, bodies and slots. body_of(row), field_of(row).
   template <class BodyOf, class FieldOf>
   void sort(const Sorted<D, T>& from, Sorted<D, T>& to, size_t bodies, const BodyOf& body_of,
             const FieldOf& field_of, const ThreadArena& arena) {
@@ -251,7 +251,7 @@ struct Blocks {
       });
     }
   }
-  /// Counts of bodies by tile become the first slots of their runs.
+  /// Turns counts of bodies by tile into the first slots of their runs.
   void add_runs(size_t bodies) {
     constexpr size_t kLanes = Sorted<D, T>::kLanes;
     runs.clear();

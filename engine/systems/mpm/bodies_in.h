@@ -1,6 +1,6 @@
 // Rigid bodies in the material (core/medium.h): nodes inside a body and the body push each other
-// (kernels/mpm/touch.h); what the nodes get the body gives. A body thinner than a cell or two is not seen by
-// the nodes.
+// (kernels/mpm/touch.h), with equal and opposite impulses. Nodes do not see a body thinner than a cell or
+// two.
 #pragma once
 #include <vector>
 
@@ -15,7 +15,7 @@ class BodiesIn {
  public:
   void begin(std::span<const ImmersedBody> given, double cell) {
     bodies_.assign(given.begin(), given.end());
-    // Room for the nodes of the largest, so that no later step needs more.
+    // Room for the nodes of the largest body, so that no later step allocates.
     double most = 0;
     for (const ImmersedBody& b : bodies_) most = std::max(most, 2 * bounding_radius(*b.solid) / cell + 2);
     const auto room = static_cast<size_t>(std::min(most * most * most, kMostRoom));
@@ -24,7 +24,7 @@ class BodiesIn {
   void end(std::span<ImmersedBody> given) const { std::copy(bodies_.begin(), bodies_.end(), given.begin()); }
   bool any() const { return !bodies_.empty(); }
 
-  /// m/s, of the fastest place of any body.
+  /// m/s, of the fastest point of any body.
   double fastest() const {
     double out = 0;
     for (const ImmersedBody& b : bodies_)
@@ -64,7 +64,7 @@ class BodiesIn {
       touch(nodes_, body, static_cast<Hold>(def.contact), def.body_friction);
       Vec3 impulse, twist;
       for (size_t k = 0; k < nodes_.size(); ++k) {
-        // What the node gets after walls and rounding.
+        // The change left after walls and rounding.
         const Vec3 got = settle(handles_[k], nodes_[k].velocity) * nodes_[k].mass;
         impulse -= got, twist -= cross(nodes_[k].arm, got);
         fastest = std::max(fastest, norm2(nodes_[k].velocity));
@@ -80,8 +80,8 @@ class BodiesIn {
   }
 
  private:
-  /// Distance to the surface of what a place is inside of. Of a mesh that encloses something the nearest
-  /// triangle is looked for farther and farther away; a sheet of triangles has no inside.
+  /// Distance from p, if it is inside, to the solid's surface. For a closed mesh the search radius for the
+  /// nearest triangle doubles until one is found; an open sheet has no inside.
   static std::optional<PointDistance> inside(const Solid& solid, const Vec3& p, double cell) {
     if (solid.kind != SolidKind::mesh) return point_distance(solid, p, 0);
     const MeshSides sides = mesh_sides(solid);
@@ -93,7 +93,7 @@ class BodiesIn {
     }
   }
 
-  /// Of the square of gravity.
+  /// In squares of gravity.
   static constexpr double kSteady = 2;
   static constexpr double kMostRoom = 1e5;
   std::vector<ImmersedBody> bodies_, trial_;

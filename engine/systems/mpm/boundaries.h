@@ -1,5 +1,5 @@
-// What holds nodes: the sides of the box, colliders, nozzles; each sticky, letting slip, or letting go with
-// Coulomb's friction.
+// Boundary conditions at nodes: the sides of the box, colliders, nozzles; each sticky, slipping, or
+// separating with Coulomb friction.
 #pragma once
 #include <cmath>
 
@@ -8,7 +8,7 @@
 
 namespace truestep::mpm {
 
-/// Velocity of a node at a boundary with unit normal n into the free side that moves with `of`.
+/// Velocity of a node at a boundary that moves with `of`, with unit normal n into the free side.
 template <class T>
 Vec3T<T> bounded(const Vec3T<T>& v, const Vec3T<T>& n, const Vec3T<T>& of, Contact kind, T friction) {
   if (kind == Contact::sticky) return of;
@@ -27,7 +27,7 @@ struct Boundaries {
   using Size = Tiling<D, Nodes>;
   Blocks<D, Nodes, T> blocks;
 
-  /// No node of the block is at a wall.
+  /// Whether no node of the block is at a wall.
   bool is_inside(const MpmDef& def, const Block& b) const {
     const double far[3] = {def.high.x, def.high.y, def.high.z};
     for (int a = 0; a < D; ++a) {
@@ -36,7 +36,7 @@ struct Boundaries {
     }
     return true;
   }
-  /// m, of a node of a block.
+  /// m, position of a node of a block.
   Vec3 place_of(const MpmDef& def, const Block& b, size_t n) const {
     double x[3] = {};
     for (int a = D - 1; a >= 0; --a, n /= Size::kBlock) {
@@ -45,8 +45,8 @@ struct Boundaries {
     }
     return {x[0], x[1], x[2]};
   }
-  /// Visits what holds a node at place x, in its order: visit(normal into the free side, velocity, kind,
-  /// friction).
+  /// Visits the boundaries that act on a node at x, in order: visit(normal into the free side, velocity,
+  /// kind, friction).
   template <class Visit>
   void for_boundaries(const Setting& set, const Vec3& place, double t, const Visit& visit) const {
     const MpmDef& def = set.def;
@@ -75,15 +75,15 @@ struct Boundaries {
       visit(n_wall, Vec3T<T>{}, below && a == 1 ? floor : def.walls, mu);
     }
   }
-  /// Velocity of a node at place x as colliders, nozzles and walls let it.
+  /// Velocity of a node at x after colliders, nozzles and walls.
   Vec3T<T> held(const Setting& set, const Vec3& place, double t, Vec3T<T> v) const {
     for_boundaries(set, place, t, [&](const Vec3T<T>& n, const Vec3T<T>& of, Contact kind, T friction) {
       v = bounded(v, n, of, kind, friction);
     });
     return v;
   }
-  /// Whether nothing holds any node of the block at time t: every collider is farther from its middle than
-  /// its corners are.
+  /// Whether no boundary acts on any node of the block at time t: every collider is farther from the block's
+  /// middle than its corners are.
   bool is_free(const Setting& set, const Block& b, double t) const {
     if (!set.inlets.empty() || !is_inside(set.def, b)) return false;
     if (set.colliders.empty()) return true;

@@ -1,11 +1,11 @@
-// Particles that come by nozzles and leave by kill regions.
+// Particles emitted by nozzles and removed by kill regions.
 #include "engine/systems/mpm/solver.h"
 
 namespace truestep::mpm {
 
 namespace {
 
-/// Spacings that a newborn keeps from what is there.
+/// In spacings: least distance of a new particle from existing ones.
 constexpr double kLeastRoom = 0.7;
 
 template <class Visit>
@@ -14,7 +14,7 @@ void for_columns(const Visit& visit) {
   visit(columns::piece), visit(columns::id);
 }
 
-/// One particle more, at the end: undeformed.
+/// Appends one undeformed particle.
 void append(const Setting& set, State& s, const Vec3& x, size_t inlet) {
   const size_t row = s.rows(columns::position), d = static_cast<size_t>(set.def.dimension);
   for_columns([&](State::Column c) { s.resize(c, row + 1); });

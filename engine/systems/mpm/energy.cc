@@ -13,7 +13,7 @@ namespace {
 
 using Node = ExpressionGraph::Node;
 
-/// What has no derivative everywhere, or null.
+/// Name of an operator that is not differentiable everywhere, or null.
 const char* kink(Operator op) {
   switch (op) {
     case Operator::abs:
@@ -40,7 +40,7 @@ const char* kink(Operator op) {
   }
 }
 
-/// The first kink among what a node is made of, or null.
+/// The first such operator among a node's inputs, or null.
 const char* first_kink(const ExpressionGraph& graph, Node root) {
   std::vector<Node> left{root};
   std::vector<bool> seen(graph.size(), false);
@@ -120,7 +120,7 @@ EnergyLaw::EnergyLaw(const std::string& text, int dimension, const Material& mat
     if (std::abs(slope(k)) > 1e-9 * bend(k))
       refuse("the energy must be least at rest: there is a stress there");
   }
-  // Two exchanges make all permutations; two places, as one may be special.
+  // Two exchanges generate all permutations; two points, in case one is special.
   const double places[2][3] = {{1.1, 0.85, 1.02}, {0.93, 1.21, 0.78}};
   for (const auto& p : places) {
     const double here = at(p[0], p[1], p[2])[0], scale = std::abs(here) + bend(0) * 1e-6;

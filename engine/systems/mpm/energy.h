@@ -1,6 +1,7 @@
-// An elastic law by a text: energy per undeformed volume as an expression of the singular values s1, s2 (s3)
-// of the deformation gradient, of I1 = sum s^2, I2 = sum of their products of two, J = s1 s2 (s3), and of the
-// scene's mu and lambda. Stress is its derivative, tau = U diag(s_k dpsi/ds_k) U^T, found symbolically.
+// An elastic law given as text: energy per undeformed volume as an expression of the singular values s1, s2
+// (s3) of the deformation gradient, of I1 = sum s^2, I2 = sum of the products of two of them, J = s1 s2 (s3),
+// and of the scene's mu and lambda. The stress is its derivative, tau = U diag(s_k dpsi/ds_k) U^T, found
+// symbolically.
 #pragma once
 #include <string>
 
@@ -11,11 +12,11 @@ namespace truestep::mpm {
 
 class EnergyLaw {
  public:
-  /// Error "scene_invalid" with `pointer` where the text is none, has kinks or jumps, is not isotropic
-  /// (changes when singular values change places), is not a number or has a stress or no stiffness at rest.
+  /// Error "scene_invalid" with `pointer` if the text is invalid, has kinks or jumps, is not isotropic
+  /// (changes when singular values are exchanged), is not finite, or has stress or no stiffness at rest.
   EnergyLaw(const std::string& text, int dimension, const Material& material, const std::string& pointer);
 
-  /// At a deformation gradient; singular values below kLeastVolume count as that.
+  /// At a deformation gradient; singular values below kLeastVolume are raised to it.
   template <int D, class T>
   Response<D, T> response(const Square<D, T>& f) const {
     using W = Wide<T>;
@@ -37,7 +38,7 @@ class EnergyLaw {
   }
 
  private:
-  /// Energy, its slopes and second derivatives by each singular value, `stride` apart, at `count` places.
+  /// Energy, its first and second derivatives by each singular value, `stride` apart, at `count` points.
   void run(const double* s1, const double* s2, const double* s3, size_t count, double* out,
            size_t stride) const;
 

@@ -1,8 +1,8 @@
-// Fields of velocities that meet: nodes that the particles of two fields reach have a velocity for each, and
-// there the fields push each other where their surfaces would pass through each other in the substep
-// (kernels/mpm/field_contact.h). Three or more meet in pairs, in the order of fields. Impulses of a pair are
-// equal and opposite at one place, so that both momenta are kept to rounding. What is done at a place depends
-// on nothing that another place changes: any number of threads gives the same bits.
+// Contact of velocity fields: nodes reached by the particles of two fields have a velocity for each, and the
+// fields push each other there if their surfaces would pass through each other in the substep
+// (kernels/mpm/field_contact.h). Three or more fields meet in pairs, in the order of fields. The impulses of
+// a pair are equal and opposite at one point, so both momenta are conserved to rounding. Places are
+// independent of each other: any number of threads gives the same bits.
 #pragma once
 #include "engine/kernels/mpm/field_contact.h"
 #include "engine/systems/mpm/substep.h"
@@ -17,7 +17,7 @@ class FieldContact {
   using Size = Tiling<D, Nodes>;
 
  public:
-  /// Memory for so many particles near surfaces that meet.
+  /// Reserves memory for so many particles near surfaces in contact.
   void reserve(size_t slots) {
     near_.reserve(slots);
     for (Aligned<float>* c : {&x_, &y_, &z_, &side_}) c->reserve(slots + 8);
@@ -54,18 +54,18 @@ class FieldContact {
   }
 
  private:
-  static constexpr float kReach = Nodes == 3 ? 1.5F : 2.0F;  ///< cells, of a particle
+  static constexpr float kReach = Nodes == 3 ? 1.5F : 2.0F;  ///< cells, reach of a particle
 
   /// Blocks [first, last) of the fields at one place.
   struct Place {
     size_t first, last;
-    uint64_t shared = 0;         ///< nodes that two of them have mass at, a bit each
-    size_t begin = 0, many = 0;  ///< particles around those
+    uint64_t shared = 0;         ///< nodes at which two of them have mass, one bit each
+    size_t begin = 0, many = 0;  ///< particles around those nodes
     double fastest = 0;          ///< (m/s)^2
   };
   struct Near {
     float x[3];      ///< cells, from the block's first node
-    uint32_t block;  ///< of its field here
+    uint32_t block;  ///< of its field at this place
     uint32_t piece, slot;
   };
 
@@ -94,7 +94,7 @@ class FieldContact {
     for (int a = D - 1; a >= 0; --a, n /= Size::kBlock) at[a] = static_cast<int>(n % Size::kBlock);
   }
 
-  /// Particles of the fields at a place that reach the box of its shared nodes, in the order of fields,
+  /// Visits the particles of a place's fields that reach the box of its shared nodes, in the order of fields,
   /// neighbours and slots.
   template <class Visit>
   void for_near(G& g, const Place& p, const Visit& visit) const {
@@ -139,8 +139,8 @@ class FieldContact {
     }
   }
 
-  /// m, from a particle's place to where it ends in direction n: half the spacing of the particles that it
-  /// started with, as it has been deformed since; what flows keeps only its volume.
+  /// m, from a particle's centre to its end in direction n: half of its initial particle spacing, deformed
+  /// with F; for a fluid, only scaled with the volume.
   static double half_width(const G& g, const Piece& piece, size_t slot, const Vec3& n) {
     const Law law = piece.material.law;
     const double d[3] = {piece.spacing.x, piece.spacing.y, piece.spacing.z}, to[3] = {n.x, n.y, n.z};
@@ -155,7 +155,7 @@ class FieldContact {
     return 0.5 * std::sqrt(sum);
   }
 
-  /// Everything that happens at the shared nodes of a place. Returns the square of the largest speed.
+  /// Resolves contact at the shared nodes of a place. Returns the square of the largest speed.
   double meet_at(G& g, const Setting& set, const Place& p, double t, double h) {
     double most = 0;
     for (size_t n = 0; n < Size::kBlockNodes; ++n) {
@@ -170,7 +170,7 @@ class FieldContact {
     return most;
   }
 
-  /// Particles of blocks a and b that reach node n become the cloud; how many.
+  /// Fills the cloud with the particles of blocks a and b that reach node n; returns their number.
   size_t gather_cloud(const Place& p, size_t n, size_t a, size_t b) {
     int at[3] = {};
     index_of(n, at);
@@ -194,7 +194,7 @@ class FieldContact {
   }
 
   /// Whether b moves away from a within 30 degrees of the line between their particles' centres, and so from
-  /// any surface within 60 degrees of the one between them.
+  /// any surface between them within 60 degrees of perpendicular to that line.
   bool parts(const Place& p, size_t many, const Vec3& w) const {
     Vec3 sum[2];
     double count[2] = {};
@@ -220,7 +220,7 @@ class FieldContact {
       return std::span<const float>(c.data() + p.begin, padded);
     };
     const Vec3 normal = normal_between({part(x_), part(y_), part(z_), part(side_)});
-    // One body alone, or no side to push to.
+    // One body alone, or no separating direction.
     if (norm2(normal) == 0) return 0;
     double end = -HUGE_VAL, begin = HUGE_VAL;
     for (size_t i = p.begin; i < p.begin + many; ++i) {
@@ -237,7 +237,7 @@ class FieldContact {
     return std::max(settle(g, set, a, n, of_a.velocity, t), settle(g, set, b, n, of_b.velocity, t));
   }
 
-  /// Sets a node's velocity, as far as walls allow. Returns the square of its speed.
+  /// Sets a node's velocity as far as walls allow. Returns the square of its speed.
   double settle(G& g, const Setting& set, size_t block, size_t n, const Vec3& to, double t) {
     T* node = node_of(g, block, n);
     const Vec3T<T> wish{static_cast<T>(to.x), static_cast<T>(to.y), static_cast<T>(to.z)};

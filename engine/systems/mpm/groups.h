@@ -1,5 +1,5 @@
-// What a group of particles, one to a lane, is asked on its own: stress and flow by its law, the rows that it
-// gives to nodes, its fastest particle, its deformation after a substep.
+// Operations on one group of particles, one to a lane: stress and flow by its law, contributions to nodes,
+// its fastest particle, deformation after a substep.
 #pragma once
 #include "engine/systems/mpm/blocks.h"
 #include "engine/systems/mpm/solver.h"
@@ -7,7 +7,7 @@
 
 namespace truestep::mpm {
 
-/// What follows from a deformation: the stress; the flow back to what the law allows; or both, flow first.
+/// What to compute from a deformation: the stress; the plastic flow; or both, flow first.
 enum class Then : unsigned char { stress, flow, both };
 
 template <int D, class T>
@@ -30,7 +30,7 @@ struct Group {
     for (int i = 0; i < W::kLanes; ++i) most = std::max(most, a[i]);
     return most;
   }
-  /// A pressure alone.
+  /// Pressure only.
   static T respond_fluid(const Material& mat, T* group) {
     const Response<D, T> r = fluid_response<D, T>(mat, load(group + L::jacobian * W::kLanes));
     int c = L::tau;
@@ -40,7 +40,7 @@ struct Group {
     return largest_lane(r.modulus);
   }
 
-  /// Returns the largest modulus of a group; 0 where no stress was asked for.
+  /// Returns the largest modulus of a group; 0 if no stress was asked for.
   static T respond(const Piece& piece, T* group, Then then) {
     const Material& mat = piece.material;
     const bool plastic_law = mat.law == Law::snow || mat.law == Law::sand || mat.law == Law::foam;
@@ -76,7 +76,7 @@ struct Group {
     return double{largest_lane(sum)};
   }
 
-  /// Rows of numbers that a group gives to its nodes: mass and momentum, then columns of `keep` m C + `push`
+  /// The numbers that a group scatters to its nodes: mass and momentum, then columns of `keep` m C + `push`
   /// tau (transfer.h).
   static void contributions(const T* group, T mass, T keep, T push, T* rows) {
     const W zero = W::zero();
@@ -96,7 +96,7 @@ struct Group {
     }
   }
 
-  /// F and the volume ratio follow the gradient of the velocity; a fluid has no F.
+  /// Updates F and the volume ratio with the velocity gradient; a fluid has no F.
   static void deform(const Piece& piece, T* group, T h) {
     Square<D, T> c = load_square(group, L::c);
     const W hh(h);

@@ -1,11 +1,11 @@
-// The implicit substep: velocities v of the nodes that make
-//   E(v) = sum_i m_i |v_i - v*_i|^2 / 2 + sum_p V_p psi((1 + h C_p(v)) F_p)
-// least, v* being velocities after gravity and forces: backward Euler for what is stored in the
-// deformation (Gast, Schroeder, Stomakhin, Jiang, Teran 2015). Newton's method with the stiffness's positive
-// part (kernels/mpm/stiffness.h), each direction by conjugate gradients whose matrix is never formed: a
-// direction goes to particles, changes their stress and comes back; preconditioned by every node's own block,
-// taken for small strains. Each step is shortened until E falls. What lets go is held where it is pressed on,
-// by an active set. Friction acts on v*, before the stresses of the substep are known.
+// The implicit substep: the node velocities v that minimise
+//   E(v) = sum_i m_i |v_i - v*_i|^2 / 2 + sum_p V_p psi((1 + h C_p(v)) F_p),
+// with v* the velocities after gravity and forces: backward Euler for the elastic energy (Gast, Schroeder,
+// Stomakhin, Jiang, Teran 2015). Newton's method with the positive part of the stiffness
+// (kernels/mpm/stiffness.h), each direction by matrix-free conjugate gradients: a direction is gathered by
+// the particles, changes their stress and is scattered back; preconditioned by every node's own block for
+// small strain. Each step is shortened until E falls. Separating boundaries hold where they are under
+// pressure, by an active set. Friction acts on v*, before the stresses of the substep are known.
 #pragma once
 #include <span>
 
@@ -38,9 +38,8 @@ class Implicit {
     held_.reserve(contacts_.capacity());
   }
 
-  /// From velocities v* in g.nodes, which no boundary has changed, to those after h s, in their place; with
-  /// FLIP what they gained goes to g.changes. `pull` is the acceleration that sets the scale of what is
-  /// small.
+  /// Replaces the velocities v* in g.nodes, before boundaries, by those after h s; with FLIP the gain goes to
+  /// g.changes. `pull` is the acceleration that sets the scale of tolerances.
   Report solve(G& g, const Setting& set, double t, double h, double pull, const ThreadArena& arena) {
     h_ = h, set_ = &set;
     const size_t n = g.nodes.size();
@@ -80,17 +79,17 @@ class Implicit {
   }
 
  private:
-  static constexpr double kTolerance = 1e-6;  ///< of velocities, in the norm of masses
+  static constexpr double kTolerance = 1e-6;  ///< of velocities, in the mass norm
   static constexpr int kRounds = 12, kNewton = 40, kHalvings = 30, kMostProducts = 3000;
   static constexpr size_t kTangent = 2 * D * D + D * D + D * (D - 1);
 
-  /// A boundary at a node; where it is active the node keeps its velocity along the normal, or all of it.
+  /// A boundary at a node; while active it prescribes the node's velocity along the normal, or all of it.
   struct Contact {
     size_t node;  ///< first of its numbers
     Vec3 normal, velocity;
     bool all, lets_go, active;
   };
-  /// Directions, at right angles to each other, in which a node may not move.
+  /// Orthonormal directions in which a node may not move.
   struct Held {
     size_t node;
     int count;
@@ -119,7 +118,7 @@ class Implicit {
               const bool active = !lets_go || dot(v - of, normal) < 0;
               const Vec3 gain = bounded(v, normal, of, kind, friction) - v;
               v += gain;
-              // Friction changes v*; along the normal the solve finds what is to be given.
+              // Friction changes v*; the impulse along the normal is left to the solve.
               put(anchor_, node, at(anchor_, node) + gain - normal * dot(gain, normal));
               const bool stuck = active && friction > 0 && norm2(v - of) == 0;
               contacts_.push_back(
@@ -131,7 +130,7 @@ class Implicit {
     hold();
   }
 
-  /// Axes that active boundaries hold.
+  /// Collects the axes held by active boundaries.
   void hold() {
     held_.clear();
     for (const Contact& c : contacts_) {
@@ -156,14 +155,14 @@ class Implicit {
     }
   }
 
-  /// Boundaries that are pulled at let go, those that nodes would pass begin to hold. Whether any has
+  /// Releases boundaries under tension and activates those that nodes would pass. Returns whether any
   /// changed.
   bool change_contacts(const G& g) {
     bool any = false;
     for (Contact& c : contacts_) {
       if (!c.lets_go) continue;
       const Vec3 v = at(v_, c.node);
-      // The gradient is what the boundary has to give: along the normal where it presses.
+      // The gradient is the boundary's impulse: along the normal under pressure.
       const bool pulled = c.active && dot(at(gradient_, c.node), c.normal) < -kStill * push_;
       const double into = dot(v - c.velocity, c.normal), reach = kPass * speed_;
       if (pulled) {
@@ -177,8 +176,7 @@ class Implicit {
     return any;
   }
 
-  /// Where Newton's method begins: v* as boundaries let it, or at rest where that would turn a particle
-  /// inside out.
+  /// Newton's initial guess: v* after boundaries, or rest if that would invert a particle.
   void start(G& g, const ThreadArena& arena) {
     if (std::isfinite(energy(g, v_, arena))) return;
     std::fill(v_.begin(), v_.end(), 0.0);
@@ -187,7 +185,7 @@ class Implicit {
     }
   }
 
-  /// Velocity gradient of a group where nodes move as `tile` says.
+  /// Velocity gradient of a group for the node velocities in `tile`.
   static M gradient_of(const Stencils<D, Nodes, double>& at, const double* tile, double per_second) {
     alignas(64) double rows[G::kRowNumbers];
     for (int lane = 0; lane < W::kLanes; ++lane)
@@ -201,7 +199,7 @@ class Implicit {
     return c;
   }
   /// Visits every group of particles: visit(piece, slot, how many, stencil, h times the gradient of `nodes`,
-  /// number of the tile).
+  /// index of the tile).
   template <class Visit>
   void for_groups(G& g, const Vector& nodes, const ThreadArena& arena, const Visit& visit) {
     const double dx = set_->def.cell, per_second = h_ / (Spline<Nodes, double>::kSecond * dx * dx);
@@ -222,8 +220,8 @@ class Implicit {
       }
     });
   }
-  /// out = sum over particles of what `stress_of(piece, slot, h C)`, J/m^3 (P F^T of the substep's start),
-  /// gives nodes, N s.
+  /// out = the forces on nodes, times h (N s), of the stress `stress_of(piece, slot, h C)` of all particles,
+  /// J/m^3 (P F^T of the substep's start).
   template <class StressOf>
   void impulses(G& g, const Vector& nodes, Vector& out, const ThreadArena& arena, const StressOf& stress_of) {
     const double dx = set_->def.cell, second = Spline<Nodes, double>::kSecond * dx * dx;
@@ -276,7 +274,7 @@ class Implicit {
   double dot_of(const G& g, const Vector& a, const Vector& b, const ThreadArena& arena) {
     return sum(g, arena, [&](size_t i) { return a[i] * b[i]; });
   }
-  /// Square of a residual in the norm of the inverse masses.
+  /// Square of a residual in the norm of the inverse mass.
   double size_of(const G& g, const Vector& r, const ThreadArena& arena) {
     return sum(g, arena, [&](size_t i) {
       const double m = g.nodes[i - i % 4];
@@ -284,7 +282,7 @@ class Implicit {
     });
   }
 
-  /// E, or infinity where a particle is turned inside out that may not be.
+  /// E, or infinity if a particle is inverted whose law does not allow it.
   double energy(G& g, const Vector& v, const ThreadArena& arena) {
     stored_.assign(g.blocks.owners.size(), 0);
     for_groups(
@@ -305,7 +303,7 @@ class Implicit {
     return total;
   }
 
-  /// The gradient of E at v_, and the particles' stiffness there.
+  /// Computes the gradient of E at v_ and the particles' stiffness there.
   void linearise(G& g, const ThreadArena& arena) {
     impulses(g, v_, gradient_, arena, [&](const Piece& piece, size_t s, const M& c) {
       Stiffness<D, double> k;
@@ -325,7 +323,7 @@ class Implicit {
       if (i % 4 != 0) gradient_[i] += g.nodes[i - i % 4] * (v_[i] - anchor_[i]);
     }
   }
-  /// q_ = second derivative of E times p_.
+  /// q_ = Hessian of E times p_.
   void product(G& g, const ThreadArena& arena) {
     impulses(g, p_, q_, arena, [&](const Piece&, size_t s, const M& c) {
       Stiffness<D, double> k;
@@ -343,7 +341,7 @@ class Implicit {
   }
 
   /// Inverses of m + sum_p V_p ((lambda + mu) b b^T + mu |b|^2), b = h times the gradient of the node's
-  /// weight at the particle: the node's own block of the second derivative at rest (linear elasticity).
+  /// weight at the particle: the node's diagonal block of the Hessian at rest (linear elasticity).
   void invert_blocks(G& g, const ThreadArena& arena) {
     const double dx = set_->def.cell, per_second = h_ / (Spline<Nodes, double>::kSecond * dx * dx);
     g.tiles.resize(g.blocks.owners.size() * G::kTileNumbers);
@@ -369,15 +367,14 @@ class Implicit {
     for (size_t node = 0; node < q_.size(); node += 4)
       inverse_of_block<D>(g.nodes[node], &q_[node + 1], &p_[node + 1], &inverse_[node / 4 * kSix]);
   }
-  /// z_ = inverse blocks times r_, in the directions that are free.
+  /// z_ = inverse blocks times r_, in the free directions.
   void precondition() {
     for (size_t node = 0; node < r_.size(); node += 4)
       apply_block(&inverse_[node / 4 * kSix], &r_[node], &z_[node]);
     project(z_);
   }
 
-  /// step_ ~ -(second derivative)^-1 gradient, until the residual has fallen to `tolerance` of its first
-  /// size.
+  /// step_ ~ -Hessian^-1 gradient, until the residual has fallen by the factor `tolerance`.
   void direction(G& g, double tolerance, const ThreadArena& arena) {
     const size_t n = gradient_.size();
     std::fill(step_.begin(), step_.end(), 0.0);
@@ -400,7 +397,7 @@ class Implicit {
     }
   }
 
-  /// Until the gradient is `small` (in the norm of the inverse masses) in the directions that are free.
+  /// Iterates until the gradient is `small` (in the norm of the inverse mass) in the free directions.
   bool newton(G& g, double small, const ThreadArena& arena) {
     double before = energy(g, v_, arena);
     for (int k = 0; k < kNewton; ++k) {
@@ -421,7 +418,7 @@ class Implicit {
         // Armijo's condition, to rounding of the energy.
         falls = after <= before + 1e-4 * share * slope + kRound * std::abs(before);
       }
-      // As near as rounding of the energy lets it come.
+      // As close as rounding of the energy allows.
       if (!falls) return size <= kNear * small;
       before = after;
     }

@@ -1,5 +1,5 @@
-// A nozzle that pours a material out (collision/points/nozzle.h), born as deep behind its mouth as a particle
-// reaches; nodes in it move at its speed.
+// A nozzle that pours a material (collision/points/nozzle.h); particles start behind its mouth at a depth
+// equal to their reach, and nodes inside it move at its speed.
 #pragma once
 #include "engine/collision/points/nozzle.h"
 #include "engine/systems/mpm/mpm_def.h"

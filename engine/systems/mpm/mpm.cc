@@ -40,7 +40,7 @@ std::unique_ptr<const Setting> settle(const MpmDef& def, const std::string& id) 
   for (size_t k = 0; k < def.bodies.size(); ++k) {
     const BodyDef& b = def.bodies[k];
     const size_t count = places_of(def, b).size();
-    // A box is divided evenly; of a ball every particle has the lattice's share.
+    // Boxes are divided evenly; particles of a ball each have the lattice's volume.
     add(b, spacing_of(def, b), count, "/bodies/" + std::to_string(k));
   }
   for (size_t k = 0; k < def.emitters.size(); ++k) {
@@ -110,7 +110,7 @@ void fill(State& s, const Setting& set) {
       }
       for (size_t a = 0; a < d; ++a) {
         f[d * d * i + d * a + a] = 1;
-        // The gradient of a rigid turn: the cross product with the spin.
+        // The gradient of a rigid rotation: the cross product with the spin.
         for (size_t e = 0; e < d; ++e) {
           if (a == e) continue;
           const double sign = (e + 1) % 3 == a ? 1 : -1;
@@ -183,7 +183,7 @@ FieldView Mpm::field(const State& s, size_t, size_t which, std::vector<double>& 
 void Mpm::check(StateCheck& check, double t) const {
   const Setting& set = *setting_;
   if (!set.def.changes()) return;
-  constexpr uint64_t kMostBehind = 1000;  // layers; a run leaves none behind, but rounds
+  constexpr uint64_t kMostBehind = 1000;  // layers; a run leaves none behind except by rounding
   const State& s = check.state();
   check.together(columns::position, columns::per_particle_end, set.capacity);
   check.together({columns::position, columns::piece, columns::id}, set.capacity);
@@ -232,7 +232,7 @@ void Mpm::draw(const State&, double t, Wish wishes, Drawing& out) const {
 
 Ports Mpm::ports() const {
   const MpmDef& d = setting_->def;
-  // What bodies do to nodes is not in the solve of the implicit step.
+  // The implicit solve does not include rigid bodies.
   if (d.is_implicit()) return {};
   return {.medium = MediumPort{d.dimension, columns::position, d.cell / d.particles_per_axis}};
 }

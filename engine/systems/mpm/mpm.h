@@ -1,6 +1,6 @@
 // The system type "mpm": snow, sand, water, jelly and foam by the material point method, particles that carry
-// mass and deformation and a grid that is made anew every substep. Explicit, with substeps as short as the
-// fastest particle or wave asks for. Commands: impulse, set_parameter (gravity).
+// mass and deformation and a grid that is rebuilt every substep. Explicit, with substeps limited by the
+// fastest particle or wave, or implicit (implicit.h). Commands: impulse, set_parameter (gravity).
 #pragma once
 #include <memory>
 
@@ -14,15 +14,16 @@ class Mpm final : public StagedSystem {
 
   State initial_state() const override;
   /// energy.kinetic, energy.elastic, energy.gravity, energy.total; momenta, angular momenta about the origin;
-  /// centre, low and high of all particles; plastic.mean, jacobian.min, jacobian.max; error.exact where the
-  /// scene knows places; mass; count, emitted, killed and refused where particles come or go.
+  /// centre, low and high of all particles; plastic.mean, jacobian.min, jacobian.max; error.exact if the
+  /// scene gives exact positions; mass; count, emitted, killed and refused if particles are emitted or
+  /// removed.
   void observe(const State& state, double t, Observables& out) const override;
   /// position, velocity, density, plastic_strain, material.
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
-  /// A medium: bodies may be in it (coupling immersion).
+  /// A medium: bodies may be immersed in it (coupling immersion).
   Ports ports() const override;
   std::vector<std::string> remedies() const override;
 

@@ -78,7 +78,7 @@ const DefTable& inlet_table() {
   return t;
 }
 
-/// The nozzle and what is behind it must lie in the box.
+/// Checks that the nozzle and what is behind it lie in the box.
 void check_inlet(const MpmDef& d, const InletDef& def, const std::string& at,
                  const DefTable::Report& report) {
   if (d.dimension == 2 && def.direction.z != 0)
@@ -111,7 +111,7 @@ void check_material(const MpmDef& d, const MaterialDef& m, const std::string& at
   if (m.material != Law::elastic && !m.energy.empty()) report(at + "/energy", "only of material elastic");
 }
 
-/// Places along every axis of the lattice that fills a body; 1 across the plane.
+/// Points along every axis of the lattice that fills a body; 1 across the plane.
 std::array<double, 3> lattice_of(const MpmDef& d, const BodyDef& b) {
   const double target = d.cell / d.particles_per_axis;
   const Vec3 reach = b.shape == Shape::ball ? Vec3{b.radius, b.radius, b.radius} : b.half_extents;
@@ -199,7 +199,7 @@ Vec3 spacing_of(const MpmDef& d, const BodyDef& b) {
 }
 
 std::vector<Vec3> places_of(const MpmDef& d, const BodyDef& b) {
-  // A lattice in step with the shape, its points half a spacing from the faces of a box.
+  // A lattice aligned with the shape, its outer points half a spacing from the faces of a box.
   const Vec3 reach = b.shape == Shape::ball ? Vec3{b.radius, b.radius, b.radius} : b.half_extents;
   const double r[3] = {reach.x, reach.y, reach.z};
   const std::array<double, 3> count = lattice_of(d, b);
@@ -244,7 +244,7 @@ size_t largest_count(const MpmDef& d, size_t start) {
   if (d.max_particles) return std::max(static_cast<size_t>(*d.max_particles), start);
   double n = static_cast<double>(start);
   for (const InletDef& e : d.emitters) n += Inlet(d, e).most();
-  // Without an end in sight: a default that the scene can raise.
+  // For unlimited emission: a default that the scene can raise.
   return n <= kMostParticles ? static_cast<size_t>(n) : std::max<size_t>(start, 100'000);
 }
 
@@ -305,7 +305,7 @@ const DefTable& mpm_table() {
 }
 
 const Resolution& mpm_resolution() {
-  // Particles follow the cells: as many of a cell at every resolution.
+  // Particles follow the cells: the same number per cell at every resolution.
   static const Resolution kCell{
       .parameter = "cell",
       .divide = [](void* def, double factor) -> std::optional<std::string> {
@@ -328,9 +328,9 @@ Cost mpm_cost(const void* def) {
   const double n = static_cast<double>(
       largest_count(d, static_cast<size_t>(std::min(expected_particles(d), kMostParticles))));
   const bool plane = d.dimension == 2;
-  // What blocks.h and substep.h set aside: for four times the blocks that the particles are in and reach (or
-  // all of the box), a tile and nodes of four numbers; columns in the order of blocks before and after they
-  // are sorted, whose groups of lanes are filled up for every block and body.
+  // Memory as blocks.h and substep.h reserve it: for four times the blocks that the particles are in and
+  // reach (at most all of the box), a tile and nodes of four numbers each; sorted columns before and after a
+  // sort, whose lane groups are padded for every block and body.
   const double components = plane ? 17 : 32, block = plane ? 8 : 4, lanes = 32 / scalar;
   const double tile = plane ? 12.0 * 13 : 8.0 * 8 * 9;
   const double owners = expected_blocks(d, n),
@@ -346,8 +346,8 @@ Cost mpm_cost(const void* def) {
   const double slots =
       n + std::min(n, own * static_cast<double>(d.bodies.size() + d.emitters.size())) * (lanes - 1);
   const double flip = d.transfer == Transfer::flip ? 2 : 1;
-  // Laws that flow take singular values and logarithms. Snow that is packed to three quarters is e^2.5 times
-  // as stiff, and its waves 3.5 times as fast.
+  // Plastic laws need singular values and logarithms. Snow compacted to three quarters is e^2.5 times as
+  // stiff, and its waves are 3.5 times as fast.
   double fastest = 0, law = 1;
   const auto count = [&](const MaterialDef& b, double speed) {
     const Material m = material_of(b);
@@ -360,15 +360,15 @@ Cost mpm_cost(const void* def) {
   };
   for (const BodyDef& b : d.bodies) count(b, norm(b.velocity));
   for (const InletDef& e : d.emitters) count(e, e.speed);
-  // Cubic splines reach 16 nodes for 9, in space 64 for 27.
+  // Cubic splines reach 16 nodes instead of 9, in space 64 instead of 27.
   const double reach = d.splines == Splines::quadratic ? 1 : plane ? 1.6 : 2.2;
   const double substeps = std::max(1.0, fastest / (d.courant * d.cell) / 60);
-  // Of the implicit step seven vectors of nodes and every particle's stiffness.
+  // The implicit step adds seven vectors of nodes and every particle's stiffness.
   const double implicit = d.is_implicit() ? 8 * (7 * 4 * 64 * all + slots * (plane ? 14 : 33)) : 0;
-  // Directions take as many products as a wave would need substeps, or cells that it could cross.
+  // A direction takes as many products as a wave would need substeps, or cells to cross.
   const double across = side_of(cells_of(d), 3),
                products = d.is_implicit() ? 6 * std::min(substeps, across) : substeps;
-  // A letter of an expression is about two thirds of an instruction.
+  // A character of an expression is about two thirds of an instruction.
   double letters = 0;
   for (const std::string& text : d.force) letters += static_cast<double>(text.size());
   return {.state_bytes = n * (scalar * (plane ? 16 : 26) + (d.changes() ? 12 : 0)),
@@ -376,7 +376,7 @@ Cost mpm_cost(const void* def) {
                              flip * 4 * scalar * (own * tile + all * 64) + 180 * all + 4 * table + implicit +
                              (fields > 1 ? 44 * slots : 0),
           .elements = n,
-          // Tiles and nodes are work of their own, which weighs where particles are spread over many blocks.
+          // Tiles and nodes cost extra, which matters if particles are spread over many blocks.
           .seconds_per_step = products * (n * (law * reach * (plane ? 2.2e-8 : 6e-8) + 8e-10 * letters) +
                                           (fields > 1 ? 3e-6 : 1e-6) * all / 4)};
 }

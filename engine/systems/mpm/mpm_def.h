@@ -22,7 +22,7 @@ enum class Splines : uint8_t { quadratic, cubic };
 enum class Precision : uint8_t { f32, f64 };
 enum class Integration : uint8_t { explicit_steps, implicit_steps };
 
-/// What something is made of.
+/// Material parameters.
 struct MaterialDef {
   Law material = Law::corotated;
   double density = 1000, youngs_modulus = 1e5, poisson_ratio = 0.3, bulk_modulus = 1e5;
@@ -32,14 +32,14 @@ struct MaterialDef {
   int velocity_field = 0;
 };
 
-/// A piece of one material that fills a shape.
+/// A shape filled with one material.
 struct BodyDef : MaterialDef {
   Shape shape = Shape::box;
   Vec3 center, half_extents{0.1, 0.1, 0.1}, velocity, spin;
   double radius = 0.1, inner_radius = 0;
 };
 
-/// A nozzle that pours a material out.
+/// A nozzle that pours a material.
 struct InletDef : SourceDef, MaterialDef {};
 
 struct MpmDef : KillDefs {
@@ -66,9 +66,9 @@ struct MpmDef : KillDefs {
   Precision precision = Precision::f32;
 
   bool is_implicit() const { return integration == Integration::implicit_steps; }
-  /// Whether particles come or go.
+  /// Whether particles are emitted or removed.
   bool changes() const { return !emitters.empty() || any_regions(); }
-  /// m, between particles that nozzles pour out.
+  /// m, between emitted particles.
   double spacing() const { return cell / particles_per_axis; }
 };
 
@@ -77,19 +77,19 @@ const Outputs& mpm_outputs();
 Cost mpm_cost(const void* def);
 const Resolution& mpm_resolution();
 
-/// Numbers of the fields of velocities that bodies and nozzles name, in order.
+/// Indices of the velocity fields that bodies and nozzles name, in order.
 std::vector<int> velocity_fields(const MpmDef& def);
-/// Lame's parameters and what else the law needs.
+/// Lame parameters and the rest of what the law needs.
 Material material_of(const MaterialDef& of);
 /// m, between the particles of a body along each axis.
 Vec3 spacing_of(const MpmDef& def, const BodyDef& body);
-/// m, where the particles of a body are at t = 0, in the order of rows.
+/// m, initial positions of a body's particles, in the order of rows.
 std::vector<Vec3> places_of(const MpmDef& def, const BodyDef& body);
-/// Particles of all bodies, by the lattices that fill them.
+/// Particles of all bodies, from the lattices that fill them.
 double expected_particles(const MpmDef& def);
-/// Most particles that there may be at once, `start` of them from the beginning.
+/// Largest number of particles at a time, with `start` of them initially.
 size_t largest_count(const MpmDef& def, size_t start);
-/// Blocks of cells that hold n particles which lie as close as they do at the start.
+/// Number of blocks that hold n particles at their initial density.
 double expected_blocks(const MpmDef& def, double n);
 
 }  // namespace truestep::mpm

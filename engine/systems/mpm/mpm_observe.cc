@@ -1,5 +1,5 @@
-// What a state of the system measures: energies by the laws' own energy densities, momenta with the affine
-// part of Jiang et al. 2015, bounds; and the words for it.
+// Observables of a state: energies by the laws' own energy densities, momenta with the affine part of Jiang
+// et al. 2015, bounds; and their descriptions.
 #include <algorithm>
 #include <cmath>
 
@@ -92,7 +92,7 @@ void Mpm::observe(const State& s, double t, Observables& out) const {
     }
   });
   const size_t n = s.rows(columns::position);
-  if (n == 0) low = high = centre / mass;  // nothing is nowhere: not a number
+  if (n == 0) low = high = centre / mass;  // no particles, no bounds: not a number
   out.add("energy.kinetic", kinetic, "J");
   out.add("energy.elastic", elastic, "J");
   out.add("energy.gravity", height, "J");

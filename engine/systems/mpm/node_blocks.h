@@ -1,7 +1,7 @@
-// The blocks of a node that precondition the implicit step: 3 x 3, symmetric and positive,
+// The node blocks that precondition the implicit step: 3 x 3, symmetric positive definite,
 //   m + sum_p V_p ((lambda + mu) b b^T + mu |b|^2),
-// b being h times the gradient of the node's weight at the particle: the node's own block of the second
-// derivative of linear elasticity.
+// with b = h times the gradient of the node's weight at the particle: the node's diagonal block of the
+// Hessian of linear elasticity.
 #pragma once
 #include "engine/systems/mpm/transfer.h"
 
@@ -10,11 +10,10 @@ namespace truestep::mpm {
 /// Entries of an inverse block: xx, xy, xz, yy, yz, zz.
 inline constexpr size_t kSix = 6;
 
-/// Entries of a block that one pass adds up: xx, yy, zz; or xy, xz, yz.
+/// The entries that one pass adds up: xx, yy, zz; or xy, xz, yz.
 enum class Entries : unsigned char { diagonal, others };
 
-/// One particle's part of the blocks of its nodes: what is on the diagonals (xx, yy, zz), or what is not
-/// (xy, xz, yz).
+/// One particle's part of the blocks of its nodes: the diagonals (xx, yy, zz), or the rest (xy, xz, yz).
 template <int D, int Nodes, int Width, int Row>
 void add_node_blocks(const Stencils<D, Nodes, double>& at, int lane, double per_second, double both,
                      double own, Entries entries, double* tile) {
@@ -38,10 +37,10 @@ void add_node_blocks(const Stencils<D, Nodes, double>& at, int lane, double per_
   }
 }
 
-/// The inverse of the node's mass plus a block; zero where there is no mass.
+/// The inverse of the node's mass plus a block; zero if there is no mass.
 template <int D>
 void inverse_of_block(double mass, const double* diagonal, const double* others, double* to) {
-  // Over their size, so that no determinant of a node with next to no mass is lost below the least number.
+  // Scaled by the size, so that the determinant of a node with almost no mass does not underflow.
   const double size = mass + diagonal[0] + diagonal[1] + diagonal[2], unit = size > 0 ? 1 / size : 0;
   const double xx = (mass + diagonal[0]) * unit, yy = (mass + diagonal[1]) * unit;
   const double zz = D == 3 ? (mass + diagonal[2]) * unit : 1;
@@ -52,7 +51,7 @@ void inverse_of_block(double mass, const double* diagonal, const double* others,
   to[3] = (xx * zz - xz * xz) * over, to[4] = (xy * xz - xx * yz) * over, to[5] = (xx * yy - xy * xy) * over;
 }
 
-/// to = inverse block times from, vectors in the last three of four numbers.
+/// to = inverse block times from; vectors are the last three of four numbers.
 inline void apply_block(const double* k, const double* from, double* to) {
   const double x = from[1], y = from[2], z = from[3];
   to[0] = 0, to[1] = k[0] * x + k[1] * y + k[2] * z;

@@ -1,4 +1,4 @@
-// Particles between the rows of a state and groups of lanes.
+// Copies particles between the rows of a state and groups of lanes.
 #pragma once
 #include "engine/core/state.h"
 #include "engine/systems/mpm/blocks.h"
@@ -22,7 +22,7 @@ class Rows {
   size_t count() const { return count_; }
   const T* place(size_t row) const { return x_ + 3 * row; }
 
-  /// Fills groups; lanes without a particle get the one before them.
+  /// Fills groups; lanes without a particle repeat the one before them.
   void load(Sorted<D, T>& to, const ThreadArena& arena) const {
     arena.for_blocks(to.slots(), kBlockRows, [&](size_t begin, size_t end) {
       for (size_t s = begin; s < end; s += kLanes) {
@@ -82,8 +82,8 @@ class Rows {
   using W = Wide<T>;
   static constexpr size_t kLanes = W::kLanes;
 
-  // Matrices of the plane are four numbers of a row side by side: they turn as a whole. (In space, where nine
-  // do not come out even, that was slower by an eighth.)
+  // Matrices of the plane are four consecutive numbers of a row and are transposed as a whole. (In space,
+  // where nine numbers do not fit evenly, that was slower by an eighth.)
   static void load_squares(const T* in, const uint32_t* row, T* group) {
     W four[4];
     gather_rows4(in, row, four);

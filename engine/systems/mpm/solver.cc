@@ -55,7 +55,7 @@ class SolverOf final : public Solver {
   }
 
  private:
-  /// s that the fastest particle or wave allows.
+  /// s, longest substep for the fastest particle or wave.
   double limit(const Grid<D, Nodes, T>& grid) const {
     // Waves do not limit an implicit step.
     const double waves = set_.def.is_implicit() ? 0 : grid.largest(grid.modulus);
@@ -64,7 +64,7 @@ class SolverOf final : public Solver {
     return speed > 0 ? set_.def.courant * set_.def.cell / speed : HUGE_VAL;
   }
 
-  /// Takes one substep from `left`; returns the drift after it.
+  /// Takes one substep, at most `left` long; returns the drift after it.
   double substep(Grid<D, Nodes, T>& grid, const Vec3& gravity, const StepInput& in, double h, double drift,
                  double& left) const {
     constexpr int kTries = 40;
@@ -145,7 +145,7 @@ class SolverOf final : public Solver {
     throw failure;
   }
 
-  /// Particles in the order of blocks, bodies and rows.
+  /// Loads particles in the order of blocks, bodies and rows.
   void load_rows(const Rows<D, T>& rows, Grid<D, Nodes, T>& grid, const StepInput& in) const {
     const ProfileScope scope(in.profile, "mpm sort");
     const size_t n = rows.count();

@@ -1,6 +1,6 @@
 // A step of the material point method in substeps (Hu et al. 2018; Jiang et al. 2015): masses and momenta
-// with stresses from particles to tiles of nodes, tiles to blocks in a fixed order, velocities of nodes with
-// gravity and boundaries, and back to particles, whose deformation follows and flows.
+// with stresses from particles to tiles of nodes, tiles to blocks in a fixed order, node velocities with
+// gravity and boundaries, and back to particles, whose deformation is updated and flows.
 #pragma once
 #include <algorithm>
 #include <memory>
@@ -17,27 +17,27 @@
 namespace truestep::mpm {
 
 namespace columns {
-/// Where particles come or go there are four more: `piece` and `id` of each, of each nozzle the number of its
-/// next layer, and `counts`.
+/// If particles are emitted or removed there are four more: `piece` and `id` of each particle, for each
+/// nozzle the number of its next layer, and `counts`.
 inline constexpr State::Column position = 0, velocity = 1, affine = 2, deformation = 3, plastic = 4,
                                jacobian = 5, gravity = 6, piece = 7, id = 8, layers = 9, counts = 10;
-/// Columns with a row for each particle: the first six, and `piece` and `id` where they are.
+/// Columns with a row for each particle: the first six, and `piece` and `id` if present.
 inline constexpr State::Column per_particle_end = gravity;
 }  // namespace columns
 
-/// Entries of the column `counts`; `born` counts those of the start, too: the next particle's id.
+/// Entries of the column `counts`; `born` includes the initial particles: it is the next particle's id.
 namespace counts {
 inline constexpr size_t emitted = 0, killed = 1, refused = 2, born = 3, count = 4;
 }
 
-/// What all particles of a body, or of a nozzle, share; its rows at the start are [first, last).
+/// Properties shared by all particles of a body or of a nozzle; its initial rows are [first, last).
 struct Piece {
   Material material;
-  size_t field = 0;              ///< of velocities, in which it moves
+  size_t field = 0;              ///< index of its velocity field
   Vec3 spacing;                  ///< m, between particles along each axis at the start
   double density, mass, volume;  ///< kg/m^3, kg and m^3 of a particle
   size_t first, last;
-  std::shared_ptr<const EnergyLaw> energy;  ///< of material elastic
+  std::shared_ptr<const EnergyLaw> energy;  ///< for material elastic
 };
 
 /// Stress of a piece's material.
@@ -50,20 +50,20 @@ struct Setting {
   MpmDef def;
   std::vector<Piece> pieces;  ///< bodies, then nozzles
   std::vector<Inlet> inlets;
-  size_t capacity = 0;  ///< most particles at once
-  size_t fields = 1;    ///< of velocities
+  size_t capacity = 0;  ///< largest number of particles at a time
+  size_t fields = 1;    ///< velocity fields
   ColliderSet colliders;
-  Texts force, exact;  ///< m/s^2; m, of a particle that starts at x, y, z
+  Texts force, exact;  ///< m/s^2; m, for a particle that starts at x, y, z
   std::string id;
 
-  /// Particles at the start.
+  /// Initial number of particles.
   size_t rows() const { return pieces.back().last; }
-  /// Pieces of rows; empty where they are those of the start.
+  /// Pieces of rows; empty if they are the initial ones.
   std::span<const uint32_t> pieces_of(const State& s) const {
     if (!def.changes()) return {};
     return s.span<uint32_t>(columns::piece);
   }
-  /// Piece of a row, with what `pieces_of` gave.
+  /// Piece of a row, given what `pieces_of` returned.
   uint32_t piece_of(size_t row, std::span<const uint32_t> of_rows) const {
     if (!of_rows.empty()) return of_rows[row];
     if (pieces.size() == 1) return 0;
@@ -87,8 +87,8 @@ void for_runs(const Setting& set, const State& s, const Visit& visit) {
   }
 }
 
-/// Adds the layers that nozzles have emitted by time t (s), at the places they have reached; a particle whose
-/// place is occupied is left out.
+/// Adds the layers that nozzles have emitted by time t (s), at the positions they have reached; a particle
+/// whose position is occupied is left out.
 void pour(const Setting& set, State& s, double t, Workspace& workspace);
 /// Removes the particles that are in kill regions.
 void remove_killed(const Setting& set, State& s, const StepInput& in);
@@ -96,7 +96,7 @@ void remove_killed(const Setting& set, State& s, const StepInput& in);
 class Solver {
  public:
   virtual ~Solver() = default;
-  /// Error Instability where substeps would be more than are allowed.
+  /// Throws Instability if more substeps would be needed than are allowed.
   virtual void step(State& s, const StepInput& in) const = 0;
 };
 

@@ -1,5 +1,5 @@
-// One substep on sorted particles: particles to tiles, tiles to nodes, nodes to particles. Bodies and other
-// fields of velocities act on nodes in between (solver.cc).
+// One substep on sorted particles: particles to tiles, tiles to nodes, nodes to particles. Rigid bodies and
+// other velocity fields act on nodes in between (solver.cc).
 #pragma once
 #include <cmath>
 
@@ -26,9 +26,9 @@ struct Grid : Boundaries<D, Nodes, T>, Group<D, T> {
   BodiesIn bodies;
   Aligned<T> tiles, nodes;
   Aligned<T> impulses,
-      changes;  ///< of FLIP: tiles of stress alone; of nodes, what the substep adds to velocities
+      changes;  ///< for FLIP: tiles of stress alone; for nodes, what the substep adds to velocities
   std::vector<double> fastest, modulus;
-  std::span<const uint32_t> piece_of_row;  ///< of the state, where particles come or go
+  std::span<const uint32_t> piece_of_row;  ///< of the state, if particles are emitted or removed
 
   /// Largest of a list of non-negative numbers.
   static double largest(const std::vector<double>& v) {
@@ -37,7 +37,7 @@ struct Grid : Boundaries<D, Nodes, T>, Group<D, T> {
     return most;
   }
 
-  /// After particles were sorted for the first time: memory for the run.
+  /// Reserves memory for the whole run, after particles were first sorted.
   void reserve(const Setting& set) {
     const double expected =
         set.def.changes() ? expected_blocks(set.def, static_cast<double>(set.capacity)) : 0;
@@ -49,7 +49,7 @@ struct Grid : Boundaries<D, Nodes, T>, Group<D, T> {
     fastest.reserve(blocks.reserved()), modulus.reserve(blocks.reserved());
   }
 
-  /// Stress of all particles from their deformation, and what limits the first substep.
+  /// Computes the stress of all particles from their deformation, and the limits of the first substep.
   void stresses(const Setting& set, const ThreadArena& arena) {
     fastest.assign(blocks.owners.size(), 0), modulus.assign(blocks.owners.size(), 0);
     arena.for_blocks(blocks.owners.size(), 4, [&](size_t begin, size_t end) {
@@ -68,7 +68,7 @@ struct Grid : Boundaries<D, Nodes, T>, Group<D, T> {
       }
     });
   }
-  /// Where the particles of a group are in the tile of their block.
+  /// Positions of a group's particles in the tile of their block.
   void locate(const Block& b, const T* group, T dx, Stencils<D, Nodes, T>& out) const {
     W place[D];
     for (int a = 0; a < D; ++a) {
@@ -78,8 +78,8 @@ struct Grid : Boundaries<D, Nodes, T>, Group<D, T> {
     out.template set<Size::kReach, Size::kRow>(place, dx);
   }
 
-  /// m/s^2, of the particles in slots [s, end), no more than texts take at once: all of one component, then
-  /// of the next.
+  /// m/s^2, of the particles in slots [s, end), at most as many as texts take at once: all of one component,
+  /// then all of the next.
   void accelerations(const Setting& set, double t, size_t s, size_t end, double* out) const {
     alignas(64) double x[3][Texts::kMost] = {};
     const size_t many = std::min(end - s + W::kLanes - 1, Texts::kMost) / W::kLanes * W::kLanes;
@@ -113,14 +113,14 @@ struct Grid : Boundaries<D, Nodes, T>, Group<D, T> {
           const Run& run = blocks.runs[r];
           const Piece& piece = set.pieces[run.body];
           const T mass = static_cast<T>(piece.mass), keep = affine ? mass : T{0};
-          // An implicit step adds what stress does afterwards.
+          // An implicit step adds the stress afterwards.
           const T push = set.def.is_implicit() ? T{0} : -h * static_cast<T>(piece.volume) / second;
           for (size_t s = run.begin; s < run.end; s += W::kLanes) {
             const int many = static_cast<int>(std::min<size_t>(W::kLanes, run.end - s));
             locate(b, now.group(s), dx, at);
             contributions(now.group(s), mass, keep, push, rows);
             if (impulse) {
-              // Momentum and what changes it go to nodes of their own.
+              // Momentum and its change go to separate nodes.
               std::copy(rows, rows + 4 * W::kLanes, still);
               std::fill(rows, rows + 4 * W::kLanes, T{0});
             }
@@ -143,7 +143,7 @@ struct Grid : Boundaries<D, Nodes, T>, Group<D, T> {
     });
   }
 
-  /// Sums tiles into blocks and moves on the nodes' velocities. Returns the fastest node's speed.
+  /// Sums tiles into blocks and updates the node velocities. Returns the fastest node's speed.
   double move_nodes(const Setting& set, const Vec3& gravity, double t, T h, const ThreadArena& arena) {
     nodes.resize(blocks.blocks.size() * kBlockNumbers);
     const bool flip = set.def.transfer == Transfer::flip;
@@ -162,7 +162,7 @@ struct Grid : Boundaries<D, Nodes, T>, Group<D, T> {
     return std::sqrt(largest(fastest));
   }
 
-  /// Velocities from momenta where nothing holds a node. Returns the square of the largest.
+  /// Velocities from momenta where no boundary acts. Returns the square of the largest.
   static double move_free(const T* g, T h, T* own) {
     const W zero = W::zero();
     W gain = zero, mask = zero, most = zero;
@@ -175,7 +175,7 @@ struct Grid : Boundaries<D, Nodes, T>, Group<D, T> {
       const W node = load(own + n), mass = first_of_four(node);
       const auto there = mass > zero;
       const W v = select(there, madd(node * mask, W(1) / select(there, mass, W(1)), gain), zero);
-      // The mass stays beside the velocity.
+      // The mass stays next to the velocity.
       store(own + n, select(mask > zero, v, node));
       most = max(most, sums_of_four(v * v));
     }
@@ -215,7 +215,7 @@ struct Grid : Boundaries<D, Nodes, T>, Group<D, T> {
         const T* impulse = change + 4 * n;
         v += Vec3T<T>{impulse[1], impulse[2], D == 3 ? impulse[3] : T{0}} * inverse;
       }
-      // Boundaries are part of an implicit step's solve.
+      // An implicit step handles boundaries in its solve.
       if (!free && !def.is_implicit()) v = held(set, place_of(def, b, n), t, v);
       if (change) {
         T* c = change + 4 * n;
@@ -228,7 +228,8 @@ struct Grid : Boundaries<D, Nodes, T>, Group<D, T> {
     return most;
   }
 
-  /// Nodes and the bodies in them, before the substep is taken. Returns the speed of the fastest such node.
+  /// Contact of nodes with the bodies among them, before the substep is accepted. Returns the speed of the
+  /// fastest such node.
   double touch_bodies(const Setting& set, const Vec3& gravity, double t, T h) {
     const MpmDef& def = set.def;
     const bool flip = def.transfer == Transfer::flip;
@@ -259,7 +260,7 @@ struct Grid : Boundaries<D, Nodes, T>, Group<D, T> {
         }
       }
     };
-    // Walls are applied last; the impulse they take is not given to the body.
+    // Walls are applied last; their impulse is not passed to the body.
     const auto settle = [&](size_t handle, const Vec3& to) {
       T* node = nodes.data() + handle;
       const Vec3 before{double{node[1]}, double{node[2]}, double{node[3]}};
@@ -277,7 +278,7 @@ struct Grid : Boundaries<D, Nodes, T>, Group<D, T> {
     return bodies.push(def, gravity, double{h}, visit, settle);
   }
 
-  /// Velocities, places, deformations and what follows from them of all particles from the nodes.
+  /// Updates velocities, positions and deformations of all particles from the nodes.
   void gather_all(const Setting& set, T h, Then then, const ThreadArena& arena) {
     const MpmDef& def = set.def;
     const T dx = static_cast<T>(def.cell);
@@ -315,7 +316,7 @@ struct Grid : Boundaries<D, Nodes, T>, Group<D, T> {
             for (int i = 0; i < D; ++i) {
               T *x = group + (L::x + i) * W::kLanes, *u = group + (L::v + i) * W::kLanes;
               store(x, min(max(madd(hh, v[i + 1], load(x)), W(nearest[i])), W(farthest[i])));
-              // FLIP keeps its share of what the particle had, and of the nodes takes what they gained.
+              // FLIP keeps its share of the particle's own velocity and adds the nodes' gain.
               store(u, flip ? madd(share, load(u) + dv[i + 1], (W(1) - share) * v[i + 1]) : v[i + 1]);
             }
             for (int q = 0; q < D; ++q) {

@@ -1,4 +1,5 @@
-// Texts of a scene as numbers: an acceleration by place and time, and places that are known at any time.
+// Expressions of a scene evaluated at particles: an acceleration by position and time, and exact positions
+// over time.
 #pragma once
 #include <string>
 #include <vector>
@@ -14,17 +15,17 @@ class Texts {
   static constexpr size_t kMost = ExpressionRows::kBlock;
 
   Texts() = default;
-  /// Error "scene_invalid" with `pointer` and a number behind it where a text is none. Empty texts: nothing.
+  /// Error "scene_invalid" with `pointer` and an index after it if a text is invalid. Empty texts: nothing.
   Texts(const std::vector<std::string>& texts, int dimension, const std::string& pointer);
 
   bool empty() const { return components_ == 0; }
   size_t instructions() const { return program_.instructions(); }
-  /// All components at `count` (at most kMost) places, `stride` apart.
+  /// All components at `count` (at most kMost) points, `stride` apart.
   void run(double t, const double* x, const double* y, const double* z, size_t count, double* out,
            size_t stride) const;
 
  private:
-  ExpressionRows program_;  ///< one, so that what components share is computed once
+  ExpressionRows program_;  ///< a single program, so that common subexpressions are computed once
   size_t components_ = 0;
 };
 

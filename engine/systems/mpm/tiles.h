@@ -21,7 +21,7 @@ struct FourOf<double> {
   typedef double Raw __attribute__((vector_size(32)));
 };
 
-/// `to` becomes `to` + `from`, four numbers.
+/// Adds `from` to `to`, four numbers.
 template <class T>
 void add_four(T* to, const T* from) {
   typename FourOf<T>::Raw a, b;
@@ -40,8 +40,8 @@ struct Tiles {
   using Size = Tiling<D, Nodes>;
   static constexpr size_t kBlockNumbers = 4 * Size::kBlockNodes, kTileNumbers = 4 * Size::kTileNodes;
 
-  /// Rows of nodes that a block and its neighbour's tile share: visit(first number in the block, first number
-  /// in the tile, numbers). `k` is the neighbour's place among the block's.
+  /// Rows of nodes shared by a block and its neighbour's tile: visit(first number in the block, first number
+  /// in the tile, count). `k` is the neighbour's index.
   template <class Visit>
   static void shared_rows(int k, const Visit& visit) {
     int from[3] = {}, to[3] = {1, 1, 1}, shift[3] = {};
@@ -67,7 +67,7 @@ struct Tiles {
     }
   }
 
-  /// The nodes of a block from the tiles around it.
+  /// Sums the nodes of a block from the tiles around it.
   static void sum(const Blocks<D, Nodes, T>& blocks, const Block& b, const Aligned<T>& from, T* own) {
     std::fill(own, own + kBlockNumbers, T{0});
     for (int m = 0; m < Size::kNeighbours; ++m) {
@@ -81,7 +81,7 @@ struct Tiles {
     }
   }
 
-  /// Numbers of the nodes around a block; `tile` begins as zeros or as any other block's.
+  /// Copies the nodes around a block into `tile`, which starts as zeros or as any other block's tile.
   static void fill(const Block& b, const Aligned<T>& from, T* tile) {
     for (int m = 0; m < Size::kNeighbours; ++m) {
       const T* other =

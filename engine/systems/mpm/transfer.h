@@ -1,8 +1,8 @@
-// A group of particles, one to a lane, and the nodes around each: four numbers a node (mass or nothing, then
-// momentum or velocity), so that two nodes of floats or one of doubles are a whole vector. Pure kernels of
-// the transfers of affine particles (Jiang, Schroeder, Selle, Teran, Stomakhin 2015; Hu et al. 2018,
-// MLS-MPM). Weights are products over the axes, so that sums are taken axis by axis: of a particle in space
-// 62 multiplications of vectors in place of a hundred.
+// Transfers between a group of particles, one to a lane, and the nodes around each: four numbers a node (mass
+// or nothing, then momentum or velocity), so that two nodes of floats or one of doubles fill a vector. Pure
+// kernels for affine particles (Jiang, Schroeder, Selle, Teran, Stomakhin 2015; Hu et al. 2018, MLS-MPM).
+// Weights are products over the axes, so sums are taken axis by axis: 62 vector multiplications instead of a
+// hundred for a particle in space.
 #pragma once
 #include <cstring>
 
@@ -24,11 +24,11 @@ void store(T* p, Wide<T> a) {
 
 namespace transfer_detail {
 
-/// Vectors that the four nodes of a row fill, and those of them that a spline reaches.
+/// Vectors that the four nodes of a row fill, and how many of them a spline reaches.
 template <int Nodes, class T>
 inline constexpr int kParts = (4 * Nodes + Wide<T>::kLanes - 1) / Wide<T>::kLanes;
 
-/// Four numbers for every node of a vector.
+/// Repeats four numbers for every node of a vector.
 template <class T>
 Wide<T> every_node(const T* four) {
 #if defined(__AVX2__) && defined(__FMA__)
@@ -40,7 +40,7 @@ Wide<T> every_node(const T* four) {
   for (int i = 0; i < Wide<T>::kLanes; ++i) out.v[i] = four[i & 3];
   return out;
 }
-/// A number for each node of a vector, `stride` apart.
+/// One number for each node of a vector, `stride` apart.
 template <class T>
 Wide<T> node_numbers(const T* p, size_t stride) {
 #if defined(__AVX2__) && defined(__FMA__)
@@ -53,7 +53,7 @@ Wide<T> node_numbers(const T* p, size_t stride) {
   for (int i = 0; i < Wide<T>::kLanes; ++i) out.v[i] = p[static_cast<size_t>(i >> 2) * stride];
   return out;
 }
-/// Numbers of the nodes of a vector added up.
+/// Sums the numbers of the nodes of a vector.
 template <class T>
 void fold(Wide<T> a, T* four) {
 #if defined(__AVX2__) && defined(__FMA__)
@@ -70,7 +70,7 @@ inline constexpr uint32_t kLaneRows[8] = {0, 1, 2, 3, 4, 5, 6, 7};
 
 }  // namespace transfer_detail
 
-/// Four numbers of every lane, to a row a lane and back.
+/// Four numbers of every lane, to a row for each lane and back.
 template <class T>
 void to_rows(const Wide<T> in[4], T* rows) {
   scatter_rows4(rows, transfer_detail::kLaneRows, in);
@@ -80,7 +80,7 @@ void from_rows(const T* rows, Wide<T> out[4]) {
   gather_rows4(rows, transfer_detail::kLaneRows, out);
 }
 
-/// Where the particles of a group are in a tile.
+/// Positions of a group's particles in a tile.
 template <int D, int Nodes, class T>
 struct Stencils {
   using W = Wide<T>;
@@ -94,7 +94,8 @@ struct Stencils {
   void set(const W* place, T dx) {
     typedef int32_t Index __attribute__((vector_size(4 * kLanes)));
     Index at = {};
-    // A place that is not finite, or beyond the tile, is clamped to it; the check after the step reports it.
+    // A position that is not finite, or beyond the tile, is clamped to it; the check after the step reports
+    // it.
     const W shift(Spline<Nodes, T>::kShift), most(Width - Nodes + 0.99);
     for (int a = 0; a < D; ++a) {
       const W from = min(max(place[a] - shift, W::zero()), most);
@@ -154,7 +155,8 @@ template <int D, int Nodes, int Width, int Row, class T>
   }
 }
 
-/// Sums over the nodes around one lane, four numbers each as in `scatter`: w u, then w d_k u of every axis k.
+/// Sums over the nodes around one lane, four numbers each as in `scatter`: w u, then w d_k u for every axis
+/// k.
 template <int D, int Nodes, int Width, int Row, class T>
 [[gnu::always_inline]] inline void gather(const Stencils<D, Nodes, T>& s, int lane, const T* tile, T* rows) {
   using W = Wide<T>;

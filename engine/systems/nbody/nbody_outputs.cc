@@ -1,4 +1,4 @@
-// What the system type "nbody" gives out, in words.
+// Descriptions of the outputs of the system type "nbody".
 #include "engine/systems/nbody/nbody_def.h"
 
 namespace truestep::nbody {

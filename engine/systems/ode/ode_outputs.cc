@@ -1,4 +1,4 @@
-// What the system type "ode" gives out, in words.
+// Descriptions of the outputs of the system type "ode".
 #include "engine/core/outputs.h"
 #include "engine/systems/ode/ode_def.h"
 

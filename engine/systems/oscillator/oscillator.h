@@ -26,7 +26,7 @@ struct OscillatorDef : IntegratorParams {
 };
 
 const DefTable& oscillator_table();
-/// What it gives out.
+/// The outputs of the system.
 const Outputs& oscillator_outputs();
 std::unique_ptr<const System> make_oscillator(const void* def, const BuildContext& context);
 Cost cost_oscillator(const void* def);

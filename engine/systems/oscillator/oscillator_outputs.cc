@@ -1,4 +1,4 @@
-// What the system type "oscillator" gives out, in words.
+// Descriptions of the outputs of the system type "oscillator".
 #include "engine/core/outputs.h"
 #include "engine/systems/oscillator/oscillator.h"
 

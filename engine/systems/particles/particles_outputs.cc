@@ -1,4 +1,4 @@
-// What the system type "particles" gives out, in words.
+// Descriptions of the outputs of the system type "particles".
 #include "engine/core/outputs.h"
 #include "engine/systems/particles/particles_def.h"
 

@@ -1,4 +1,4 @@
-// What the system type "pendulum" gives out, in words.
+// Descriptions of the outputs of the system type "pendulum".
 #include "engine/core/outputs.h"
 #include "engine/systems/pendulum/pendulum.h"
 

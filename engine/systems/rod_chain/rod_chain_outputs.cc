@@ -1,4 +1,4 @@
-// What the system type "rod_chain" gives out, in words.
+// Descriptions of the outputs of the system type "rod_chain".
 #include "engine/core/outputs.h"
 #include "engine/systems/rod_chain/rod_chain.h"
 

@@ -49,7 +49,7 @@ SkeletonDef with_file(SkeletonDef def, std::optional<Recording>& file) {
       j.id = b.name + "_" + std::to_string(n);
     }
     if (b.parent >= 0) j.parent = def.joints[static_cast<size_t>(b.parent)].id;
-    // Where the root is comes from its channels alone.
+    // The root's position comes from its channels alone.
     j.offset = b.offset * def.motion->scale;
     j.rest_rotation = free_rotation::rotation_vector(b.rest);
     if (b.end) j.end = *b.end * def.motion->scale;
@@ -61,7 +61,7 @@ SkeletonDef with_file(SkeletonDef def, std::optional<Recording>& file) {
 
 namespace {
 
-/// m, of all bones together.
+/// m, summed over all bones.
 double size_of(const auto& joints, auto&& offset_of) {
   double sum = 0;
   for (const auto& j : joints) {
@@ -95,7 +95,7 @@ Clip::Clip(const MotionDef& def, const Recording& file, const Model& model, Driv
                     n.text, "", "", ""});
     }
   }
-  // Joints of the file come in the order of those that they are made of, also where names repeat.
+  // The file's joints match the model's one by one if it was built from them, even if names repeat.
   const bool own = model.ids.size() == file.joints.size() && def.names.empty();
   for (size_t b = 0; b < file.joints.size(); ++b) {
     std::string to = file.joints[b].name;
@@ -145,7 +145,7 @@ Clip::Clip(const MotionDef& def, const Recording& file, const Model& model, Driv
 }
 
 void Clip::smooth(double width) {
-  // Weights up to three widths; beyond the ends the motion stands still, or goes on in its loop.
+  // Weights reach to three widths; beyond the ends the motion stands still or wraps around its loop.
   const auto reach = static_cast<int64_t>(std::ceil(3 * width));
   const auto n = static_cast<int64_t>(frames_);
   const auto frame = [&](int64_t f) {
@@ -167,7 +167,7 @@ void Clip::smooth(double width) {
         const Quat q = turns.empty() ? here : nearer(here, turns[frame(f + k)]);
         if (!values.empty()) value += w * values[frame(f + k)];
         sum = {sum.w + w * q.w, sum.x + w * q.x, sum.y + w * q.y, sum.z + w * q.z};
-        // A loop may travel: only what leaves the line from its start to its end is smoothed.
+        // A loop may travel: only the deviation from the line between its first and last frame is smoothed.
         if (!shifts.empty()) {
           const auto line = [&](int64_t i) {
             return shifts.front() + (shifts.back() - shifts.front()) *
@@ -191,7 +191,7 @@ void Clip::find_contacts(const FootLockDef& def, const Model& model, const std::
   std::vector<Pose> poses(model.joints.size());
   for (size_t f = 0; f < frames_; ++f) {
     pose(static_cast<double>(f) * frame_time_, motion);
-    // The last frame of a loop is the first again.
+    // The last frame of a loop equals the first.
     if (f + 1 == frames_) {
       frame(f, motion);
     }
@@ -228,7 +228,7 @@ void Clip::find_contacts(const FootLockDef& def, const Model& model, const std::
                            : i >= end ? static_cast<double>(i - end + 1)
                                       : 0;
         const double s = off == 0 ? 1 : smooth_step(1 - off / (blend + 1));
-        // Inside a stance it is held; near one the offset of its nearest frame fades out.
+        // Held inside a stance; near one, the offset of its nearest frame fades out.
         if (s <= strength[i]) continue;
         const size_t edge = std::clamp(i, f, end - 1);
         strength[i] = s, foot.moves[i] = (mean - x[edge]) * s;
@@ -256,7 +256,7 @@ void Clip::pose_of(const Track& track, double t, JointMotion& m) const {
   if (!track.turns.empty()) m.turn = slerp(track.turns[f], track.turns[next], share);
   if (!track.values.empty()) m.value = track.values[f] + (track.values[next] - track.values[f]) * share;
   if (track.shifts.empty()) return;
-  // A loop whose root travels goes on from where it was.
+  // A loop whose root travels continues from where it was.
   const double last = static_cast<double>(frames_ - 1) * frame_time_;
   const double rounds = extend_ == Extend::loop && last > 0 ? std::floor(t / last) : 0;
   Vec3 travel = (track.shifts.back() - track.shifts.front()) * rounds;

@@ -38,7 +38,7 @@ bool read(std::string_view s, T& x) {
   return fault == std::errc() && end == s.data() + s.size();
 }
 
-/// Lines "frame camera marker u v".
+/// Reads lines "frame camera marker u v".
 MarkerTracks triangulated(const MarkersDef& def, const std::string& where, MarkerReport& report) {
   constexpr double kMostPixels = 1e9;
   constexpr uint32_t kMostFrames = 1'000'000;
@@ -78,7 +78,7 @@ MarkerTracks triangulated(const MarkersDef& def, const std::string& where, Marke
   std::ranges::stable_sort(all, [](const Seen& a, const Seen& b) {
     return a.frame != b.frame ? a.frame < b.frame : a.marker < b.marker;
   });
-  // Every frame is there, empty ones too.
+  // Every frame is stored, empty ones too.
   if (static_cast<double>(out.frames) * static_cast<double>(out.names.size()) > 2e7)
     refuse(where + "/images", "there are too many frames");
   out.places.resize(out.frames * out.names.size()), out.seen.resize(out.places.size());
@@ -103,7 +103,7 @@ MarkerTracks triangulated(const MarkersDef& def, const std::string& where, Marke
   double sum = 0, count = 0;
   groups([&](size_t row, const std::vector<Sighting>& group) {
     const auto point = triangulate_agreed(cameras, group, noise);
-    // One camera alone says nothing, and nothing wrong.
+    // A single camera gives no point, and no outlier either.
     if (group.size() > 1) report.outliers += static_cast<double>(group.size()) - (point ? point->used : 0);
     if (!point) return;
     out.places[row] = point->found.place, out.seen[row] = 1;
@@ -113,7 +113,8 @@ MarkerTracks triangulated(const MarkersDef& def, const std::string& where, Marke
   return out;
 }
 
-/// The first pose: the best of four turns about the vertical, the markers' middle where it was seen.
+/// The first pose: the best of four turns about the vertical, with the mean of the markers where it was
+/// observed.
 void start(const Model& model, std::span<const MarkerPlacement> markers, std::span<const Vec3> places,
            std::span<const uint8_t> seen, std::vector<JointMotion>& motion, MarkerWork& work,
            std::vector<uint8_t>& known) {
@@ -137,14 +138,14 @@ void start(const Model& model, std::span<const MarkerPlacement> markers, std::sp
     }
     if (count > 0) tried[0].shift = rotate(conjugate(model.joints[0].rest.orientation), off / count);
     const MarkerFit fit = fit_markers(model.joints, markers, places, seen, tried, known, work);
-    // A wrong pose may set aside what speaks against it: then the median speaks.
+    // A wrong pose may reject the markers that contradict it: then the median is used.
     const double score = fit.outliers > 0 ? std::max(fit.error, 1.732 * fit.spread) : fit.error;
     if (score < least) least = score, best = tried;
   }
   motion = best;
 }
 
-/// Joints in frames where nothing told about them, between those where something did.
+/// Interpolates joints in frames that determined nothing about them.
 void fill(Recording& r, const std::vector<uint8_t>& known) {
   const size_t n = r.joints.size();
   for (size_t j = 0; j < n; ++j) {
@@ -217,7 +218,7 @@ Recording recording_of(const MarkersDef& def, double scale, const Model& model, 
       const size_t row = f * tracks.names.size() + track[k];
       places[k] = tracks.places[row] * scale, seen[k] = tracks.seen[row], now += seen[k];
     }
-    // Three places say where a body is.
+    // Three points determine the pose of a body.
     std::ranges::fill(known, uint8_t{0});
     if (now >= 3) {
       if (!started) start(model, markers, places, seen, motion, work, known), started = true;

@@ -80,7 +80,7 @@ void add_goal(const SkeletonDef& def, size_t k, Model& m, Driver& driver) {
   g.id = d.id.empty() ? std::to_string(k) : d.id;
   g.goal.joint = static_cast<uint32_t>(joint_of(m, at + "/joint", d.joint, driver));
   if (g.goal.joint >= m.joints.size()) return;
-  // The way to the root; fixed joints at its beginning are no base.
+  // The path to the root; fixed joints at its root end are skipped as a base.
   std::vector<uint32_t> way;
   for (auto j = static_cast<int32_t>(g.goal.joint); j >= 0; j = m.joints[static_cast<size_t>(j)].parent) {
     way.push_back(static_cast<uint32_t>(j));
@@ -194,7 +194,7 @@ void add_tube(const TubeDef& t, const std::string& at, double falloff, Model& m,
     const Vec3 u = normalized(line[k + 1] - line[k]);
     side = normalized(side - u * dot(u, side), side);
     const Vec3 up = cross(u, side);
-    // Rounded at both ends, over as much of the length as it is thick.
+    // Rounded at both ends, over a length equal to the radius there.
     const double end_radius = t.end_radius.value_or(t.radius);
     double radius = t.radius + share * (end_radius - t.radius);
     const double from_end = std::min(share, 1 - share) * total, round = std::min(radius, 0.5 * total);

@@ -1,4 +1,4 @@
-// A skeleton as it is built from a scene: joints, what drives each, bones, skin, goals.
+// A skeleton as built from a scene: joints, their drives, bones, skin, goals.
 #pragma once
 #include <array>
 
@@ -46,7 +46,7 @@ struct Model {
   std::optional<size_t> find(const std::string& id) const;
 };
 
-/// Faults go to the driver.
+/// Faults are reported to the driver.
 Model build_model(const SkeletonDef& def, animation::Driver& driver);
 /// Vertices, triangles and weights; after build_model.
 void build_skin(const SkinDef& def, Model& model, animation::Driver& driver);

@@ -28,7 +28,7 @@ Recording recording_of(const BvhMotion& m) {
 
 namespace {
 
-/// Values of a channel at t, clamped to its keys.
+/// Values of a channel at t, clamped to its first and last key.
 void sample(const GltfChannel& c, double t, double* out) {
   using B = GltfChannel::Between;
   const auto after = std::ranges::upper_bound(c.times, t);
@@ -61,7 +61,7 @@ void sample(const GltfChannel& c, double t, double* out) {
   }
 }
 
-/// Nodes that matter, parents first.
+/// The relevant nodes, parents first.
 std::vector<uint32_t> nodes_of(const GltfModel& m, const GltfAnimation* animation) {
   std::vector<uint8_t> wanted(m.nodes.size(), 0);
   if (!m.skins.empty()) {
@@ -69,7 +69,7 @@ std::vector<uint32_t> nodes_of(const GltfModel& m, const GltfAnimation* animatio
   } else if (animation) {
     for (const GltfChannel& c : animation->channels)
       wanted[c.node] = c.path != GltfChannel::Path::weights || wanted[c.node];
-    // Their children say where bones end.
+    // Their children mark where bones end.
     for (size_t round = 0, more = 1; more && round < m.nodes.size(); ++round) {
       more = 0;
       for (size_t k = 0; k < m.nodes.size(); ++k) {
@@ -107,7 +107,7 @@ Recording recording_of(const GltfModel& m, const std::string& name, double rate)
   Recording out;
   out.frame_time = 1 / rate, out.frames = 1;
   std::vector<int32_t> place(m.nodes.size(), -1);
-  std::vector<double> scale(m.nodes.size(), 1);  // of what hangs on the node
+  std::vector<double> scale(m.nodes.size(), 1);  // for everything attached to the node
   for (const uint32_t k : nodes) {
     const GltfNode& node = m.nodes[k];
     const double outer = node.parent < 0 ? 1 : scale[static_cast<size_t>(node.parent)];

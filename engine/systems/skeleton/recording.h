@@ -1,5 +1,5 @@
-// A recorded motion, whatever file it came from: joints as the file has them, and for every frame and joint
-// how it is turned and shifted from its rest.
+// A recorded motion from any file: the file's joints, and for every frame and joint its rotation and shift
+// from rest.
 #pragma once
 #include "engine/geometry/read/bvh.h"
 #include "engine/geometry/read/gltf.h"
@@ -12,8 +12,8 @@ struct RecordedJoint {
   int32_t parent = -1;
   Vec3 offset;              ///< the file's unit, in the parent's frame
   Quat rest;                ///< in the parent's frame
-  std::optional<Vec3> end;  ///< of its bone where no joint follows
-  bool moves = false;       ///< whether the file says where it is
+  std::optional<Vec3> end;  ///< end of its bone if no joint follows
+  bool moves = false;       ///< whether the file gives its position
 };
 
 struct Recording {
@@ -22,7 +22,7 @@ struct Recording {
   double frame_time = 1.0 / 30;  ///< s
   std::vector<Quat> turns;       ///< frames x joints, from rest
   std::vector<Vec3> shifts;      ///< frames x joints, in the joint's frame at rest, the file's unit
-  std::vector<double> values;    ///< frames x joints, of hinges and slides; empty where the file has none
+  std::vector<double> values;    ///< frames x joints, for hinges and slides; empty if the file has none
 };
 
 Recording recording_of(const BvhMotion& motion);
@@ -30,10 +30,10 @@ Recording recording_of(const BvhMotion& motion);
 /// its animations, by name or the first, sampled at `rate` (1/s). Throws GltfFault.
 Recording recording_of(const GltfModel& model, const std::string& animation, double rate);
 
-/// The mesh that follows the file's first skin, in the file's unit, in the pose that its joints have at rest.
+/// The mesh attached to the file's first skin, in the file's unit, with the joints at rest.
 struct RecordedSkin {
   std::vector<Vec3> vertices;
-  std::vector<animation::SkinWeights> weights;  ///< by joints of the recording
+  std::vector<animation::SkinWeights> weights;  ///< joints as indices into the recording
   std::vector<std::array<uint32_t, 3>> triangles;
 };
 RecordedSkin skin_of(const GltfModel& model, const std::string& animation);

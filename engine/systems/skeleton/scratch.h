@@ -1,4 +1,4 @@
-// What the stages of a skeleton's step hand on to each other, and coordinates and poses in columns.
+// Data passed between the stages of a skeleton's step, and conversion of coordinates and poses to columns.
 #pragma once
 #include <algorithm>
 #include <utility>
@@ -36,16 +36,17 @@ inline void write_pose(const Pose& p, double* c) {
   std::ranges::copy(all, c);
 }
 
-/// What being led takes, in rows of the coordinates after those of the n joints: again n with the coordinates
-/// that bodies left it in, then these, as offsets from the first of them.
+/// Extra rows of the coordinates for a skeleton that bodies lead, after those of the n joints: n rows with
+/// the coordinates in which bodies left it, then these, as offsets from the first of them.
 struct LeadRows {
   static constexpr size_t rows = 4;
-  static constexpr size_t by = 0, shift = 1, start = 2, blend = 3;  ///< who leads; s, of its own time; s; s
-  static constexpr size_t placement = 8;                            ///< what its own motion is moved by
-  static constexpr size_t root = 16;                                ///< in the last step
+  static constexpr size_t by = 0, shift = 1, start = 2,
+                          blend = 3;      ///< who leads; s, shift of its own time; s; s
+  static constexpr size_t placement = 8;  ///< transform of its own motion
+  static constexpr size_t root = 16;      ///< in the last step
   static constexpr size_t left_root = 24;
 };
-/// Null where nothing leads it.
+/// Null if nothing leads it.
 inline const double* lead_rows(const State& s) {
   const size_t n = s.rows(SkeletonColumns::kJointPosition);
   const auto all = s.f64(SkeletonColumns::kCoordinates);

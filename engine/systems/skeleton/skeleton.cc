@@ -41,7 +41,7 @@ void Skeleton::take_motions(const SkeletonDef& def) {
   if (def.motion && def.motion->markers) {
     MotionDef motion = *def.motion;
     markers_.emplace();
-    // The markers are scaled, not what is fitted to them.
+    // The scale applies to the markers, not to the motion fitted to them.
     file_ = recording_of(*motion.markers, motion.scale, model_, "/motion/markers", *markers_);
     motion.scale = 1, motion.root_scale = 1;
     clip_ = Clip(motion, *file_, model_, driver_, "/motion");
@@ -153,14 +153,14 @@ State Skeleton::initial_state() const {
   s.add({"skin.inverse_mass", "1/kg"}, model_.skin.size());
   s.span<int32_t>(C::kDragJoint)[0] = -1;
   for (size_t j = 0; j < n; ++j) {
-    // The nearest that the limits allow to rest.
+    // The coordinates closest to rest that the limits allow.
     JointMotion m;
     apply_limits(model_.joints[j], m);
     write_motion(m, &s.f64(C::kCoordinates)[8 * j]);
   }
   Scratch scratch;
   update(s, 0, 0, scratch);
-  // The velocities at the start are those of the first step.
+  // Initial velocities are those of the first step.
   State ahead = s;
   update(ahead, dt_, dt_, scratch);
   for (const State::Column c : {kBones.velocity, kBones.angular_velocity, State::Column{C::kJointVelocity},
@@ -188,7 +188,7 @@ void Skeleton::drive_at(const State& s, double t, Scratch& scratch) const {
   scratch.motion.resize(model_.joints.size());
   const double* c = s.f64(C::kCoordinates).data();
   for (size_t j = 0; j < model_.joints.size(); ++j) scratch.motion[j] = read_motion(c + 8 * j);
-  // Shifts are of recorded motion, or of bodies that led it here.
+  // Shifts come from recorded motion, or from bodies that led it here.
   if (lead_rows(s)) {
     for (JointMotion& m : scratch.motion) m.shift = {};
   }
@@ -225,7 +225,7 @@ void Skeleton::hold_feet(State& s, double at, Scratch& scratch) const {
         .method = leg ? IkMethod::two_link : IkMethod::ccd, .tolerance = 1e-6, .most = 10};
     solve_ik(model_.joints, scratch.root, std::span(&g, 1), options, scratch.motion, w);
     error = std::max(error, norm(g.target - w.poses[hold.foot].position));
-    // The foot keeps its own direction.
+    // The foot keeps its own orientation.
     JointMotion& foot = scratch.motion[hold.foot];
     if (model_.joints[hold.foot].kind == JointKind::ball) {
       foot.turn = normalized(foot.turn * conjugate(w.poses[hold.foot].orientation) * sole);
@@ -260,7 +260,7 @@ void Skeleton::reach(State& s, Scratch& scratch) const {
   s.f64(C::kSolved)[2] = r.error <= options_.tolerance ? 1 : 0;
   const int32_t dragged = s.span<int32_t>(C::kDragJoint)[0];
   if (dragged < 0) return;
-  // Drags come last; where a target is out of reach, least squares come as near as possible.
+  // Drags come last; if a target is out of reach, least squares get as close as possible.
   IkGoal hand;
   hand.joint = static_cast<uint32_t>(dragged), hand.target = load3(s.f64(C::kDragTarget).data(), 0);
   hand.base = hand.joint;

@@ -1,9 +1,9 @@
-// The system type "skeleton": a tree of joints whose coordinates are expressions, keys or a motion file, and
-// which goals of inverse kinematics then change (kernels/animation). Joints that nothing drives keep their
-// coordinates from step to step, so that a solver goes on where it was. Its bones are capsules, published as
-// bodies that nothing moves with the velocities of their motion; or its skin is published as triangles.
-// Parts: the joints, bones, skin. Commands: set_parameter of a control; drag of a joint to a place, which is
-// a goal for all joints above it, and release.
+// The system type "skeleton": a tree of joints whose coordinates come from expressions, keys or a motion file
+// and are then adjusted by goals of inverse kinematics (kernels/animation). Joints without a drive keep their
+// coordinates from step to step, so a solver continues from its last solution. Its bones are capsules,
+// published as kinematic bodies with the velocities of their motion; or its skin is published as triangles.
+// Parts: the joints, bones, skin. Commands: set_parameter of a control; drag of a joint to a position, which
+// is a goal for all joints above it, and release.
 #pragma once
 #include <memory>
 
@@ -23,7 +23,7 @@ struct SkeletonColumns {
     kJointPosition,     ///< m
     kJointVelocity,     ///< m/s
     kJointOrientation,  ///< w x y z
-    kCoordinates,       ///< value (rad or m), turn (w x y z), shift (m); more rows where it is led (lead.h)
+    kCoordinates,       ///< value (rad or m), turn (w x y z), shift (m); more rows if bodies lead it
     kDragJoint,         ///< -1: none
     kDragTarget,        ///< m
     kSolved,            ///< ik error (m), iterations, reached, error of held feet (m)
@@ -60,19 +60,19 @@ class Skeleton final : public StagedSystem, public FollowsBones, public Rigged, 
   void take_motions(const SkeletonDef& def);
   void learn(const PriorDef& def);
   void name_parts();
-  /// Everything as it is at t, h after it was where the state says.
+  /// Sets everything as it is at t, h after the time of the state.
   void update(State& state, double t, double h, Scratch& scratch) const;
   void drive(const State& state, double t, Scratch& scratch) const;
-  /// Its own motion at a time of its own, where nothing has moved it.
+  /// Its own motion at `own_time`, as if nothing had moved it.
   void drive_at(const State& state, double own_time, Scratch& scratch) const;
   void reach(State& state, Scratch& scratch) const;
   void hold_feet(State& state, double t, Scratch& scratch) const;
   bool is_led(const State& state) const;
   double own_time(const State& state, double t) const;
-  /// From the pose that bodies left it in to its own.
+  /// Blends from the pose in which bodies left it to its own motion.
   void blend_back(State& state, double t, Scratch& scratch) const;
   void write(State& state, double h, Scratch& scratch) const;
-  /// The skin on the bones.
+  /// Moves the skin with the bones.
   void cover(State& state, double h, Scratch& scratch) const;
   animation::IkGoal goal(const GoalDrive& g, std::span<const double> out) const;
 

@@ -253,7 +253,7 @@ Cost skeleton_cost(const void* def) {
   };
   if (d.motion) {
     text += letters(*d.motion);
-    // A joint takes some hundred letters of a file, a number eight.
+    // A joint takes some hundred characters of a file, a number eight.
     if (d.joints.empty() && !d.motion->bvh.empty())
       joints = std::min(static_cast<double>(d.motion->bvh.size()) / 4, text / 80);
     if (d.joints.empty() && !d.motion->gltf.empty()) joints = std::min(text / 400, 200.0);

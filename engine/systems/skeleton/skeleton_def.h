@@ -1,4 +1,4 @@
-// What a scene says about a skeleton: joints with their motion, goals of inverse kinematics, a skin, a motion
+// Scene parameters of a skeleton: joints with their motion, goals of inverse kinematics, a skin, a motion
 // file.
 #pragma once
 #include "engine/animation/driver_def.h"
@@ -15,7 +15,7 @@ struct JointDef {
   Vec3 offset, rest_rotation;  ///< m and rad (rotation vector), in the parent's frame
   Vec3 axis{0, 0, 1};
   std::optional<double> min, max, cone;
-  std::optional<Vec3> end;       ///< m, of its bone where no joint follows
+  std::optional<Vec3> end;       ///< m, end of its bone if no joint follows
   std::optional<double> radius;  ///< m, of its bones
   std::string value, turn;
   std::vector<std::string> rotation;
@@ -45,10 +45,10 @@ struct SkinDef {
   double falloff = 4;
   std::optional<Vec3> color;
   enum class Source : uint8_t { scene, motion_file } source = Source::scene;
-  std::vector<animation::SkinWeights> file_weights;  ///< of `vertices`, where a file gave them
+  std::vector<animation::SkinWeights> file_weights;  ///< of `vertices`, if a file gave them
 };
 
-/// Feet that stand still where the motion file lets them slide.
+/// Locks feet in place where the motion file lets them slide.
 struct FootLockDef {
   std::vector<std::string> joints;
   double height = 0.05, speed = 0.3, blend = 0.1;
@@ -85,7 +85,7 @@ struct MotionDef {
   std::optional<FootLockDef> foot_lock;
 };
 
-/// A recorded motion over what comes before it.
+/// A recorded motion layered over what comes before it.
 struct LayerDef {
   MotionDef motion;
   std::string weight;
@@ -118,7 +118,7 @@ struct SkeletonDef : animation::DriverDef {
 };
 
 const DefTable& skeleton_table();
-/// The same for those who look for inverse kinematics, with goals, or for recorded motion.
+/// The same table for scenes of inverse kinematics, which need goals, and of recorded motion.
 const DefTable& ik_table();
 const DefTable& motion_capture_table();
 const Outputs& skeleton_outputs();

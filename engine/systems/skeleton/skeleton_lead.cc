@@ -1,6 +1,6 @@
-// A skeleton that bodies lead, and that goes back to its own motion: at the time t' of its motion whose
-// joints y_j, turned about the vertical by a and shifted on the ground, are nearest to where the bodies left
-// them,
+// A skeleton that bodies lead, and its return to its own motion: it resumes at the time t' of its motion
+// whose joints y_j, turned about the vertical by a and shifted on the ground, best match where the bodies
+// left them, x_j,
 //   min over t', a, s of  sum |R(a) y_j(t') + s - x_j|^2,
 // with a and s in closed form (Kovar, Gleicher, Pighin 2002, "Motion graphs", eqs. 2 to 4).
 #include <cmath>
@@ -25,7 +25,7 @@ Pose between(const Pose& a, const Pose& b, double s) {
   return {a.position + (b.position - a.position) * s, slerp(a.orientation, b.orientation, s)};
 }
 
-/// The turn about y and shift on the ground that bring joints at `poses` nearest to x; and how near.
+/// The turn about y and the shift on the ground that best align joints at `poses` with x; and the residual.
 struct Fit {
   Pose placement;
   double cost = 0;
@@ -81,7 +81,7 @@ void Skeleton::follow(State& s, std::span<const Pose> bones, std::span<const uin
   scratch.motion.resize(n), scratch.ik.poses.resize(n);
   scratch.root = read_pose(lead + LeadRows::root);
   std::vector<Pose>& poses = scratch.ik.poses;
-  // Bones come in the order of their joints.
+  // Bones are in the order of their joints.
   size_t b = 0;
   for (size_t j = 0; j < n; ++j) {
     const Joint& joint = model_.joints[j];
@@ -101,7 +101,7 @@ void Skeleton::follow(State& s, std::span<const Pose> bones, std::span<const uin
       const Vec3 way = rotate(conjugate(before.orientation), place - before.position);
       Vec3 along;
       if (joint.kind == JointKind::prismatic) m.value = dot(way, joint.axis), along = joint.axis * m.value;
-      // Bodies that hang together say where the root is; the rest follows from their turns.
+      // Connected bodies determine the root's position; the rest follows from their rotations.
       if (joint.parent < 0) m.shift = way - along;
     }
     poses[j] =

@@ -1,4 +1,4 @@
-// What a skeleton shows and what commands do to it.
+// Outputs of a skeleton, and how commands change it.
 #include "engine/core/command_checks.h"
 #include "engine/systems/skeleton/scratch.h"
 
@@ -9,7 +9,7 @@ using C = SkeletonColumns;
 
 namespace {
 constexpr MovedBodies kBones = MovedBodies::from(0);
-constexpr size_t kMostNamed = 32;  // joints whose places are observables
+constexpr size_t kMostNamed = 32;  // joints whose positions are observables
 }  // namespace
 
 void Skeleton::observe(const State& s, double at, Observables& out) const {

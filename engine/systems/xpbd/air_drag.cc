@@ -24,7 +24,7 @@ AirDrag::AirDrag(const Body& body, const AirOptions& options, double thickness) 
     faces_.build({body.triangles.front().data(), 3 * body.triangles.size()}, body.x.size());
     return;
   }
-  // Every point carries half of the links beside it.
+  // Each point carries half of each of its links.
   section_.assign(body.x.size(), 0);
   for (const Link& l : body.links) {
     for (const uint32_t p : {l.a, l.b}) section_[p] += 0.5 * thickness * l.rest;
@@ -37,7 +37,8 @@ void AirDrag::blow(const Vec3& wind, const Vec3& gravity, double h, const AirRow
   const AirFaces& faces = torn ? *torn : faces_;
   const double q = options_.factor;
   const auto weight = [&](uint32_t p) { return double{on.rows[4 * size_t{p} + 3]}; };
-  // Gravity comes with the same step, so that a terminal velocity is that of the balance.
+  // Air acts on the velocities after this substep's gravity, so drag balances weight at the terminal
+  // velocity.
   const auto velocity = [&](uint32_t p) {
     const T* v = on.velocity + 4 * size_t{p};
     return weight(p) > 0 ? Vec3{v[0], v[1], v[2]} + gravity * h : Vec3{};
@@ -63,7 +64,7 @@ void AirDrag::blow(const Vec3& wind, const Vec3& gravity, double h, const AirRow
     });
     return;
   }
-  // A point gives way to all its triangles, which push about as this one does.
+  // A point yields to all its triangles, which push it about as hard as this one does.
   const auto gives = [&](uint32_t p) { return weight(p) * (faces.begin[p + 1] - faces.begin[p]); };
   impulses.resize(faces.triangles.size());
   arena.for_blocks(faces.triangles.size(), kBlockRows, [&](size_t begin, size_t end) {

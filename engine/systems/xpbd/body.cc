@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// A chain of links from row `first`; EI of its rods over three points.
+/// A chain of links from row `first`; EI for its rods over three points each.
 void add_chain(size_t first, size_t points, double link, const XpbdDef& def, Body& out) {
   const double section = kPi / 4 * def.thickness * def.thickness;
   const double factor = def.youngs_modulus ? section / link : 1;
@@ -54,7 +54,7 @@ std::vector<double> build_hair(const HairShape& shape, const XpbdDef& def, Body&
   std::vector<double> share(out.x.size(), link);
   for (size_t first = 0; first < out.x.size(); first += points) {
     share[first + points - 1] = 0.5 * link;
-    // Two held points give the root its direction; of a rod its clamp does.
+    // Two held points fix the direction at the root; a Cosserat rod has its clamp for that.
     out.pins.push_back(static_cast<uint32_t>(first));
     if (!def.rod) out.pins.push_back(static_cast<uint32_t>(first + 1));
     add_chain(first, points, link, def, out);
@@ -62,7 +62,7 @@ std::vector<double> build_hair(const HairShape& shape, const XpbdDef& def, Body&
   return share;
 }
 
-/// Stiffness over E of a rod of weight w: w E t / (1 - nu^2) times its area over its length squared.
+/// Stiffness over E of a bar of weight w: w E t / (1 - nu^2) times its area over its length squared.
 double membrane(double weight, double thickness, double area, double length2) {
   return 9.0 / 8 * weight * thickness * area / length2;
 }
@@ -104,7 +104,7 @@ std::vector<double> build_grid(const ClothGridShape& shape, const XpbdDef& def, 
   return grid.share;
 }
 
-/// Hinges of a mesh that lies in a plane are linear; of any other they have an angle at rest.
+/// Hinges of a flat mesh are linear; those of any other have a rest angle.
 void add_hinges(const std::vector<std::array<uint32_t, 3>>& edges, Body& out) {
   constexpr double kFlat = 1e-6;
   const auto& x = out.x;
@@ -158,7 +158,7 @@ std::vector<double> build_block(const SoftBlockShape& shape, const XpbdDef& def,
   return block.share;
 }
 
-/// The same again for every copy, body after body.
+/// Repeats the body for every copy, one after another.
 void multiply(const std::vector<CopyDef>& copies, std::vector<double>& share, Body& body) {
   if (copies.empty()) return;
   const Body one = std::move(body);
@@ -181,19 +181,20 @@ void multiply(const std::vector<CopyDef>& copies, std::vector<double>& share, Bo
     for (Link l : one.links) l.a += first, l.b += first, body.links.push_back(l);
     for (auto t : one.triangles) body.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
     add(one.hinges, body.hinges), add(one.angles, body.angles);
-    // Of tetrahedra edges in the frame of the copy: F is what it is turned by, too, which costs nothing.
+    // Tetrahedra keep rest edges in the copy's own frame: F then contains the copy's rotation, which stores
+    // no energy.
     add(one.tetrahedra, body.tetrahedra);
   }
 }
 
-/// Triangles without area make no membrane.
+/// Triangles of zero area are left out of the membrane.
 void build_sheet(const XpbdDef& def, Body& out) {
   const double scale = def.rest_scale;
   for (const auto& t : out.triangles) {
     const Vec3 e1 = (out.x[t[1]] - out.x[t[0]]) * scale, e2 = (out.x[t[2]] - out.x[t[0]]) * scale;
     const double area2 = norm(cross(e1, e2)), l1 = norm(e1);
     if (!(area2 > 0)) continue;
-    // In the plane e1 = (l1, 0), e2 = (c, area2 / l1).
+    // In-plane coordinates: e1 = (l1, 0), e2 = (c, area2 / l1).
     const double c = dot(e1, e2) / l1;
     out.sheet.push_back({t, 0.5 * area2 * def.thickness, {1 / l1, -c / area2, 0, l1 / area2}});
   }
@@ -241,7 +242,7 @@ Body build_body(const XpbdDef& def, const Vec3& down) {
   multiply(def.copies, share, out);
   if (is_membrane(def)) build_sheet(def, out);
 
-  // A vertex of no triangle has no share: it gets the mass of a point instead.
+  // A vertex of no triangle has no share of the area: it gets the mass of a point instead.
   for (const double s : share) out.masses.push_back(def.density && s > 0 ? s * *def.density : def.mass);
   for (const LoadDef& l : def.loads) out.masses[static_cast<size_t>(l.point)] += l.mass;
 

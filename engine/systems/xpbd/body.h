@@ -1,5 +1,5 @@
-// Points and constraints of a shape: what the solver works on. Stiffnesses are a family's value, which a
-// command may change, times a factor of the constraint's own.
+// Points and constraints of a shape, as the solver uses them. A stiffness is its family's value, which a
+// command may change, times the constraint's own factor.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -12,8 +12,8 @@
 
 namespace truestep::xpbd {
 
-/// Rows of the column `stiffness`: N/m (Pa where Young's modulus is given) of links, N m^2 or N m of bends,
-/// Pa (of an elastic block Young's modulus).
+/// Rows of the column `stiffness`: links in N/m (Pa if Young's modulus is given), bends in N m^2 or N m,
+/// volumes in Pa (Young's modulus for an elastic block).
 enum class Family : uint8_t { structural, shear, bending, volume };
 inline constexpr size_t kFamilies = 4;
 inline double stiffness_of(std::span<const double> column, Family family) {
@@ -24,7 +24,7 @@ struct Link {
   uint32_t a, b;
   Family family;
   double rest;    ///< m
-  double factor;  ///< stiffness over the family's
+  double factor;  ///< stiffness over that of the family
 };
 
 /// K x of N points (kernels/xpbd/linear.h), alpha = 1 / (bending stiffness times factor).
@@ -44,22 +44,21 @@ struct AngleBend {
 struct Tetrahedron {
   std::array<uint32_t, 4> points;
   double rest;   ///< m^3; alpha = rest / bulk modulus
-  Mat3 inverse;  ///< 1/m, of the edges from the first point as columns, at rest
+  Mat3 inverse;  ///< 1/m, of the matrix of rest edges from the first point, as columns
 };
 
-/// Of a membrane.
+/// A triangle of a membrane.
 struct SheetTriangle {
   std::array<uint32_t, 3> points;
-  double volume;  ///< m^3, area at rest times thickness
-  std::array<double, 4>
-      inverse;  ///< 1/m, of the edges from the first point in their plane at rest, row by row
+  double volume;                  ///< m^3, rest area times thickness
+  std::array<double, 4> inverse;  ///< 1/m, of the in-plane rest edges from the first point, row by row
 };
 
 struct Body {
   std::vector<Vec3> x;           ///< m
-  size_t capacity = 0;           ///< rows that there can be: points, and what comes of them by tearing
+  size_t capacity = 0;           ///< most rows there can be: points, and those that tearing adds
   std::vector<double> masses;    ///< kg
-  std::vector<Vec3> velocities;  ///< m/s, of copies at the start, beside that of all; or empty
+  std::vector<Vec3> velocities;  ///< m/s, initial velocities of copies, added to the common one; or empty
   std::vector<Link> links;
   std::vector<LinearBend<3>> rods;
   std::vector<LinearBend<4>> hinges;
@@ -71,7 +70,7 @@ struct Body {
   std::array<double, kFamilies> stiffness{};
 };
 
-/// F of a triangle at places x, column by column.
+/// F of a triangle at positions x, column by column.
 std::array<Vec3, 2> deformation(const SheetTriangle& t, const double* x);
 /// `down` is the direction in which a slack rope sags.
 Body build_body(const XpbdDef& def, const Vec3& down);

@@ -16,9 +16,9 @@ bool stiff_at_rest(const XpbdDef& def) {
 
 constexpr double kLongestSubstep = 1.0 / 600;  // s
 
-/// s: the longest stable substep of elastic blocks and sheets. Sweeps neglect the geometric stiffness (the
-/// rotation of the gradients), which is as stiff as the material, so that h^2 V (mu + l) sum w |grad|^2 has
-/// to stay below kMostGeometric (kernels/xpbd/neo_hookean.h).
+/// s: the longest stable substep for elastic blocks and sheets. Sweeps neglect the geometric stiffness (the
+/// rotation of the gradients), which is as large as the material's, so h^2 V (mu + l) sum w |grad|^2 has to
+/// stay below kMostGeometric (kernels/xpbd/neo_hookean.h).
 double longest_elastic(const XpbdDef& def, const Body& body) {
   const double nu = def.poisson_ratio.value_or(0.3);
   double most = 0;

@@ -1,6 +1,6 @@
-// Into how many substeps a step is divided where the scene does not say: none longer than 1/600 s, of
-// materials that bear load at rest none longer than their sweeps hold, and of the rest more while tension
-// asks for it (solver.h).
+// How many substeps a step is divided into if the scene does not say: none longer than 1/600 s; for materials
+// that bear load at rest, none longer than their sweeps are stable; otherwise more while tension asks for it
+// (solver.h).
 #pragma once
 #include <string>
 
@@ -16,10 +16,10 @@ struct Division {
   std::string why;  ///< for the plan
 };
 
-/// Error "scene_invalid" where a material needs more than a thousand.
+/// Error "scene_invalid" if a material needs more than a thousand.
 Division divide(const XpbdDef& def, const BuildContext& context, const Body& body);
 
-/// Whether tetrahedra have a material, in place of edges and volumes.
+/// Whether tetrahedra have an elastic material instead of edge and volume constraints.
 bool is_elastic(const XpbdDef& def);
 
 }  // namespace truestep::xpbd

@@ -21,7 +21,7 @@ FoldSurface::FoldSurface(const Body& body) : rest_(body.x) {
 
 void FoldSurface::follow_tears(std::span<const uint32_t> corners, std::span<const uint32_t> origin) {
   rest_.resize(origin.size());
-  // Rows that are split off come behind those from which they came.
+  // Rows split off come after the rows they came from.
   for (size_t i = 0; i < origin.size(); ++i) rest_[i] = rest_[origin[i]];
   for (size_t f = 0; f < facets_.size(); ++f) {
     facets_[f] = {.points = {corners[3 * f], corners[3 * f + 1], corners[3 * f + 2]},
@@ -55,7 +55,7 @@ void FoldSurface::own() {
   std::vector<uint8_t> taken(rest_.size());
   for (size_t f = 0; f < facets_.size(); ++f) {
     Facet& facet = facets_[f];
-    // A link has one edge; its ends meet others as ends of edges.
+    // A link has one edge; its ends also meet other edges as end points.
     for (size_t k = 0; k < (facet.corners == 3 ? 3u : 1u); ++k) {
       const uint32_t p = facet.points[k], q = facet.points[(k + 1) % 3];
       edges.push_back({std::min(p, q), std::max(p, q), f, k});

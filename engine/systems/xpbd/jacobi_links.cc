@@ -92,7 +92,7 @@ T JacobiLinks<T>::iterate(const PerStep<T>& per, T omega, T relax, T* rows, cons
         tension += tension_[k];
       }
       for (size_t c = 0; c < 3; ++c) {
-        // The first iteration, with omega = 1, forgets what is old.
+        // The first iteration, with omega = 1, ignores the old values.
         const T here = row[c], old = omega == T(1) ? here : old_[3 * i + c];
         row[c] = omega * (here + relax * row[3] * sum[c] - old) + old;
         old_[3 * i + c] = here;

@@ -1,10 +1,9 @@
-// Links that are all solved at once from the same places, by Jacobi's method with or without Chebyshev's
-// weights (kernels/chebyshev.h). In the multipliers a sweep is (J W J^T + alpha~) d_lambda = b; each link
-// takes
+// Links solved simultaneously from the same positions, by Jacobi's method with or without Chebyshev weights
+// (kernels/chebyshev.h). In the multipliers a sweep is (J W J^T + alpha~) d_lambda = b; each link takes
 //   d_lambda = b / D,   D_l = w_a n_a + w_b n_b + alpha~     (n: links at a point),
-// the sum of the sizes in its row, which bounds the largest eigenvalue of D^-1 (J W J^T + alpha~) by 1
-// (Gershgorin), so that every iteration comes closer where Jacobi's own diagonal would not. Weights act on
-// places and multipliers alike, so that stiffness stays in N/m.
+// the sum of the absolute values in its row. This bounds the largest eigenvalue of D^-1 (J W J^T + alpha~) by
+// 1 (Gershgorin), so every iteration converges where Jacobi's own diagonal may not. Weights act on positions
+// and multipliers alike, so stiffness stays in N/m.
 #pragma once
 #include <vector>
 
@@ -20,13 +19,13 @@ class JacobiLinks {
   bool empty() const { return a_.empty(); }
   /// `compliances`: m/N, of every link of the body.
   void prepare(const Body& body, const std::vector<double>& compliances);
-  /// Places at the step's start.
+  /// Positions at the step's start.
   void load(const double* x, const ThreadArena& arena);
   void forget_multipliers();
-  /// Bound of the spectral radius: with J W J^T >= 0 no eigenvalue of D^-1 (J W J^T + alpha~) is below the
-  /// least alpha~ / D of any link.
+  /// Bound on the spectral radius: since J W J^T >= 0, no eigenvalue of D^-1 (J W J^T + alpha~) is below the
+  /// smallest alpha~ / D of any link.
   double radius(const PerStep<T>& per) const;
-  /// Moves the points of all rows (x, y, z, inverse mass) in one iteration, weighted by omega. Returns the
+  /// Moves the points of all rows (x, y, z, inverse mass) by one iteration, weighted by omega. Returns the
   /// largest q (kernels/xpbd/chain.h) of all points.
   T iterate(const PerStep<T>& per, T omega, T relax, T* rows, const ThreadArena& arena);
 
@@ -37,11 +36,11 @@ class JacobiLinks {
   std::vector<T> rest_, compliance_, links_a_, links_b_;
   std::vector<T> base_, pull_;  // 3 a link
   std::vector<T> lambda_, before_, tension_;
-  std::vector<uint32_t> begin_, at_;  // links of a point; twice the link, and one where it ends there
-  std::vector<T> old_;                // 3 a point, an iteration ago
-  std::vector<T> q_;                  // a block
+  std::vector<uint32_t> begin_, at_;  // links of a point: twice the link's index, plus one at its second end
+  std::vector<T> old_;                // 3 a point, from the previous iteration
+  std::vector<T> q_;                  // per block
   size_t points_ = 0;
-  double softness_ = 0;  // least compliance over D - alpha~ of all links
+  double softness_ = 0;  // smallest compliance over D - alpha~ of all links
 };
 
 extern template class JacobiLinks<float>;

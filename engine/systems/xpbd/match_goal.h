@@ -1,4 +1,4 @@
-// Where the points of a group want to be; sums are taken in the order of the points.
+// Goal positions of the points of a group; sums are taken in the order of the points.
 #pragma once
 #include "engine/kernels/xpbd/shape_match.h"
 #include "engine/systems/xpbd/match_set.h"

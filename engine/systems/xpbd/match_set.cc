@@ -35,7 +35,7 @@ MatchSet build_matches(const MatchDef& def, const Body& body) {
   MatchSet out;
   const double omega = kTwoPi * def.frequency.value_or(0);
   out.omega2 = def.frequency ? omega * omega : HUGE_VAL, out.linear = def.linear;
-  // The smallest row of what a row hangs together with.
+  // The smallest row of each row's connected component.
   std::vector<uint32_t> root(body.x.size());
   std::iota(root.begin(), root.end(), 0u);
   const auto find = [&](uint32_t p) {

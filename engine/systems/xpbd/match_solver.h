@@ -1,4 +1,4 @@
-// Moves points towards the goals of their groups, groups side by side.
+// Moves points towards the goals of their groups, group by group.
 #pragma once
 #include <vector>
 
@@ -11,7 +11,7 @@ class MatchSolver {
  public:
   void prepare(const MatchSet& set, bool keeps) { lambda_.assign(keeps ? set.points.size() : 0, Vec3{}); }
   void forget_multipliers() { std::fill(lambda_.begin(), lambda_.end(), Vec3{}); }
-  /// Rows of four (solver.h) from places `start`; h in s.
+  /// Rows of four (solver.h), relative to positions `start`; h in s.
   template <class T>
   void solve(const MatchSet& set, const double* start, double h, T relax, T* rows, const ThreadArena& arena) {
     const auto place = [&](uint32_t p) {

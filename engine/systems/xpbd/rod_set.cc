@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// Frame with d3 along `direction` and d2 as near to `up` as can be.
+/// Frame with d3 along `direction` and d2 as close to `up` as possible.
 Quat frame_of(const Vec3& direction, const Vec3& up) {
   const Vec3 d3 = normalized(direction);
   Vec3 d2 = up - d3 * dot(d3, up);
@@ -70,14 +70,15 @@ RodSet build_rods(const XpbdDef& def, const std::vector<Vec3>& x, size_t links, 
       out.length.push_back(def.rest_scale * norm(p[j + 1] - p[j])), out.inertia.push_back(inertia);
       whole += out.length.back();
     }
-    // Frames without twist: each the one before, turned by the least that makes it point along its link.
+    // Twist-free frames: each is the one before, turned by the smallest rotation that aligns it with its
+    // link.
     std::vector<Quat> q(links + 2);
     q[1] = frame_of(p[1] - p[0], rod.up);
     for (size_t j = 1; j < links; ++j) {
       const Vec3 from = rotation(q[j]).apply({0, 0, 1}), to = normalized(p[j + 1] - p[j], from);
       q[j + 1] = normalized(rotation_between(from, to) * q[j]);
     }
-    // The ends go on as the rod is bent at its first and last joint.
+    // The wall frames continue the bend of the first and last joint.
     q[0] = q[1], q[links + 1] = q[links];
     if (links > 1) {
       const Quat first = turn_between(q[1], q[2]), last = turn_between(q[links - 1], q[links]);

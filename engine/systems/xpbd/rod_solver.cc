@@ -149,7 +149,7 @@ void RodSolver::find_spins(const RodSet& rods, double h, const ThreadArena& aren
   arena.for_blocks(rods.frames.size(), 1024, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const Quat p = turn_between(load4(old_frames_.data(), i), load4(frames_.data(), i));
-      // Half a turn in a substep is nobody's motion: its spin is kept finite.
+      // No real motion turns by half a circle in a substep: the spin is kept finite.
       const double scale = 2 / (std::max(p.w, 1e-6) * h);
       spins_[4 * i] = p.x * scale, spins_[4 * i + 1] = p.y * scale, spins_[4 * i + 2] = p.z * scale;
     }

@@ -1,7 +1,7 @@
 // What a solver keeps of Cosserat rods within a step: constants packed lane by lane, frames and their spins.
-// A substep turns frames by their spins (after Cayley, rod_strain.h), solves rods at once and finds spins
-// from how far frames have turned. The moment of a spin's own change of direction, w x I w, is left out: a
-// section's inertia is that of r^2 / l^2 of what its link has by its points.
+// A substep turns frames by their spins (by Cayley's map, rod_strain.h), solves each rod directly and takes
+// spins from how far frames have turned. The gyroscopic moment w x I w is left out: a section's inertia is
+// r^2 / l^2 of what the points give to its link.
 #pragma once
 #include <vector>
 
@@ -14,16 +14,16 @@ namespace truestep::xpbd {
 
 class RodSolver {
  public:
-  /// `spare`: a row of points without inverse mass, for lanes that have no rod.
+  /// `spare`: a row of a point without inverse mass, for lanes that have no rod.
   void prepare(const RodSet& rods, size_t spare, bool keeps);
-  /// Frames, spins, clamps and distances at the step's start.
+  /// Frames, spins, clamps and lengths at the step's start.
   void load(const RodSet& rods, const State& state);
   /// Turns frames for a substep of h.
   void predict(const RodSet& rods, double h, const ThreadArena& arena);
-  /// Strains at a substep's start, before points and frames move; nothing where rods are undamped.
+  /// Strains at a substep's start, before points and frames move; does nothing if rods are undamped.
   void measure(const RodSet& rods, const double* rows, const ThreadArena& arena);
   void forget_multipliers();
-  /// The largest q.
+  /// Returns the largest q.
   double solve(const RodSet& rods, double h, double* rows, const ThreadArena& arena);
   void find_spins(const RodSet& rods, double h, const ThreadArena& arena);
   void store(const RodSet& rods, State& state) const;

@@ -6,7 +6,7 @@ namespace truestep::xpbd {
 
 namespace {
 
-/// Points, first to last, and the links between them.
+/// Points from first to last, and the links between them.
 struct Path {
   std::vector<uint32_t> points, links;
 };
@@ -65,8 +65,8 @@ class PathFinder {
     return path;
   }
 
-  /// The unused link of the family at `end` that turns least, by less than 60 degrees, to a point without
-  /// this colour.
+  /// The unused link of the family at `end` that turns the path least, by less than 60 degrees, and leads to
+  /// a point without this colour.
   uint32_t straightest(uint32_t before, uint32_t end, Family family, uint32_t colour,
                        const std::vector<uint32_t>& taken) const {
     const Vec3 d = normalized(body_.x[end] - body_.x[before]);
@@ -89,7 +89,7 @@ class PathFinder {
   std::vector<uint8_t> used_;
 };
 
-/// The smallest colour that no earlier member with a common point has, member by member.
+/// Greedy colouring: each member gets the smallest colour that no earlier member with a common point has.
 template <class Points>
 std::vector<std::vector<uint32_t>> colour_greedily(size_t points, size_t members, const Points& points_of) {
   std::vector<std::vector<uint32_t>> at(points);  // colours of a point
@@ -107,7 +107,7 @@ std::vector<std::vector<uint32_t>> colour_greedily(size_t points, size_t members
 }
 
 ChainSchedule schedule_paths(std::vector<std::vector<Path>> colours, size_t lanes, size_t& rows) {
-  // Springs that came later (diagonals) first: what is stiffest has the last word.
+  // Springs added later (diagonals) first: the stiffest are solved last.
   std::reverse(colours.begin(), colours.end());
   ChainSchedule out;
   for (auto& paths : colours) {

@@ -7,15 +7,15 @@ namespace truestep::xpbd {
 
 namespace {
 
-// Rounds of impulses, and sweeps over the contacts in each, before what is left moves as one.
+// Rounds of impulses, sweeps over the contacts in each, and rounds of rigid zones for what is left.
 constexpr int kRounds = 3, kSweeps = 6, kMostZoneRounds = 50;
-// Shares of the gap and, where that is less, of the distance at the start that are left at least.
+// At least this share of the gap remains or, if smaller, this share of the distance at the start.
 constexpr double kLeast = 0.1, kKept = 0.9;
-// s, time constant by which what is too near is brought apart: faster it would hop.
+// s, time constant for separating what is too close: faster would make it hop.
 constexpr double kApart = 0.05;
-// Cosine of the turn of a hinge from which on the surface about it may meet itself.
+// Cosine of the hinge's turn beyond which the surface about it may meet itself.
 constexpr double kFold = 0.5;
-// Slack of boxes: at least and at most of the thickness, of the longest path off the mean.
+// Slack of boxes: least and most, in thicknesses; and in longest paths relative to the mean.
 constexpr double kLeastSlack = 0.05, kMostSlack = 0.5, kSlackOfPath = 4;
 // Sine of the angle by which a normal may lean over a triangle at its edge.
 constexpr double kLean = 0.02;
@@ -25,8 +25,8 @@ FeaturePoints gather(std::span<const double> x, const std::array<uint32_t, 4>& p
   return {load3(x.data(), p[0]), load3(x.data(), p[1]), load3(x.data(), p[2]), load3(x.data(), p[3])};
 }
 
-/// Whether other features are the nearer ones: the closest point of a triangle lies on its rim, or the normal
-/// of an edge leans over a triangle that it belongs to. Such contacts would hold what slides at every edge.
+/// Whether other features are closer: the closest point of a triangle lies on its border, or the normal of an
+/// edge leans over a triangle that it belongs to. Such contacts would catch sliding surfaces at every edge.
 bool leans(const SelfSweep& sweep, const std::array<uint32_t, 4>& p, const std::array<uint32_t, 4>& across,
            double t, const Proximity& at) {
   if (p[1] == across[0]) return std::any_of(at.c.begin(), at.c.end(), [](double c) { return c == 0; });
@@ -322,7 +322,7 @@ void SelfContacts::join_zones(const SelfSweep& s) {
   }
   for (uint32_t p = 0; p < n; ++p) {
     const uint32_t z = zone(p);
-    // A zone of one point has not met anything.
+    // A zone of one point has no contact.
     const double w = s.inverse_mass[p];
     const double* sum = sums_.data() + 4 * size_t{z};
     if (!(w > 0) || (z == p && sum[0] == 1 / w)) continue;

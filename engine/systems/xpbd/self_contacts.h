@@ -27,7 +27,7 @@ struct SelfOptions {
   double friction = 0;
 };
 
-/// Points of a substep, three numbers each; x1 is corrected.
+/// Positions of the points in a substep, three numbers each; x1 is corrected.
 struct SelfSweep {
   std::span<const double> x0;
   std::span<double> x1;
@@ -37,12 +37,12 @@ struct SelfSweep {
 
 class SelfContacts {
  public:
-  /// Nothing is known of earlier substeps any more: what follows depends on what it is given alone.
+  /// Forgets earlier substeps: what follows depends on its arguments alone.
   void begin_step(const FoldSurface& surface);
   /// Whether anything was corrected.
   bool resolve(const FoldSurface& surface, const SelfOptions& options, const SelfSweep& sweep,
                const ThreadArena& arena);
-  /// Whether the last resolve has moved the point.
+  /// Whether the last resolve moved the point.
   bool moved(size_t point) const { return moved_[point] != 0; }
 
  private:
@@ -50,9 +50,9 @@ class SelfContacts {
     std::array<uint32_t, 4> points;
     std::array<double, 4> c;
     Vec3 normal;
-    double gap;  // m, to be kept along the normal; kWatched: only looked at again
+    double gap;  // m, to be kept along the normal; kWatched: only checked again
   };
-  /// What of a block of facets or pairs is found in parallel.
+  /// What one block of facets or pairs contributes when searched in parallel.
   struct Found {
     std::vector<std::array<uint32_t, 2>> pairs;
     std::vector<Contact> contacts;
@@ -73,15 +73,15 @@ class SelfContacts {
               const ThreadArena& arena);
   void find_pairs(const FoldSurface& surface, double grow, const ThreadArena& arena);
   void mark_folds(const FoldSurface& surface, const SelfSweep& sweep);
-  /// Whether anything more is to be met.
+  /// Whether any contact was found.
   bool search(const Search& what, const ThreadArena& arena);
   void update_boxes(const Search& search, const ThreadArena& arena);
   void find_contacts(const Search& search, const ThreadArena& arena);
-  /// Whether both, along their whole paths, are out of reach along the normal of one of them.
+  /// Whether one facet's normal separates their whole paths by more than the reach.
   bool apart(const Search& search, const Facet& f, const Facet& g, const Vec3& normal) const;
   void meet_facets(const Search& search, uint32_t a, uint32_t b, Kinship kinship,
                    std::vector<Contact>& out) const;
-  /// `across`: corners of the triangles at both edges, UINT32_MAX where there are none.
+  /// `across`: the opposite corners of the triangles at both edges, UINT32_MAX if none.
   template <class Kind>
   void meet(const Search& search, const std::array<uint32_t, 4>& points,
             const std::array<uint32_t, 4>& across, Kinship kinship, std::vector<Contact>& out) const;
@@ -91,18 +91,18 @@ class SelfContacts {
 
   std::vector<Box> reach_;     // per point, in the frame that drifts with the mean
   std::vector<Box> boxes_;     // per facet
-  std::vector<Vec3> normals_;  // per facet, at x0; zero of a link
-  StaticTree tree_;            // of the facets at rest, about the boxes of now
+  std::vector<Vec3> normals_;  // per facet, at x0; zero for a link
+  StaticTree tree_;            // over the facets at rest, with the current boxes
   const FoldSurface* tree_of_ = nullptr;
   Vec3 drift_, next_drift_;  // m, at x0 and x1
   bool known_ = false;
   std::vector<std::array<uint32_t, 2>> pairs_;
   std::vector<Found> found_;
   std::vector<Contact> contacts_;
-  size_t fresh_ = 0;  // contacts from here on are those of the last search
+  size_t fresh_ = 0;  // contacts from here on come from the last search
   std::vector<uint8_t> folded_, moved_;
   std::vector<uint32_t> zone_;
-  std::vector<double> sums_;  // of a zone: mass, displacement times mass
+  std::vector<double> sums_;  // for each zone: mass, displacement times mass
 };
 
 }  // namespace truestep::xpbd

@@ -17,7 +17,7 @@ using Columns = XpbdColumns;
 
 namespace {
 
-// Substeps that tension may ask for in a step, and the q that it may reach: 2 is the limit of stability.
+// Most substeps that tension may ask for in a step, and the largest q allowed: 2 is the limit of stability.
 constexpr int kMostSubsteps = 1000;
 constexpr double kMostQ = 0.5;
 
@@ -29,7 +29,7 @@ void Solver<T>::store(const SolverInput&, State& s, const StepInput& in) const {
   const auto w = std::as_const(s).f64(Columns::inverse_mass);
   in.arena.for_blocks(w.size(), kBlockRows, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      // Held points keep the place that they have, to the bit.
+      // Held points keep their position to the bit.
       if (!(w[i] > 0)) continue;
       for (size_t k = 0; k < 3; ++k) {
         x[3 * i + k] += rows_[4 * i + k], v[3 * i + k] = velocity_[4 * i + k];
@@ -279,7 +279,7 @@ double Solver<T>::collide(const SolverInput& what, const State& s, const StepInp
   return *std::max_element(put_back_.begin(), put_back_.begin() + blocks);
 }
 
-/// Rods are solved in doubles alone (xpbd_rod_def.cc).
+/// Rods are solved in double precision only (xpbd_rod_def.cc).
 template <class T>
 void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
   constexpr bool kRods = std::is_same_v<T, double>;
@@ -314,7 +314,7 @@ void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
       q = std::max(q, collide(what, s, in, in.t + done, h) / options.shortest_link);
     }
     if (what.folds) q = std::max(q, meet_self(what, s, in, h) / options.shortest_link);
-    // A cloth that has just been pulled tight may be so again: what one substep says is forgotten by and by.
+    // A cloth just pulled tight may be so again soon: one substep's value decays gradually.
     tightness = std::max(q / (h * h), 0.8 * tightness);
     done += h;
   }

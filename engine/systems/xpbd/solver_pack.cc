@@ -1,5 +1,5 @@
-// What a solver packs lane by lane: constants of the constraints when a stiffness has changed, and where they
-// are at the start of a step.
+// Packs lane by lane: constants of the constraints when a stiffness has changed, and their state at the start
+// of a step.
 #include <algorithm>
 #include <tuple>
 
@@ -66,7 +66,7 @@ void Solver<T>::pack_volumes(const SolverInput& what, const State& s) {
   const double modulus = stiffness_of(s.f64(Columns::stiffness), Family::volume);
   const std::optional<double>& nu = what.options.poisson_ratio;
   resize(schedule.member.size(), 0, 1, volumes_);
-  // Of an elastic tetrahedron the inverse of its edges is kept in k, and it has two multipliers.
+  // For an elastic tetrahedron k holds the inverse of its edges, and there are two multipliers.
   volumes_.k.assign(nu ? 9 * schedule.member.size() : 0, T(0));
   volumes_.lambda.resize((nu ? 2 : 1) * schedule.member.size());
   for (size_t e = 0; e < schedule.member.size(); ++e) {
@@ -117,7 +117,7 @@ void Solver<T>::prepare(const SolverInput& what, const State& s) {
     // n iterations leave (1 - k) of an error (Mueller et al. 2007, section 3.3).
     relax_ = static_cast<T>(1 - trig::pow(1 - options.projection, 1.0 / options.iterations));
   }
-  // Rods have a row for the lanes that they leave empty.
+  // Rods have one row for their empty lanes.
   const size_t rows = schedule.rows + (what.rods.empty() ? 0 : 1);
   rows_.assign(4 * rows, T(0)), before_.assign(4 * rows, T(0)), velocity_.assign(4 * rows, T(0));
   if (!what.rods.empty()) cosserat_.prepare(what.rods, schedule.rows, keeps_);

@@ -1,4 +1,4 @@
-// What a solver does with membranes and tethers.
+// The solver's part for membranes and tethers.
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
@@ -67,7 +67,7 @@ void Solver<T>::hold_tethers(const SolverInput& what, const State& s, const Step
   in.arena.for_blocks(what.tethers.size(), kBlockRows, [&](size_t begin, size_t end) {
     for (const Tether& t : what.tethers.subspan(begin, end - begin)) {
       T *row = rows_.data() + 4 * size_t{t.point}, *at = rows_.data() + 4 * size_t{t.anchor};
-      // A command may have pinned the one or let go of the other.
+      // A command may have pinned one or released the other.
       if (!(row[3] > 0) || at[3] > 0) continue;
       const Vec3 anchor = load3(start, t.anchor) + Vec3{at[0], at[1], at[2]};
       const Vec3 d = load3(start, t.point) + Vec3{row[0], row[1], row[2]} - anchor;

@@ -104,7 +104,7 @@ bool TearSurface::cut(State& s, uint32_t row, const Vec3& along, size_t capacity
   }
   if (!(part > 0) || !(part < whole)) return false;
   const auto added = static_cast<uint32_t>(rows);
-  // Decided before a corner changes: `beyond` of one triangle does not look at others.
+  // Decided before any corner changes: `beyond` for one triangle does not depend on the others.
   for (const uint32_t c : around(origin)) {
     if (corners[c] == row && beyond(c)) corners[c] = added;
   }
@@ -141,7 +141,7 @@ void Tearing::run(const TearSurface& surface, const Body& body, const TearLimits
       const Strand strand = surface.strand(corners, k, i);
       if (!(strand.share > 0)) continue;
       const double e = extension(l, strand), whole = stiffness_of(stiffness, l.family) * l.factor;
-      // A strand has the cross-section of its share, and bears so much less.
+      // A strand has its share of the cross-section and bears proportionally less.
       const double ratio = std::max(e / (l.rest * limits.strain), whole * e / limits.force);
       if (!(ratio > 0)) continue;
       borne_[strand.a] += ratio * strand.share, borne_[strand.b] += ratio * strand.share;

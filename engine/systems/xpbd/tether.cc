@@ -9,7 +9,7 @@ std::vector<Tether> build_tethers(const Body& body, double slack) {
   const size_t n = body.x.size();
   std::vector<std::vector<std::pair<uint32_t, double>>> beside(n);
   for (const Link& l : body.links) beside[l.a].push_back({l.b, l.rest}), beside[l.b].push_back({l.a, l.rest});
-  // Dijkstra from all pins at once; equal ways go to the pin that comes first.
+  // Dijkstra from all pins at once; ties go to the first pin.
   struct Reached {
     double way;
     uint32_t point, anchor;

@@ -1,9 +1,8 @@
 // Long-range attachments (Kim, Chentanez, Mueller 2012, "Long range attachments - a method to simulate
-// inextensible clothing in computer games"): a free point gets no further from the held point that is nearest
-// along the links than that way is long at rest,
+// inextensible clothing in computer games"): a free point stays within the rest length of the shortest path
+// along links to its nearest held point,
 //   |x - x_a| <= L (1 + slack),
-// whatever iterations have left of the links between. They are limits, not springs, and move the free point
-// alone.
+// however far the links between have converged. These are limits, not springs, and move the free point alone.
 #pragma once
 #include <vector>
 
@@ -16,7 +15,7 @@ struct Tether {
   double length;  ///< m
 };
 
-/// One for every free point from which links lead to a pin, ascending.
+/// One for every free point that links connect to a pin, ascending.
 std::vector<Tether> build_tethers(const Body& body, double slack);
 
 }  // namespace truestep::xpbd

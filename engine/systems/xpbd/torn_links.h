@@ -1,5 +1,5 @@
-// Links of a cloth that tears, from when one of their ends has been split: strands, each by itself
-// (tear_surface.h). Room for all of them is in the schedule; batches without a strand are passed over.
+// Links of a tearing cloth once one of their ends has been split: strands, each solved by itself
+// (tear_surface.h). The schedule has room for all of them; batches without a strand are skipped.
 #pragma once
 #include <vector>
 
@@ -23,7 +23,7 @@ class TornLinks {
             const Stiffness& stiffness);
   void load(const double* x);
   void forget_multipliers() { std::fill(lambda_.begin(), lambda_.end(), T(0)); }
-  /// The largest q.
+  /// Returns the largest q.
   T solve(const PerStep<T>& per, const T* before, T relax, T* rows, const ThreadArena& arena);
 
  private:

@@ -41,8 +41,8 @@ RodSet make_rods(const XpbdDef& def, const Body& body) {
   return build_rods(def, body.x, links, link_mass);
 }
 
-/// What is solved by itself. Links of rods are solved with their frames; of what is matched or elastic they
-/// are edges alone.
+/// The constraints that are solved one by one. Links of rods are solved together with their frames,
+/// simultaneous links by Jacobi; those of matched or elastic bodies are edges only.
 Body solved(Body body, const XpbdDef& def) {
   if (def.rod || def.matching || is_elastic(def) || is_membrane(def) || is_simultaneous(def.sweep))
     body.links.clear();
@@ -108,7 +108,7 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
   plan_stages(def, division.why);
   publish();
   name_parts();
-  // What falls, swings or snaps back cannot be faster than its reach in a substep.
+  // What falls, swings or snaps back moves less than its reach in a substep.
   const double reach = 1 + extent(body_);
   double fastest = 0;
   for (const Vec3& v : body_.velocities) fastest = std::max(fastest, norm(v));
@@ -188,7 +188,7 @@ void Xpbd::plan_stages(const XpbdDef& def, const std::string& why) {
 }
 
 void Xpbd::publish() {
-  if (tears_) return;  // drawn as the state says
+  if (tears_) return;  // drawn from the state
   for (const Link& l : body_.links) {
     drawing_.lines.push_back({l.a, l.b});
     drawing_.line_kinds.push_back(l.family == Family::shear ? LineKind::shear : LineKind::structural);
@@ -274,7 +274,7 @@ State Xpbd::initial_state() const {
     Columns::kHands.set_drag(s, p, a.target.value_or(body_.x[p]), a.stiffness.value_or(default_drag(s, p)),
                              {});
   }
-  // Nothing is known yet of the tensions: as if the lightest point carried the whole weight on both sides.
+  // Tensions are not known yet: as if the lightest point carried the whole weight on both sides.
   double weight = 0, lightest = HUGE_VAL;
   for (const double m : body_.masses) weight += m * norm(gravity_), lightest = std::min(lightest, m);
   s.f64(Columns::tightness)[0] = 2 * weight / (lightest * options_.shortest_link);
@@ -315,7 +315,7 @@ void Xpbd::draw(const State& s, double t, Wish wishes, Drawing& out) const {
 
 uint32_t Xpbd::drawing_version(const State& s) const {
   if (!tears_ || s.rows(Columns::position) == body_.x.size()) return 1;
-  // What is torn may be torn elsewhere, by as many points.
+  // A cloth may tear elsewhere into as many rows, so the version depends on the corners.
   const auto corners = s.span<uint32_t>(tears_->columns.corner);
   Hasher hash;
   hash.bytes(corners.data(), corners.size_bytes());

@@ -1,13 +1,13 @@
 // The system type "xpbd": cloth, ropes, hair and soft blocks by extended position-based dynamics (Macklin,
-// Mueller, Chentanez 2016), whose stiffness is that of the scene in N/m, or by position-based dynamics
-// (Mueller, Heidelberger, Hennix, Ratcliff 2007), whose stiffness follows from step and iterations.
-// A step is divided into substeps of one iteration each (Macklin et al. 2019); links in line are solved at
-// once. First order in time and dissipative, as implicit Euler: the faster a motion, the more it is damped.
-// Ropes and hair may be Cosserat rods (rod_set.h), cloth may tear (tear_surface.h), blocks have springs, a
-// material (kernels/xpbd/neo_hookean.h) or a shape that they are drawn to (match_set.h). Commands: push,
+// Mueller, Chentanez 2016), with the scene's stiffness in N/m, or by position-based dynamics (Mueller,
+// Heidelberger, Hennix, Ratcliff 2007), whose stiffness depends on step and iterations. A step is divided
+// into substeps of one iteration each (Macklin et al. 2019); links in line are solved directly. First order
+// in time and dissipative, like implicit Euler: the faster a motion, the more it is damped. Ropes and hair
+// may be Cosserat rods (rod_set.h), cloth may tear (tear_surface.h), blocks have springs, an elastic material
+// (kernels/xpbd/neo_hookean.h) or a shape that they are pulled back to (match_set.h). Commands: push,
 // impulse, drag, release, pin, unpin, set_parameter (stiffness, shear_stiffness, youngs_modulus,
-// bending_rigidity, flexural_rigidity, bulk_modulus, damping, internal_damping, gravity, and wind where there
-// is one).
+// bending_rigidity, flexural_rigidity, bulk_modulus, damping, internal_damping, gravity, and wind if the
+// scene has one).
 #pragma once
 #include <memory>
 
@@ -21,8 +21,8 @@ class Xpbd final : public StagedSystem, public ChangingTriangles {
   Xpbd(const XpbdDef& def, const BuildContext& context);
 
   State initial_state() const override;
-  /// energy.kinetic; energy.potential and energy.total where constraints have one (scheme xpbd); momenta
-  /// about the origin, strain of the links, pins.
+  /// energy.kinetic; energy.potential and energy.total if constraints have one (scheme xpbd); momenta about
+  /// the origin, strain of the links, pins.
   void observe(const State& state, double t, Observables& out) const override;
   /// position, velocity, strain (1, largest at a point); part "links": strain.
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
@@ -61,10 +61,10 @@ class Xpbd final : public StagedSystem, public ChangingTriangles {
 
   Vec3 gravity_, velocity_, wind_;
   double damping_[2];
-  bool youngs_;    // stiffnesses of links are moduli
-  bool elastic_;   // tetrahedra are of a material, and there are no links
-  bool membrane_;  // triangles are of a material, and there are no links
-  bool cosserat_;  // links are those of rods, whose moduli stay
+  bool youngs_;    // link stiffnesses are moduli
+  bool elastic_;   // tetrahedra have an elastic material, and there are no links
+  bool membrane_;  // triangles have an elastic material, and there are no links
+  bool cosserat_;  // links belong to rods, whose moduli stay
   Precision precision_;
   Body body_;
   RodSet rods_;
@@ -80,7 +80,7 @@ class Xpbd final : public StagedSystem, public ChangingTriangles {
   std::optional<FoldSurface> folds_;
   std::optional<AirDrag> air_;
   PartDrawing drawing_;
-  std::vector<std::array<uint32_t, 2>> segments_;  // published where there are no triangles
+  std::vector<std::array<uint32_t, 2>> segments_;  // published if there are no triangles
   double speed_limit_ = 0;
 };
 

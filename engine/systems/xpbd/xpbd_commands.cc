@@ -1,4 +1,4 @@
-// What commands do to an xpbd state; errors name the member of the command that is wrong.
+// How commands change an xpbd state; errors name the member of the command that is wrong.
 #include <algorithm>
 
 #include "engine/core/point_commands.h"

@@ -46,7 +46,7 @@ void check_rigidities(const XpbdDef& d, const DefTable::Report& report) {
   }
 }
 
-/// m, between neighbours; of a mesh the mean.
+/// m, between neighbours; the mean for a mesh.
 double spacing(const XpbdDef& d) {
   if (d.rope) return rope_link(*d.rope);
   if (d.helix) return helix_link(*d.helix);
@@ -62,7 +62,7 @@ double spacing(const XpbdDef& d) {
   double sum = 0;
   size_t count = 0;
   const auto& corners = d.mesh->triangles;
-  // Indices that are out of range have an error of their own.
+  // Indices out of range have an error of their own.
   const auto place = [&](size_t k) {
     const auto i = static_cast<size_t>(corners[k]);
     return i < d.mesh->vertices.size() ? d.mesh->vertices[i] : Vec3{};
@@ -77,14 +77,14 @@ double spacing(const XpbdDef& d) {
 void check_self_collision(const XpbdDef& d, const DefTable::Report& report) {
   if (!d.self_collision) return;
   if (!(d.thickness > 0)) report("/self_collision", "needs a thickness above 0");
-  // What is that near along the sheet would be held apart for ever.
+  // Points this close along the sheet would be pushed apart for ever.
   const double most = spacing(d);
   if (d.thickness <= most) return;
   report("/thickness", "self_collision needs one of at most the distance between neighbours, " +
                            std::to_string(most) + " m: give fewer points or less");
 }
 
-/// What is solved from the same places is links alone.
+/// Only links can be solved simultaneously.
 void check_sweep(const XpbdDef& d, const DefTable::Report& report) {
   if (!is_simultaneous(d.sweep)) return;
   const char* other = d.rod                                               ? "rods"

@@ -1,4 +1,4 @@
-// What a scene says about cloth, ropes, hair and soft blocks whose steps are made of places; see xpbd.h.
+// Scene parameters of cloth, ropes, hair and soft blocks by position-based dynamics; see xpbd.h.
 #pragma once
 #include <optional>
 #include <string>
@@ -17,41 +17,41 @@ enum class Precision : uint8_t { f64, f32 };
 /// What resists stretching and shearing in cloth; see kernels/xpbd/membrane.h.
 enum class Membrane : uint8_t { links, st_venant_kirchhoff, neo_hookean };
 
-/// Mass added to a point, as of something hung there.
+/// Extra mass at a point, such as a hanging weight.
 struct LoadDef {
   int64_t point = 0;
   double mass = 1;  // kg
 };
 
-/// What makes Cosserat rods of a rope, a helix or hair; see kernels/xpbd/rod_strain.h.
+/// Turns a rope, a helix or hair into Cosserat rods; see kernels/xpbd/rod_strain.h.
 struct RodDef {
   double youngs_modulus = 1e6;          // Pa
-  double poisson_ratio = 0.3;           // of G = E / 2 (1 + nu)
+  double poisson_ratio = 0.3;           // in G = E / 2 (1 + nu)
   std::optional<double> shear_modulus;  // Pa, instead
-  std::optional<double> width, height;  // m, along d1 and d2 of a rectangle; absent: round, of the thickness
+  std::optional<double> width, height;  // m, along d1 and d2 of a rectangle; absent: round, of this thickness
   std::optional<double> torsion_constant;  // m^4
   enum class Natural : uint8_t { as_shaped, straight } natural = Natural::as_shaped;
   double twist = 0;         // rad, from the first to the last section at the start
-  double twist_rate = 0;    // rad/s, of the clamped last section about the rod
-  double damping_time = 0;  // s, internal: moments and forces of strain rates over those of strains
-  Vec3 up{0, 1, 0};         // which d2 of the first section is next to
+  double twist_rate = 0;    // rad/s, of the clamped last section about the rod's axis
+  double damping_time = 0;  // s, internal: moments and forces per strain rate over those per strain
+  Vec3 up{0, 1, 0};         // direction closest to d2 of the first section
   std::vector<std::string> clamped;
 };
 
-/// Limits beyond which links between neighbours of a cloth give way; see tear_surface.h.
+/// Limits beyond which links between neighbours of a cloth tear; see tear_surface.h.
 struct TearDef {
   std::optional<double> strain, force;  // 1, N
   std::optional<int64_t> most_splits;   // default: the number of points
 };
 
-/// A point held to a place by a spring.
+/// A point held to a position by a spring.
 struct AttachmentDef {
   int64_t point = 0;
-  std::optional<Vec3> target{};       // m; absent: where the point is at the start
-  std::optional<double> stiffness{};  // N/m; absent: that of a drag
+  std::optional<Vec3> target{};       // m; absent: where the point starts
+  std::optional<double> stiffness{};  // N/m; absent: that of a drag command
 };
 
-/// One more body of a shape: turned about the origin, then moved.
+/// One more copy of a shape: turned about the origin, then moved.
 struct CopyDef {
   Vec3 position, axis{0, 0, 1}, velocity;  // m, -, m/s
   double angle = 0;                        // rad
@@ -63,7 +63,7 @@ struct MatchDef {
   double linear = 0;
 };
 
-/// Whether all links are solved at once from the same places.
+/// Whether all links are solved at once from the same positions.
 inline bool is_simultaneous(Sweep s) {
   return s >= Sweep::jacobi;
 }
@@ -75,7 +75,7 @@ struct XpbdDef {
   std::optional<ClothGridShape> cloth_grid;
   std::optional<MeshShape> mesh;
   std::optional<SoftBlockShape> block;
-  std::vector<CopyDef> copies;  // of mesh and block
+  std::vector<CopyDef> copies;  // for mesh and block
 
   double mass = 0.01;             // kg per point
   std::optional<double> density;  // kg/m, kg/m^2 or kg/m^3, instead of mass
@@ -83,9 +83,9 @@ struct XpbdDef {
   double stiffness = 10000;  // N/m
   double shear_stiffness = 1000;
   std::optional<double> youngs_modulus;  // Pa, instead of both
-  std::optional<double> poisson_ratio;   // of an elastic block or a membrane
+  std::optional<double> poisson_ratio;   // for an elastic block or a membrane
   Membrane membrane = Membrane::links;
-  double bulk_modulus = 1e5;     // Pa, of a block
+  double bulk_modulus = 1e5;     // Pa, for a block
   double bending_rigidity = 0;   // N m^2, EI of a rope or hair
   double flexural_rigidity = 0;  // N m, D of cloth
   double rest_scale = 1;
@@ -97,7 +97,7 @@ struct XpbdDef {
   std::optional<RodDef> rod;
   std::optional<TearDef> tear;
   std::vector<AttachmentDef> attachments;
-  std::optional<double> tether_slack;  // 1, of long-range attachments; absent: there are none
+  std::optional<double> tether_slack;  // 1, for long-range attachments; absent: none
   std::optional<MatchDef> matching;
   std::optional<Vec3> wind;  // m/s
   double gust = 0, gust_period = 2;
@@ -113,19 +113,19 @@ struct XpbdDef {
   Sweep sweep = Sweep::chains;
   Precision precision = Precision::f64;
   std::optional<int> substeps, iterations;
-  double projection = 1;  // share of a correction that PBD takes
+  double projection = 1;  // share of a correction that PBD applies
 };
 
 const DefTable& xpbd_table();
 const DefTable& rod_table();
-/// What a rod and the rest of the scene say against each other.
+/// Checks a rod against the rest of the scene.
 void check_rod(const XpbdDef& def, const DefTable::Report& report);
 const DefTable& copy_table();
 const DefTable& match_table();
-/// What copies, matching and the material of a block say against each other.
+/// Checks copies, matching and the material of a block against each other.
 void check_soft(const XpbdDef& def, const DefTable::Report& report);
 const DefTable& attachment_table();
-/// What membranes, attachments and tethers and the rest of the scene say against each other.
+/// Checks membranes, attachments and tethers against the rest of the scene.
 void check_sheet(const XpbdDef& def, const DefTable::Report& report);
 inline bool is_membrane(const XpbdDef& def) {
   return def.membrane != Membrane::links && (def.cloth_grid || def.mesh);

@@ -1,5 +1,5 @@
-// Energies, momenta and strains of an xpbd state. The potential is that of gravity, of hands and of all
-// constraints, 1/2 C^2 / alpha each; projections without compliance (scheme pbd) have none.
+// Energies, momenta and strains of an xpbd state. Potential energy is that of gravity, of drag springs and of
+// all constraints, 1/2 C^2 / alpha each; projections without compliance (scheme pbd) have none.
 #include <algorithm>
 #include <cmath>
 
@@ -125,8 +125,8 @@ Energy Xpbd::energies(const State& s) const {
     const UserForces::Drag drag = Columns::kHands.drag(s, k);
     e.potential += 0.5 * drag.stiffness * norm2(drag.target - load3(x, drag.who));
   }
-  // Of chains by themselves alone what they store is what they were given: where sweeps do not converge in a
-  // substep, stiff links are stretched by what is left, and that energy is none of the motion's.
+  // Only single chains store exactly the energy they were given: where sweeps do not converge in a substep,
+  // stiff links are stretched by the residual, and that energy is not the motion's.
   const bool alone = !cosserat_ && matches_.empty() && !elastic_ && tethers_.empty() &&
                      schedule_.chains.colours.size() == 1 && body_.rods.empty() &&
                      options_.scheme == Scheme::xpbd;

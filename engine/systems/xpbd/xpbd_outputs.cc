@@ -1,4 +1,4 @@
-// What the system type "xpbd" gives out, in words, and what it will cost.
+// Descriptions of the outputs of the system type "xpbd", and its cost estimate.
 #include <algorithm>
 #include <cmath>
 
@@ -40,7 +40,7 @@ const Outputs& xpbd_outputs() {
 
 namespace {
 
-/// Substeps of 1/60 s: of a rope so many as the tension of all that hangs from its first link asks for.
+/// Substeps per 1/60 s: for a rope, as many as the tension asks for when all of it hangs from its first link.
 double substeps_of(const XpbdDef& d, double points) {
   if (d.substeps) return *d.substeps;
   if (d.scheme == Scheme::pbd) return 1;
@@ -63,23 +63,22 @@ Cost xpbd_cost(const void* def) {
                                                                                   : 1;
   const bool single = d.precision == Precision::f32, collides = !d.colliders.empty();
   const double constraints = n.links + n.bends + n.volumes;
-  // Of a point its places and triangles, of a constraint what the body, the order and the solver keep of it.
-  // A rope solved at once is one lane of as many as there are, and has scratch where it is long.
+  // Per point: its positions and triangles; per constraint: what the body, the schedule and the solver keep
+  // of it. A rope solved directly is one lane of a whole batch, and has scratch if it is long.
   const bool chain = d.rope && d.scheme == Scheme::xpbd && d.sweep == Sweep::chains;
   const double lane = !chain ? 0 : single ? 28 * 7 : 48 * 3;
   const double scratch = chain && n.links > kShortChain ? 224 : 0;
-  // Of a rod's link frames, spins, what is packed of its strains (8 Wide numbers a strain's row) and its
-  // scratch, in whole lanes: of a single rod four times its own.
+  // Per link of a rod: frames, spins, packed strains (8 Wide numbers per strain row) and scratch, in whole
+  // lanes: a single rod takes four times its own.
   const double lanes = !d.rod ? 0 : d.hair ? 1 : 4, rod = d.rod ? n.links * (170 + 620 * lanes) : 0;
-  // Of cloth that tears: rows of what may be split off, corners, and two strands a link with what is packed
-  // of them.
+  // Cloth that tears: rows that may be split off, corners, and two packed strands a link.
   const double splits =
       !d.tear ? 0 : static_cast<double>(d.tear->most_splits.value_or(static_cast<int64_t>(n.points)));
   const bool elastic = d.block && d.youngs_modulus;
   const double soft = (d.matching ? 90 * n.points : 0) + (elastic ? 90 * n.volumes : 0);
-  // Of a membrane's triangle what the body, the order and the solver keep of it.
+  // Per triangle of a membrane: what the body, the schedule and the solver keep of it.
   const double sheet = !is_membrane(d) ? 0 : d.mesh ? n.links / 3 : 2 * n.points;
-  // What keeps off itself: a sheet folds onto its two sides, blocks meet with some of their outsides.
+  // Self-collision: a sheet folds onto both its sides, blocks meet with part of their surface.
   const double meets = !d.self_collision ? 0 : d.block ? 900 : 2100;
   const double tears = d.tear ? 250 * splits + (single ? 160 : 260) * 2 * n.links : 0;
   return {

@@ -1,4 +1,4 @@
-// What a scene says about Cosserat rods; see kernels/xpbd/rod_strain.h.
+// Checks of Cosserat rods in a scene; see kernels/xpbd/rod_strain.h.
 #include <algorithm>
 
 #include "engine/systems/xpbd/xpbd_def.h"

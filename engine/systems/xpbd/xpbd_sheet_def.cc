@@ -1,4 +1,4 @@
-// What a scene says about membranes, attachments and tethers.
+// Checks of membranes, attachments and tethers in a scene.
 #include <string>
 
 #include "engine/geometry/make/surface.h"
@@ -20,7 +20,7 @@ const DefTable& attachment_table() {
 
 namespace {
 
-/// Edges without length, which have no direction, triangles without area, which have no mass, and edges of
+/// Edges of zero length, which have no direction, triangles of zero area, which have no mass, and edges of
 /// three triangles, which have no angle.
 void check_mesh(const XpbdDef& d, const DefTable::Report& report) {
   const auto fault = [&](const ClothFault& f, const char* more) {

@@ -1,4 +1,4 @@
-// What a scene says about copies, about shapes that are matched and about elastic blocks.
+// Checks of copies, shape matching and elastic blocks in a scene.
 #include "engine/systems/xpbd/xpbd_def.h"
 
 namespace truestep::xpbd {

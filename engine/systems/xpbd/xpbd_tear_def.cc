@@ -1,4 +1,4 @@
-// What a scene says about cloth that tears; see tear_surface.h.
+// Checks of cloth that tears in a scene; see tear_surface.h.
 #include "engine/systems/xpbd/xpbd_def.h"
 
 namespace truestep::xpbd {

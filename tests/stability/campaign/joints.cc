@@ -30,8 +30,8 @@ json::object sprung(Dice& d, std::string_view by) {
 }
 
 /// Fraction by which the energy of springs may oscillate if the fastest one alone has w (1/s), in substeps of
-/// h: beside rigid rows, velocities are half a substep off the positions, which gives h w / 2, and neighbours
-/// make w up to sqrt 2 times as large. Between two points alone it is (h w)^2 / 8.
+/// h: next to rigid rows, velocities are half a substep off the positions, which gives h w / 2, and
+/// neighbours make w up to sqrt 2 times as large. Between two points alone it is (h w)^2 / 8.
 double swing(double h, double w) {
   return std::max(0.08, h * w / std::numbers::sqrt2);
 }

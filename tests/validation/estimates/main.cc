@@ -85,10 +85,10 @@ double busiest(const std::vector<double>& took) {
   return most;
 }
 
-// When a scene has been weighed enough.
+// When to stop weighing a scene.
 enum class Until {
   kSeconds,  // after its time
-  kSettled   // or once its memory has rested for half of its steps, well within what is allowed
+  kSettled   // or once its memory has been constant for half of its steps, well within the allowed range
 };
 
 Figures measure(const boost::json::value& document, double most_seconds, Until until) {
