@@ -199,6 +199,17 @@ TEST(Campaign, FacesHitAtTheEndOfASmallStep) {
   }
 }
 
+// A heavy box beside the middle of a light one: both points of its contact bore the same and began with the
+// same offset, though the light box gives way more under the outer one, and the pair began to tilt (702960:
+// 0.025 J).
+TEST(Campaign, HeavyOnLightBesideTheMiddle) {
+  for (const uint64_t seed : {501555, 506688, 702960, 800168}) {
+    const Trial trial = make_trial(seed);
+    const Outcome outcome = judge(trial);
+    EXPECT_TRUE(outcome.findings.empty()) << report(trial, outcome);
+  }
+}
+
 // A judge that finds nothing in a wrong scene would be worthless.
 TEST(Campaign, JudgesFindWhatIsWrong) {
   Trial t = make_trial(0);
