@@ -54,21 +54,25 @@ MassSpring::MassSpring(std::unique_ptr<const MassSpringField> field, const Chose
     : ForceSystem(std::move(field), method.row, def.choice().options),
       springs_(static_cast<const MassSpringField&>(force_field())),
       colliders_(build_colliders(def.colliders)),
-      radius_(0.5 * def.thickness) {
+      radius_(0.5 * def.thickness),
+      looks_(def.choice().name.empty() && method.row.name == kUsual),
+      rising_(springs_) {
   for (const Collider& c : colliders_.colliders()) {
     surfaces_.push_back(c.surface);
     surfaces_.back().restitution = def.restitution;
     if (def.friction) surfaces_.back().friction = *def.friction;
   }
-  if (solves_contacts()) {
+  if (solves_contacts() || looks_) {
+    std::string on, check;
+    if (solves_contacts()) {
+      on = ", points on " + std::to_string(colliders_.colliders().size()) + " colliders held to them";
+    }
+    if (looks_)
+      check = "; a step that gains energy where springs turn is taken again with " + std::string(kStiff);
     add_stage("integrate",
-              "advances position and velocity with " + std::string(method.row.name) + ", points on " +
-                  std::to_string(colliders_.colliders().size()) + " colliders held to them: " + method.why,
-              [this](State& s, const StepInput& in) {
-                const bool driven = s.span<uint32_t>(Columns::air)[0] != 0 || s.rows(Columns::push_row) > 0;
-                on_surfaces_.step(force_field(), integrator(), options(), s, in,
-                                  driven ? SurfaceContacts::Supply::some : SurfaceContacts::Supply::none);
-              });
+              "advances position and velocity with " + std::string(method.row.name) + on + ": " + method.why +
+                  check,
+              [this](State& s, const StepInput& in) { integrate(s, in); });
   } else {
     if (!colliders_.empty()) {
       add_stage("remember", "contacts need where every point came from", remember);
@@ -142,6 +146,26 @@ bool MassSpring::solves_contacts() const {
   return !colliders_.empty() && (integrator().name == kUsual || integrator().name == kStiff);
 }
 
+bool MassSpring::driven(const State& s) {
+  return s.span<uint32_t>(Columns::air)[0] != 0 || s.rows(Columns::push_row) > 0;
+}
+
+void MassSpring::advance(const Integrator& method, State& s, const StepInput& in) const {
+  if (!solves_contacts()) return method.step(force_field(), s, in, options());
+  on_surfaces_.step(force_field(), method, options(), s, in,
+                    driven(s) ? SurfaceContacts::Supply::some : SurfaceContacts::Supply::none);
+}
+
+void MassSpring::integrate(State& s, const StepInput& in) const {
+  const bool supplied = driven(s) || std::ranges::any_of(colliders_.colliders(), [](const Collider& c) {
+                          return !c.motion.at_rest();
+                        });
+  if (!looks_ || supplied) return advance(integrator(), s, in);
+  rising_.step(
+      s, in, [this](State& to, const StepInput& at) { advance(integrator(), to, at); },
+      [this](State& to, const StepInput& at) { advance(*find_integrator(kStiff), to, at); });
+}
+
 State MassSpring::initial_state() const {
   State s = ForceSystem::initial_state();
   if (solves_contacts()) RowContacts::add_columns(s, s.rows(Columns::position));
@@ -167,9 +191,7 @@ void MassSpring::answer(State& state, const StepInput& in, Answer which, std::sp
 }
 
 Energy::Exchange MassSpring::exchange(const State& s) const {
-  const bool driven =
-      s.span<uint32_t>(Columns::air)[0] != 0 || s.rows(Columns::push_row) > 0 || !colliders_.empty();
-  return driven ? Energy::Exchange::open : Energy::Exchange::closed;
+  return driven(s) || !colliders_.empty() ? Energy::Exchange::open : Energy::Exchange::closed;
 }
 
 void MassSpring::add_contact_stage() {

@@ -7,6 +7,7 @@
 #include "engine/core/impulse_answer.h"
 #include "engine/integrators/table/default_method.h"
 #include "engine/systems/mass_spring/mass_spring_field.h"
+#include "engine/systems/mass_spring/rising_step.h"
 
 namespace truestep::mass_spring {
 
@@ -42,6 +43,10 @@ class MassSpring final : public ForceSystem, public AnswersImpulses {
   void add_contact_stage();
   /// Whether contacts are part of the method's own solution.
   bool solves_contacts() const;
+  /// Whether air or hands supply energy.
+  static bool driven(const State& s);
+  void advance(const Integrator& method, State& s, const StepInput& in) const;
+  void integrate(State& s, const StepInput& in) const;
   void publish_segments();
   void name_parts();
   double default_drag(const State& state, size_t row) const;
@@ -53,6 +58,8 @@ class MassSpring final : public ForceSystem, public AnswersImpulses {
   ColliderSet colliders_;
   std::vector<Surface> surfaces_;  // one per collider
   double radius_;                  // m, distance kept from colliders
+  bool looks_;                     // at the energy of steps
+  RisingStep rising_;
   SurfaceContacts on_surfaces_{colliders_,
                                surfaces_,
                                radius_,

@@ -212,7 +212,12 @@ void Solver<T>::small_step(const SolverSettings& settings, const ThreadArena& ar
   const bool parts = deep_.exchange(false);
   if (parts) start_parting(push_out_speed);
   const T* start = parts ? start_.data() : nullptr;
-  for (JointRow<T>& j : joints_) solve_joint(j, rows, moved, JointPass::bias, h);
+  for (JointRow<T>& j : joints_) {
+    if (j.joint->has_spring) solve_joint(j, rows, moved, JointPass::pull, h);
+  }
+  for (JointRow<T>& j : joints_) {
+    if (!j.joint->spring_only()) solve_joint(j, rows, moved, JointPass::bias, h);
+  }
   each_colour(arena, hinges_, hinge_colours_,
               [&](HingePack<T>& p) { solve_hinges<Pass::bias>(p, rows, moved, soft, h); });
   each_colour_back(arena, contacts_, contact_colours_, [&](ContactPack<T>& p) {

@@ -56,6 +56,11 @@ struct Acting {
     SoftConstraint<T> soft;  // of hold, lower and servo
     T least = -HUGE_VAL, most = HUGE_VAL;
   };
+  /// Springs pull before what holds the bodies answers: an answer that came a small step after the pull would
+  /// feed what swings.
+  bool acts(Law law) const {
+    return (law == Law::spring) ? pass != JointPass::bias : pass != JointPass::pull;
+  }
   /// New change of the impulse `acc` for speed v and mass m (1/k). A lower bound is one-sided.
   T change(T& acc, const Row& r, T v, T m) const {
     T bias = 0, scale = 1, back = 0;
@@ -86,10 +91,10 @@ struct Acting {
     acc = next;
     return d;
   }
-  /// The same of a spring. By where a bias pass took the bodies the relaxation would pull otherwise than the
+  /// The same of a spring. By where a small step took the bodies the relaxation would pull otherwise than the
   /// positions have felt, and feed what swings.
   T pulled(T& acc, T C, T v, T m) const {
-    if (pass == JointPass::bias) j.spring.error = C;
+    if (pass == JointPass::pull) j.spring.error = C;
     const T next = j.spring.scale * (acc - m * v) - j.spring.pull * j.spring.error, d = next - acc;
     acc = next;
     return d;
@@ -103,6 +108,7 @@ struct Acting {
   }
   /// A row on the turning rates: ratio_a w_a + ratio_b w_b.
   void angular(T& acc, const Row& r, T ratio_a, T ratio_b) {
+    if (!acts(r.law)) return;
     if (pass == JointPass::warm) return turn_by(acc, ratio_a, ratio_b);
     const T k = a.v[7] * ratio_a * ratio_a + b.v[7] * ratio_b * ratio_b;
     if (pass == JointPass::soften) return soften(r.law, k);
@@ -111,6 +117,7 @@ struct Acting {
   }
   /// A row along u; `sign` -1 turns a lower bound into an upper one.
   void along(T& acc, const Row& r, T ux, T uy) {
+    if (!acts(r.law)) return;
     if (pass == JointPass::warm) return push_along(acc, ux, uy);
     if (pass == JointPass::kick || pass == JointPass::unkick) {
       return push_along(pass == JointPass::kick ? -j.spring.half * r.C : j.spring.half * r.C, ux, uy);
@@ -124,7 +131,7 @@ struct Acting {
   }
   /// Both components of the distance of the anchors, within an impulse of magnitude `most`.
   void point(T* acc, Law law, const SoftConstraint<T>& soft, T most) {
-    if (pass == JointPass::soften) return;
+    if (pass == JointPass::soften || pass == JointPass::pull) return;
     if (pass == JointPass::warm) return push(acc[0], acc[1]);
     T rate = 0, scale = 1, back = 0;
     if (law == Law::servo || pass == JointPass::bias) {
@@ -209,7 +216,7 @@ void Acting<T>::pulley() {
     a.v[0] += a.v[3] * p * uax, a.v[1] += a.v[3] * p * uay, a.v[2] += a.v[7] * p * sa;
     b.v[0] += b.v[3] * p * ubx, b.v[1] += b.v[3] * p * uby, b.v[2] += b.v[7] * p * sb;
   };
-  if (pass == JointPass::soften) return;
+  if (pass == JointPass::soften || pass == JointPass::pull) return;
   if (pass == JointPass::warm) return pull(j.impulse[0]);
   const T k = a.v[3] + a.v[7] * sa * sa + ratio * ratio * b.v[3] + b.v[7] * sb * sb;
   const T v = uax * a.v[0] + uay * a.v[1] + sa * a.v[2] + ubx * b.v[0] + uby * b.v[1] + sb * b.v[2];

@@ -30,8 +30,8 @@ struct JointRow {
 };
 
 /// soften: coefficients of the spring for the masses as they are; unkick, kick: takes half a pull of it back
-/// before a step's first small step, adds it after the last.
-enum class JointPass : uint8_t { soften, unkick, warm, bias, relax, kick };
+/// before a step's first small step, adds it after the last; pull: springs alone, bias: all but them.
+enum class JointPass : uint8_t { soften, unkick, warm, pull, bias, relax, kick };
 
 /// One pass over a joint. rows: bodies' rows of eight, those from `moved` on take no impulses; h in s.
 template <class T>

@@ -19,6 +19,8 @@ namespace {
 
 /// Contacts steeper than that (cosine between normal and vertical) carry nothing at the start.
 constexpr double kCarries = 0.3;
+/// Offsets of two points that bear the same are taken as one where they differ by no more than this share.
+constexpr double kAlike = 1.0 / 8;
 
 }  // namespace
 
@@ -74,7 +76,11 @@ void Solver<T>::start_contacts(const Pairs& pairs, double h) {
       offset[i] = normal * part[i] * (1 - static_cast<double>(c.mass_scale[b.lane])) /
                   static_cast<double>(c.mass_scale[b.lane] * c.bias_rate[b.lane] * p.normal_mass[b.lane]);
     }
-    if (part[0] == part[1]) offset[0] = offset[1] = 0.5 * offset[0] + 0.5 * offset[1];
+    // Two points that bear the same share one offset, unless one gives way much more than the other because a
+    // body's own middle lies beside theirs: both would begin to tilt.
+    if (part[0] == part[1] && std::abs(offset[0] - offset[1]) <= kAlike * std::max(offset[0], offset[1])) {
+      offset[0] = offset[1] = 0.5 * offset[0] + 0.5 * offset[1];
+    }
     for (int i = 0; i < 2 && c.point[i].normal_mass[b.lane] > 0; ++i) {
       auto& p = c.point[i];
       p.separation.set(b.lane, p.separation[b.lane] - static_cast<T>(offset[i]));
