@@ -103,6 +103,11 @@ void CutPoisson::set(const std::array<const double*, 3>& open, const uint8_t* li
   for (const double v : l.inverse) fluid_cells_ += v > 0;
 }
 
+void CutPoisson::set_coefficients(const std::array<const double*, 3>& factors, const ThreadArena& arena) {
+  coarse_ = Coarse::series;
+  set(factors, nullptr, arena);
+}
+
 bool CutPoisson::coarsen() {
   Level& fine = levels_.back();
   constexpr size_t kFewest = 4;
@@ -172,13 +177,34 @@ void CutPoisson::fill_coarser(const Level& fine, Level& coarse, const ThreadAren
           std::array<std::array<size_t, 2>, 3> over = span;
           over[a] = {0, 1};
           const double width = distance(fine, a, fine_place), coarse_width = distance(coarse, a, place);
+          // Two coarse cells and the fine ones in them.
+          const auto n = static_cast<ptrdiff_t>(fine.n[a]), m = static_cast<ptrdiff_t>(coarse.n[a]);
+          const bool at_side = !grid_.periodic[a] && (place < 0 || place + 1 == m);
+          const bool in_series = coarse_ == Coarse::series && fine.halved[a] && !at_side;
+          const auto pair = [&](ptrdiff_t c) {
+            const auto own = children(a, static_cast<size_t>((c + m) % m));
+            return own[1] - own[0] == 2;
+          };
+          const std::array<bool, 2> pairs{in_series && pair(place), in_series && pair((place + 1) % m)};
           double total = 0;
           for (size_t fq = over[2][0]; fq < over[2][1]; ++fq) {
             for (size_t fj = over[1][0]; fj < over[1][1]; ++fj) {
               for (size_t fi = over[0][0]; fi < over[0][1]; ++fi) {
                 const size_t from = fine.at(fi, fj, fq) +
                                     fine.stride(a) * static_cast<size_t>(fine_place + 1) - fine.stride(a);
-                total += fine.k[a][from] * width / coarse_width;
+                if (!in_series) {
+                  total += fine.k[a][from] * width / coarse_width;
+                  continue;
+                }
+                // Half of the face inside either coarse cell, where it has one.
+                double resistance = 1 / fine.k[a][from];
+                for (const ptrdiff_t side : {ptrdiff_t{-1}, ptrdiff_t{1}}) {
+                  if (!pairs[side > 0]) continue;
+                  const ptrdiff_t face = (fine_place + side + n) % n;
+                  const size_t inner = fine.at(fi, fj, fq) + fine.stride(a) * static_cast<size_t>(face);
+                  resistance += 0.5 / fine.k[a][inner];
+                }
+                total += 1 / resistance;
               }
             }
           }
@@ -191,7 +217,9 @@ void CutPoisson::fill_coarser(const Level& fine, Level& coarse, const ThreadAren
         const size_t u = a == 0 ? 1 : 0, w = a == 2 ? 1 : 2;
         const double area = coarse.width[u][p[u]] * (w < grid_.dimensions ? coarse.width[w][p[w]] : 1);
         const auto lifted = [&](double k, ptrdiff_t place) {
-          return k > 0 ? std::max(k, std::sqrt(k * area / distance(coarse, a, place))) : k;
+          return k > 0 && coarse_ == Coarse::shares
+                     ? std::max(k, std::sqrt(k * area / distance(coarse, a, place)))
+                     : k;
         };
         const auto here = static_cast<ptrdiff_t>(p[a]);
         if (here == 0) coarse.k[a][at + i - coarse.stride(a)] = lifted(sum(-1, -1), -1);

@@ -29,6 +29,10 @@ class CutPoisson {
   /// Poisson solver for fluids simulation on large grids", section 3.3). Does not allocate.
   void set(const std::array<const double*, 3>& open, const uint8_t* liquid, const ThreadArena& arena);
 
+  /// The same for factors that jump and are nowhere 0, such as 1 / density of two fluids: a coarse face
+  /// conducts as the fine ones between the middles of its cells do one after another. Does not allocate.
+  void set_coefficients(const std::array<const double*, 3>& factors, const ThreadArena& arena);
+
   struct Outcome {
     int iterations = 0;
     double residual = 0;  ///< relative to that of x = 0, root mean square
@@ -81,6 +85,7 @@ class CutPoisson {
   mac::MacGrid grid_;
   std::array<std::array<mac::Mirror, 2>, 3> mirrors_;
   bool singular_ = true, surface_ = false;
+  enum class Coarse : uint8_t { shares, series } coarse_ = Coarse::shares;
   double fluid_cells_ = 0;
   std::vector<Level> levels_;
   Vector b_, r_, z_, p_, q_;

@@ -100,7 +100,11 @@ void Flow::bind(const FlowModel& m, const ThreadArena& arena) {
   }
   set(scalar_sides_, kCentre), set(pressure_sides_, kPressure);
   solids_.bind(m);
-  if (m.solids.any()) {
+  if (m.two_fluids()) {
+    cut_pressure_.emplace(m.grid, m.mirrors(kPressure));
+    for (size_t c = 0; c < m.grid.dimensions; ++c)
+      lightness_[c].data.assign(m.grid.size(), 0), lift_[c].data.assign(m.grid.size(), 0);
+  } else if (m.solids.any()) {
     for (size_t c = 0; c < m.grid.dimensions && m.texts.obstacles_move; ++c)
       were_inside_[c].reserve(solids_->inside[c].capacity());
     cut_pressure_.emplace(m.grid, m.mirrors(kPressure), m.solids.open);
@@ -215,6 +219,7 @@ void Flow::add_force(FlowFields& f, double t, size_t c, double factor, double* t
   }
   const Vec3& gravity = model_->gravity;
   const double along = c == 0 ? gravity.x : c == 1 ? gravity.y : gravity.z;
+  if (f.second) add_weight(c, factor, to);
   if (!f.scalar || along == 0 || model_->def.scalar->expansion == 0) return;
   const double rise = -0.5 * factor * along * model_->def.scalar->expansion;
   const size_t s = g.stride(c);
@@ -256,6 +261,7 @@ void Flow::stage(FlowFields& f, double t, double h, const Weights& w, bool impli
     const double viscosity = implicit ? 0 : f.viscosity;
     fourth ? mac::momentum_rate4(g, c, u, viscosity, now, *arena_)
            : mac::momentum_rate(g, c, u, viscosity, now, *arena_);
+    if (f.second) damp_at_border(f, c, viscosity, now);
     add_force(f, t, c, 1, now);
     double* change = array(6 + c);
     const double a = h * w.gamma, b = h * w.zeta;
@@ -268,8 +274,12 @@ void Flow::stage(FlowFields& f, double t, double h, const Weights& w, bool impli
       }
     });
     const double alpha = h * w.alpha;
-    fourth ? mac::subtract_gradient4(g, c, f.pressure, 2 * alpha, change, *arena_)
-           : mac::subtract_gradient(g, c, f.pressure, 2 * alpha, change, *arena_);
+    if (f.second) {
+      subtract_pressure(f, c, f.pressure, 2 * alpha, change);
+    } else {
+      fourth ? mac::subtract_gradient4(g, c, f.pressure, 2 * alpha, change, *arena_)
+             : mac::subtract_gradient(g, c, f.pressure, 2 * alpha, change, *arena_);
+    }
     if (implicit) {
       const double amount = 2 * alpha * f.viscosity;
       fourth ? mac::add_laplacian4(g, c, f.u[c], amount, change, *arena_)
@@ -324,7 +334,10 @@ void Flow::project(FlowFields& f, double t, double h) {
   for (size_t c = 0; c < g.dimensions; ++c) open_sides(c, f.u[c]);
   balance(f);
   double* phi = array(9);
-  if (cut_pressure_) {
+  if (f.second) {
+    mac::divergence(g, {f.u[0], f.u[1], f.u[2]}, phi, *arena_);
+    f.solved = cut_pressure_->solve(phi, model_->def.tolerance, *arena_);
+  } else if (cut_pressure_) {
     move_obstacles(f, t + h);
     model_->sharp_walls() ? extend_into_solids(f, At::open_part) : stop_in_solids(f);
     divergence_between_solids(f, phi);
@@ -347,16 +360,8 @@ void Flow::project(FlowFields& f, double t, double h) {
       mac::subtract_gradient4(g, c, phi, 1, f.u[c], *arena_);
       continue;
     }
-    const auto x = model_->unknown(c, 0), y = model_->unknown(c, 1), z = model_->unknown(c, 2);
-    const double scale = 1 / g.spacing[c];
-    const size_t s = g.stride(c);
-    mac::for_rows(g, c, *arena_, [&](size_t at, size_t j, size_t k, size_t) {
-      if (j < y[0] || j >= y[1] || k < z[0] || k >= z[1]) return;
-      double* u = f.u[c] + at;
-      const double *high = phi + at, *low = high - s;
-      for (size_t i = x[0]; i < x[1]; ++i) u[i] -= scale * (high[i] - low[i]);
-    });
-    if (cut_pressure_) settle_shut_faces(f, c, phi);
+    subtract_pressure(f, c, phi, 1, f.u[c]);
+    if (model_->solids.any()) settle_shut_faces(f, c, phi);
   }
   if (h > 0) {
     const double per = 1 / h;
@@ -368,6 +373,7 @@ void Flow::project(FlowFields& f, double t, double h) {
 }
 
 void Flow::substep(FlowFields& f, double t, double h) {
+  weigh(f);
   if (model_->def.advection != GridFluidDef::Advection::central) {
     along_paths(f, t, h);
   } else if (model_->def.stepping == GridFluidDef::Stepping::rk3) {
@@ -385,6 +391,7 @@ void Flow::substep(FlowFields& f, double t, double h) {
     f.last_h = h;
   }
   if (f.scalar) carry(f, t, h);
+  if (f.second) carry_second(f, t, h);
 }
 
 }  // namespace truestep::grid_fluid

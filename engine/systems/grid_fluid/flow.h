@@ -8,7 +8,8 @@
 // (Stam 1999, "Stable fluids"). Obstacles cut cells: what passes a face is what its open share lets pass
 // beside the obstacle's own motion (Ng, Min, Gibou 2009). With central advection and explicit viscosity they
 // have walls of second order (solids.h), otherwise the volume around a face takes on their velocity by its
-// solid share. Scratch of one thread's run; everything that lasts is in the state.
+// solid share. Two fluids: flow_two_fluids.cc. Scratch of one thread's run; everything that lasts is in the
+// state.
 #pragma once
 #include <memory>
 #include <optional>
@@ -37,6 +38,15 @@ struct FlowModel {
   bool sharp_walls() const;
   /// The largest divergence is noted at the end of a step, where a single state does not show it.
   bool keeps_divergence() const { return texts.obstacles_move || fourth_order(); }
+  bool two_fluids() const { return def.second_fluid.has_value(); }
+  /// kg/m^3, of a cell of which the second fluid fills a share.
+  double density_of(double share) const;
+  /// m/s^2, along axis a where sides hold the fluids against it; 0 along a periodic axis.
+  double held_gravity(size_t a) const;
+  /// Shares of the second fluid at the start.
+  void fill_second(double* share) const;
+  /// 1/s, of the shortest waves that gravity raises on the border of two fluids; 0: there is none.
+  double border_rate() const;
   bool fourth_order() const { return def.order == GridFluidDef::Order::fourth; }
   /// How values of a place are mirrored at the sides; kCentre + 1 is the pressure.
   std::array<std::array<mac::Mirror, 2>, 3> mirrors(size_t place) const;
@@ -49,6 +59,7 @@ inline constexpr size_t kPressure = mac::kCentre + 1;
 struct FlowFields {
   mac::Fields u{}, rate{};  ///< rate: of the step before, for two-step methods
   double *pressure = nullptr, *scalar = nullptr;
+  double* second = nullptr;  ///< share of the second fluid in a cell
   double viscosity = 0;
   std::array<double, 3> impulse{};  ///< N s per density, that obstacles have had from the fluid
   double turning = 0;               ///< N m s per density, the same about their axes
@@ -68,6 +79,8 @@ class Flow {
   /// Makes the velocity free of divergence; p += scale of what it took. Faces on sides are set for time t.
   void project(FlowFields& f, double t, double h);
   void fill(FlowFields& f, double t);
+  /// Takes densities of two fluids from where they are now; before `project`.
+  void weigh(FlowFields& f);
   /// 1/s, largest divergence of a cell at time t, obstacles where they are then.
   double largest_divergence(FlowFields& f, double t);
 
@@ -90,6 +103,14 @@ class Flow {
   void carry(FlowFields& f, double t, double h);
   void add_force(FlowFields& f, double t, size_t c, double factor, double* to);
   void confine(FlowFields& f, double h);
+  /// to += factor (what the weight of two fluids does to faces of component c, beyond p - density gravity .
+  /// x).
+  void add_weight(size_t c, double factor, double* to);
+  /// Convection of first order within two cells of the border of two fluids.
+  void damp_at_border(const FlowFields& f, size_t c, double viscosity, double* rate);
+  void carry_second(FlowFields& f, double t, double h);
+  /// to -= factor grad p by the density of `density` on the faces of component c that the equations decide.
+  void subtract_pressure(const FlowFields& f, size_t c, const double* p, double factor, double* to);
   // Obstacles (flow_solids.cc).
   /// Obstacles as they are at time t (s).
   void place_obstacles(double t);
@@ -124,6 +145,8 @@ class Flow {
   std::optional<lattice::StaggeredSolver> pressure_, scalar_;
   std::optional<lattice::CutPoisson> cut_pressure_;
   std::array<Buffer, 10> arrays_;
+  std::array<Buffer, 3> lightness_;           ///< of two fluids: `density` by the density of a face
+  std::array<Buffer, 3> lift_;                ///< m/s^2, by their border on a face
   std::array<std::vector<double>, 3> force_;  ///< constant in time
   MovingSolids solids_;
   std::array<std::vector<Solids::Face>, 3> were_inside_;

@@ -67,8 +67,14 @@ void Flow::along_paths(FlowFields& f, double t, double h) {
       });
     }
   }
-  // The whole pressure comes from this projection.
-  std::fill_n(f.pressure, g.size(), 0.0);
+  if (f.second) {
+    // The last pressure first, so that conjugate gradients have little left to do.
+    mac::fill_ghosts(g, kCentre, pressure_sides_, f.pressure, *arena_);
+    for (size_t c = 0; c < g.dimensions; ++c) subtract_pressure(f, c, f.pressure, h, f.u[c]);
+  } else {
+    // The whole pressure comes from this projection.
+    std::fill_n(f.pressure, g.size(), 0.0);
+  }
   project(f, t, h);
 }
 

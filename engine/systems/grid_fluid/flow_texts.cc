@@ -80,6 +80,7 @@ FlowTexts::FlowTexts(const GridFluidDef& def, const mac::MacGrid& grid) {
   const ScalarDef scalar = def.scalar.value_or(ScalarDef{});
   scalar_initial = r.read("/scalar/initial", scalar.initial);
   scalar_source = r.read("/scalar/source", scalar.source);
+  if (def.second_fluid) second_where = r.read("/second_fluid/where", def.second_fluid->where);
   for (size_t a = 0; a < grid.dimensions; ++a) {
     for (size_t end = 0; end < 2; ++end) {
       vector(sides[a][end], side_of(def, a, end).velocity, side_pointer(def, a, end) + "/velocity");

@@ -29,7 +29,7 @@ class FlowTexts {
   FlowTexts(const GridFluidDef& def, const mac::MacGrid& grid);
 
   std::array<Program, 3> initial, force, exact;
-  Program scalar_initial, scalar_source;
+  Program scalar_initial, scalar_source, second_where;
   std::array<std::array<std::array<Program, 3>, 2>, 3> sides;  ///< [axis][end][component]
   bool has_exact = false, forced = false, sides_move = false, obstacles_move = false, obstacles_turn = false;
 

@@ -33,6 +33,7 @@ PartInfo cells_part(const FlowModel& m) {
   part.fields = {
       {"velocity", "m/s", Scalar::f64, 3}, {"speed", "m/s"}, {"pressure", "Pa"}, {"vorticity", "1/s"}};
   if (m.def.scalar) part.fields.push_back({"scalar", "1"});
+  if (m.two_fluids()) part.fields.push_back({"second_fluid", "1"});
   part.max_rows = m.grid.cell_count();
   double first[3] = {}, spacing[3] = {1, 1, 1};
   for (size_t a = 0; a < 3; ++a) {
@@ -71,6 +72,10 @@ GridFluid::GridFluid(const GridFluidDef& def, const BuildContext& context)
     start_.add({"steady", "1", Scalar::f64, 1, Role::internal}, kSteadyNumbers);
   }
   if (def.scalar) scalar_ = start_.add({"scalar", "1", Scalar::f64, 1, Role::position}, g.size());
+  if (model_.two_fluids()) {
+    second_ = start_.add({"second_fluid", "1", Scalar::f64, 1, Role::position}, g.size());
+    model_.fill_second(start_.f64(*second_).data());
+  }
   start_.f64(numbers_)[kViscosity] = def.viscosity;
 
   if (def.steady()) {
@@ -84,18 +89,20 @@ GridFluid::GridFluid(const GridFluidDef& def, const BuildContext& context)
   FlowFields f = fields(start_);
   for (size_t c = 0; c < g.dimensions; ++c) model_.texts.sample(model_.texts.initial[c], g, c, 0, f.u[c]);
   if (f.scalar) model_.texts.sample(model_.texts.scalar_initial, g, mac::kCentre, 0, f.scalar);
+  flow.weigh(f);
   flow.project(f, 0, 0);
 
   const bool central = def.advection == GridFluidDef::Advection::central;
   const bool stages = def.stepping == GridFluidDef::Stepping::rk3;
-  add_stage("flow",
-            std::to_string(g.cell_count()) + " cells, " +
-                (central ? std::string("central differences, ") + (stages ? "three stages" : "two steps") +
-                               " each projected"
-                         : "advected along paths, then projected") +
-                (model_.solids.any() ? "; pressure by conjugate gradients and multigrid"
-                                     : "; pressure by transforms"),
-            [this](State& s, const StepInput& in) { advance(s, in); });
+  add_stage(
+      "flow",
+      std::to_string(g.cell_count()) + " cells, " +
+          (central ? std::string("central differences, ") + (stages ? "three stages" : "two steps") +
+                         " each projected"
+                   : "advected along paths, then projected") +
+          (model_.solids.any() || model_.two_fluids() ? "; pressure by conjugate gradients and multigrid"
+                                                      : "; pressure by transforms"),
+      [this](State& s, const StepInput& in) { advance(s, in); });
   if (def.obstacles.empty()) skip_stage("obstacles", "nothing is in the flow");
   if (def.viscosity == 0) skip_stage("viscosity", "the fluid has none");
   if (!def.scalar) skip_stage("scalar", "the flow carries nothing");
@@ -110,6 +117,7 @@ FlowFields GridFluid::fields(State& s) const {
   }
   f.pressure = s.f64(pressure_column()).data();
   if (scalar_) f.scalar = s.f64(*scalar_).data();
+  if (second_) f.second = s.f64(*second_).data();
   f.viscosity = s.f64(numbers_)[kViscosity];
   f.last_h = s.f64(numbers_)[kLastStep];
   return f;
@@ -123,6 +131,8 @@ double GridFluid::largest_substep(double crossing_rate, double viscosity, double
   // and grow slowly enough only well below 1.
   const double cfl = d.cfl.value_or(!central ? 3 : rk3 ? 1.2 : 0.5);
   double largest = crossing_rate > 0 ? std::min(h, cfl / crossing_rate) : h;
+  // A border moved by the velocity that its own weight has changed: a leapfrog, which holds 2; half of that.
+  if (const double rate = model_.border_rate(); rate > 0) largest = std::min(largest, 1 / rate);
   if (central && (d.viscous == GridFluidDef::Viscous::explicit_ || model_.sharp_walls())) {
     double rate = 0;
     for (size_t a = 0; a < model_.grid.dimensions; ++a)
@@ -213,7 +223,8 @@ void GridFluid::apply(State& s, const Command& c) const {
     for (size_t a = 0; a < g.dimensions; ++a) {
       const auto [first, last] = model_.unknown(a, a);
       const size_t at_cell = g.at(cell[0], cell[1], cell[2]);
-      const double change = 0.5 * vector[a] / (model_.def.density * g.cell_volume());
+      const double density = model_.density_of(second_ ? s.f64(*second_)[at_cell] : 0);
+      const double change = 0.5 * vector[a] / (density * g.cell_volume());
       auto u = s.f64(static_cast<State::Column>(a));
       if (cell[a] >= first) u[at_cell] += change;
       if (cell[a] + 1 < last) u[at_cell + g.stride(a)] += change;
@@ -224,6 +235,7 @@ void GridFluid::apply(State& s, const Command& c) const {
       Flow flow;
       flow.bind(model_, kSerial);
       FlowFields f = fields(s);
+      flow.weigh(f);
       flow.project(f, 0, 0);
     }
   } else {

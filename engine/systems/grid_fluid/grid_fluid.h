@@ -40,7 +40,7 @@ class GridFluid final : public StagedSystem {
   std::string id_;
   FlowModel model_;
   State::Column numbers_ = 0;
-  std::optional<State::Column> rate_, scalar_;
+  std::optional<State::Column> rate_, scalar_, second_;
   std::optional<State::Column> stream_;  ///< of a steady flow; the next one is `steady`
   State start_;
 };

@@ -127,6 +127,26 @@ void check_fourth_order(const GridFluidDef& d, const DefTable::Report& report) {
   }
 }
 
+// Two fluids: what is not there is refused by name.
+void check_two_fluids(const GridFluidDef& d, const DefTable::Report& report) {
+  if (d.liquid()) report("/second_fluid", "flip and apic have one liquid and nothing beside it");
+  if (d.steady()) report("/second_fluid", "steady flows are those of one fluid");
+  if (d.order == GridFluidDef::Order::fourth)
+    report("/second_fluid", "differences of fourth order need one density");
+  if (!d.obstacles.empty()) report("/obstacles", "two fluids have no obstacles between them");
+  constexpr double kMostRatio = 1000;
+  const double ratio = d.second_fluid->density / d.density;
+  if (!(ratio <= kMostRatio && ratio >= 1 / kMostRatio))
+    report("/second_fluid/density", "at most 1000 times as heavy as the other fluid");
+  for (size_t a = 0; a < d.cells.size(); ++a) {
+    for (size_t end = 0; end < 2; ++end) {
+      const SideKind kind = side_of(d, a, end).kind;
+      if (kind == SideKind::inflow || kind == SideKind::outflow)
+        report(side_pointer(d, a, end) + "/kind", "sides around two fluids are wall, slip or periodic");
+    }
+  }
+}
+
 // What a search for steady states does not know is refused by name.
 void check_steady(const GridFluidDef& d, const DefTable::Report& report) {
   using A = GridFluidDef::Advection;
@@ -176,6 +196,7 @@ void check_flow(const GridFluidDef& d, const DefTable::Report& report) {
   check_liquid(d, report);
   using A = GridFluidDef::Advection;
   if (d.steady()) check_steady(d, report);
+  if (d.second_fluid) check_two_fluids(d, report);
   if (d.order == GridFluidDef::Order::fourth) check_fourth_order(d, report);
   if (d.advection != A::central && d.viscous == GridFluidDef::Viscous::explicit_) {
     report("/viscous", "advection along paths takes viscosity implicitly");

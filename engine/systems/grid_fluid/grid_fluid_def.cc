@@ -47,6 +47,18 @@ const DefTable& scalar_table() {
   return kTable;
 }
 
+const DefTable& second_fluid_table() {
+  using D = SecondFluidDef;
+  static const DefTable kTable =
+      TableOf<D>("another fluid in the same box, which does not mix with the first")
+          .expression("where", &D::where,
+                      "an expression of x, y, z that is positive where it is at the start, such as y - 0.5; "
+                      "nearly linear across a cell, so that the border lies where it is 0")
+          .number("density", &D::density, "kg/m^3", above(0), "mass per volume (area in the plane)")
+          .build();
+  return kTable;
+}
+
 const DefTable& obstacle_table() {
   using D = ObstacleDef;
   static const DefTable kTable =
@@ -116,14 +128,17 @@ const DefTable& grid_fluid_table() {
           .texts("force", &D::force, {0, 3}, "m/s^2, acceleration: expressions of x, y, z and t")
           .texts("exact", &D::exact, {0, 3}, "m/s, velocity that is known: expressions of x, y, z and t")
           .object("scalar", &D::scalar, scalar_table(), "what the flow carries")
+          .object("second_fluid", &D::second_fluid, second_fluid_table(),
+                  "another fluid beside the first, with a sharp border; then gravity acts on both")
           .number(
               "vorticity_confinement", &D::vorticity_confinement, "1", at_least(0),
               "strength of the force that gives small eddies back what advection along paths takes from them")
           .objects("obstacles", &D::obstacles, obstacle_table(), {0, 1000}, "solids in the flow")
-          .number("tolerance", &D::tolerance, "1", between(1e-14, 0.1),
-                  "to which the pressure's residual falls where obstacles stand or there is a surface "
-                  "(elsewhere it is solved to rounding); of a steady flow how much its last iteration may "
-                  "change, beside the fastest velocity")
+          .number(
+              "tolerance", &D::tolerance, "1", between(1e-14, 0.1),
+              "to which the pressure's residual falls where obstacles stand, with two fluids or a surface "
+              "(elsewhere it is solved to rounding); of a steady flow how much its last iteration may "
+              "change, beside the fastest velocity")
           .objects("bodies", &D::bodies, body_table(), {0, 1000},
                    "of flip and apic: where there is liquid at the start")
           .integer("particles_per_axis", &D::particles_per_axis, between(1, 4),

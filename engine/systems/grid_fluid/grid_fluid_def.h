@@ -35,6 +35,12 @@ struct ScalarDef {
   double expansion = 0;    ///< acceleration = -gravity expansion scalar: positive rises
 };
 
+/// Another fluid in the same box that does not mix with the first.
+struct SecondFluidDef {
+  std::string where = "0";  ///< positive where it is at the start
+  double density = 1;       ///< kg/m^3, or kg/m^2 in the plane
+};
+
 /// A solid in the flow, at rest or moved by the scene.
 struct ObstacleDef {
   enum class Shape : uint8_t { sphere, box } shape = Shape::sphere;
@@ -78,6 +84,7 @@ struct GridFluidDef {
   std::optional<double> cfl;
   std::vector<std::string> initial, force, exact;
   std::optional<ScalarDef> scalar;
+  std::optional<SecondFluidDef> second_fluid;
   double vorticity_confinement = 0;
   std::vector<ObstacleDef> obstacles;
   double tolerance = 1e-6;  ///< of the pressure where obstacles stand, of a steady flow's last change

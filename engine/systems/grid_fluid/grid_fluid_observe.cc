@@ -100,33 +100,44 @@ FieldView GridFluid::field(const State& s, size_t, size_t field, std::vector<dou
     vorticity(s, scratch.data());
   } else {
     const double scale = field == 2 ? model_.def.density : 1;
-    const auto q = s.f64(field == 2 ? pressure_column() : *scalar_);
-    for_cells(g, [&](size_t row, size_t at, size_t, size_t, size_t) { scratch[row] = scale * q[at]; });
+    const auto q = s.f64(field == 2 ? pressure_column() : field == 4 && scalar_ ? *scalar_ : *second_);
+    for_cells(g, [&](size_t row, size_t at, size_t i, size_t j, size_t k) {
+      scratch[row] = scale * q[at];
+      if (field != 2 || !second_) return;
+      // The state has the pressure without what each fluid weighs where it is.
+      const size_t place[] = {i, j, k};
+      for (size_t a = 0; a < g.dimensions; ++a) {
+        scratch[row] += model_.density_of(s.f64(*second_)[at]) * model_.held_gravity(a) *
+                        g.coordinate(mac::kCentre, a, static_cast<double>(place[a]));
+      }
+    });
   }
   return {scratch.data(), Scalar::f64, n, vector ? 3u : 1u};
 }
 
 void GridFluid::observe(const State& s, double t, Observables& out) const {
   const mac::MacGrid& g = model_.grid;
+  const double* second = second_ ? s.f64(*second_).data() : nullptr;
   double energy = 0, enstrophy = 0, divergence = 0, fastest = 0;
   std::vector<double> curl(g.cell_count());
   vorticity(s, curl.data());
   for_cells(g, [&](size_t row, size_t at, size_t i, size_t j, size_t k) {
     const size_t place[] = {i, j, k};
-    double div = 0;
+    double div = 0, squares = 0;
     for (size_t c = 0; c < g.dimensions; ++c) {
       const double* u = s.f64(static_cast<State::Column>(c)).data() + at;
       const double low = u[0], high = u[after(g, c, place[c])];
-      energy += 0.25 * (low * low + high * high);
+      squares += low * low + high * high;
       fastest = std::max({fastest, std::abs(low), std::abs(high)});
       const double* open = model_.solids.any() ? model_.solids.open[c].data() + at : nullptr;
       div += (open ? open[g.stride(c)] * high - open[0] * low : high - low) / g.spacing[c];
     }
+    energy += 0.25 * model_.density_of(second ? second[at] : 0) * squares;
     divergence = std::max(divergence, std::abs(div));
     enstrophy += 0.5 * curl[row] * curl[row];
   });
   const double volume = g.cell_volume();
-  out.add("energy.kinetic", model_.def.density * volume * energy, "J");
+  out.add("energy.kinetic", volume * energy, "J");
   out.add("enstrophy", volume * enstrophy, "1/s^2");
   // Where obstacles move or differences reach beyond the sides, as the step has left it.
   out.add("divergence.max", model_.keeps_divergence() ? s.f64(numbers_)[8] : divergence, "1/s");
@@ -145,6 +156,22 @@ void GridFluid::observe(const State& s, double t, Observables& out) const {
     out.add("obstacle.drag", numbers[6], "N");
     out.add("obstacle.lift", numbers[7], "N");
     if (model_.texts.obstacles_turn) out.add("obstacle.torque", numbers[9], "N m");
+  }
+  if (second) {
+    double filled = 0, potential = 0;
+    const double weight[] = {model_.gravity.x, model_.gravity.y, model_.gravity.z};
+    for_cells(g, [&](size_t, size_t at, size_t i, size_t j, size_t k) {
+      const size_t place[] = {i, j, k};
+      filled += second[at];
+      for (size_t a = 0; a < g.dimensions; ++a) {
+        potential -= model_.density_of(second[at]) * weight[a] *
+                     g.coordinate(mac::kCentre, a, static_cast<double>(place[a]));
+      }
+    });
+    out.add("second_fluid.volume", volume * filled, "m^3");
+    out.add("energy.gravity", volume * potential, "J");
+    out.add("pressure.iterations", s.f64(numbers_)[4], "1");
+    out.add("pressure.residual", s.f64(numbers_)[5], "1");
   }
   if (scalar_) {
     const auto q = s.f64(*scalar_);

@@ -216,6 +216,18 @@ void SteadyFlow::mix(size_t round, size_t n) {
   }
 }
 
+double SteadyFlow::fastest_side(const Level& l) {
+  double speed = 0;
+  for (const auto& component : l.sides) {
+    for (const auto& axis : component) {
+      for (const auto& side : axis) {
+        for (const double v : side.values) speed = std::max(speed, std::abs(v));
+      }
+    }
+  }
+  return speed;
+}
+
 SteadyFlow::Outcome SteadyFlow::solve_level(const Level& l, double* psi, From from, double tolerance,
                                             int most) {
   constexpr size_t kPatience = 3;
@@ -232,14 +244,7 @@ SteadyFlow::Outcome SteadyFlow::solve_level(const Level& l, double* psi, From fr
   Outcome out;
   if (start == 0) return {.found = true};
   // From rest: a step of pseudo time in which the fastest side crosses half the box, as long as R allows.
-  double speed = 0;
-  for (const auto& component : l.sides) {
-    for (const auto& axis : component) {
-      for (const auto& side : axis) {
-        for (const double v : side.values) speed = std::max(speed, std::abs(v));
-      }
-    }
-  }
+  const double speed = fastest_side(l);
   const double length = std::min(g.extent(0), g.extent(1));
   const double first = from == From::psi ? 0 : 2 * std::max(speed / length, viscosity_ / (length * length));
   double left = start, per_tau = first;
@@ -298,6 +303,9 @@ SteadyFlow::Outcome SteadyFlow::solve_from(const Level& l, double* psi, double t
 SteadyFlow::Outcome SteadyFlow::solve(double* psi, double viscosity, From from, double tolerance) {
   viscosity_ = viscosity;
   constexpr double kRough = 1e-3;
+  // A coarse grid of cells with a larger Reynolds number than this gives no start: it gets more viscosity,
+  // and each finer grid less (16 cells across the cavity hold 1024).
+  constexpr double kCellReynolds = 64;
   constexpr int kMostFromRest = 150;
   if (from == From::psi) return solve_from(levels_[0], psi, tolerance);
   for (size_t k = levels_.size(); k-- > 0;) {
@@ -312,6 +320,12 @@ SteadyFlow::Outcome SteadyFlow::solve(double* psi, double viscosity, From from, 
       for_unknowns(l.grid, [&](size_t u, size_t at, size_t, size_t) { x_[u] = now[at]; });
       std::copy_n(l.boundary.data(), l.grid.size(), now);
       scatter(l, x_.data(), now);
+    }
+    if (k > 0) {
+      const double spacing = std::max(l.grid.spacing[0], l.grid.spacing[1]);
+      viscosity_ = std::max(viscosity, fastest_side(l) * spacing / kCellReynolds);
+    } else {
+      viscosity_ = viscosity;
     }
     const double wanted = k == 0 ? tolerance : kRough;
     const bool coarsest = k + 1 == levels_.size();

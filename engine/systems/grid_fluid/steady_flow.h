@@ -70,6 +70,7 @@ class SteadyFlow {
 
   const FlowModel* model_ = nullptr;
   const ThreadArena* arena_ = nullptr;
+  static double fastest_side(const Level& l);  ///< m/s, as the scene gives them
   double viscosity_ = 0;
   mac::Edges edges_;
   std::vector<Level> levels_;  ///< the finest first
