@@ -78,7 +78,8 @@ double fastest_start(const SphDef& d, const Vec3& gravity) {
 }  // namespace
 
 std::unique_ptr<const Setting> settle(const SphDef& def, const std::string& id, const Vec3& gravity) {
-  auto out = std::make_unique<Setting>(Setting{.def = def, .id = id, .wall = {}, .colliders = {}});
+  auto out =
+      std::make_unique<Setting>(Setting{.def = def, .id = id, .interface = {}, .wall = {}, .colliders = {}});
   for (const BodyDef& b : def.bodies) out->rows += places_of(def, b).size();
   const double s = def.spacing, h = def.support * s;
   out->volume = def.dimension == 2 ? s * s : s * s * s;
@@ -93,10 +94,15 @@ std::unique_ptr<const Setting> settle(const SphDef& def, const std::string& id, 
   }
   out->sound = def.sound_speed > 0 ? def.sound_speed : std::max(10 * fastest_start(def, gravity), 1e-6);
   out->relaxation = 0.75 / largest_symbol(def.kernel, def.dimension, def.support);
-  if (def.surface_tension > 0) {
-    out->cohesion = cohesion_strength(def.surface_tension, def.density, def.dimension, s, h);
-  }
   out->wall.set(def.kernel, def.dimension, h, s);
+  if (def.surface_tension > 0) {
+    if (def.surface_tension_model == Tension::cohesion) {
+      out->cohesion = cohesion_strength(def.surface_tension, def.density, def.dimension, s, h);
+    } else {
+      out->interface.emplace(def.dimension, s, h);
+      out->cohesion = def.surface_tension / (out->interface->energy * h * out->mass);
+    }
+  }
   out->colliders = build_colliders(def.colliders);
   for (const BodyDef& b : def.bodies) {
     out->lightest = std::min(out->lightest, b.density.value_or(def.density) / def.density);

@@ -228,6 +228,9 @@ const DefTable& sph_table() {
             "substep of any length; weiler2018: a solve that keeps angular momentum, for thick liquids "
             "with a free surface")
         .number("surface_tension", &D::surface_tension, "N/m", at_least(0), "against what is no liquid")
+        .choice("surface_tension_model", &D::surface_tension_model, {"cohesion", "interface"},
+                "cohesion: pairs attract each other (Akinci and others 2013); interface: the "
+                "surface has an energy, whose gradient acts")
         .number("artificial_viscosity", &D::artificial_viscosity, "1", between(0, 1),
                 "Monaghan's alpha, of solver wcsph")
         .number(
@@ -261,6 +264,22 @@ const DefTable& sph_table() {
     return table.check(check_def).build();
   }();
   return t;
+}
+
+const Resolution& sph_resolution() {
+  static const Resolution kSpacing{.parameter = "spacing",
+                                   .divide = [](void* def, double factor) -> std::optional<std::string> {
+                                     auto& d = *static_cast<SphDef*>(def);
+                                     d.spacing /= factor;
+                                     std::optional<std::string> why;
+                                     check_def(d,
+                                               [&](const std::string& pointer, const std::string& message) {
+                                                 if (!why) why = pointer + ": " + message;
+                                               });
+                                     return why;
+                                   },
+                                   .order = [](const void*) { return 0; }};
+  return kSpacing;
 }
 
 double expected_neighbours(const SphDef& d) {
