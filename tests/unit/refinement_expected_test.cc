@@ -19,12 +19,10 @@ std::string falling(const std::string& expected) {
 }
 constexpr const char* kMomentum =
     R"({"quantity":"block.momentum.y","equals":-218,"tolerance":1,"source":"a tenth too large"})";
-constexpr const char *kOthers =
-                         R"({"quantity":"block.momentum.x","equals":0,"tolerance":1,"source":"at rest"},
-       {"quantity":"max(block.speed.max)",
-                     "equals" : 77, "tolerance" : 1, "source" : "not of the end alone"
-},
-       {"quantity":"block.mass","max":1,"source":"not a number to equal"})";
+constexpr const char* kOthers =
+    R"j({"quantity":"block.momentum.x","equals":0,"tolerance":1,"source":"at rest"},
+        {"quantity":"max(block.speed.max)","equals":77,"tolerance":1,"source":"not of the end alone"},
+        {"quantity":"block.mass","max":1,"source":"not a number to equal"})j";
 
 StudyResult study(const std::string& kind, const std::string& scene) {
   ThreadArena arena{1};
@@ -54,7 +52,7 @@ TEST(ExpectedRefinement, ErrorsAreDistancesFromWhatIsExpected) {
     EXPECT_NEAR(std::get<double>(row[column(r, "error_end")]), 0.1, 1e-6);
   }
   // What takes no integrator has one curve.
-  const auto w = study("work-precision", scene);
+  const auto w = study("work_precision", scene);
   EXPECT_EQ(w.plot.series.size(), 1u);
   ASSERT_GE(w.table.rows.size(), 3u);
   EXPECT_NEAR(std::get<double>(w.table.rows.back()[column(w, "error_end")]), 0.1, 1e-6);
