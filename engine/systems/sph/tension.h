@@ -10,10 +10,11 @@
 
 namespace truestep::sph {
 
-/// The ways to neighbours: directions, and distances in radii of the kernel. 0 and 1 of what fills lists up.
+/// The ways to neighbours: gradients and their size, along and by which a direction is g / size, and
+/// distances in radii of the kernel. Directions of 0 and distances of 1 of what fills lists up.
 template <int D, class T>
 struct Ways {
-  Wide<T> d[D], q;
+  Wide<T> g[D], size, q;
 
   /// Needs slopes, and of rounded gradients distances.
   Ways(const Chunk<T>& c, size_t k, T support) {
@@ -21,8 +22,8 @@ struct Ways {
     // Gradients point to the neighbour.
     const W tiny = W::all(kRounded<T> ? static_cast<T>(1e-20) : static_cast<T>(1e-6) / support);
     W square = W::zero();
-    for (size_t a = 0; a < D; ++a) d[a] = c.gradient(a, k), square = madd(d[a], d[a], square);
-    const W size = max(sqrt(square), tiny);
+    for (size_t a = 0; a < D; ++a) g[a] = c.gradient(a, k), square = madd(g[a], g[a], square);
+    size = max(sqrt(square), tiny);
     if constexpr (kRounded<T>) {
       q = load(c.q.data() + k);
     } else {
@@ -30,7 +31,6 @@ struct Ways {
       const W slope = min(load(c.s.data() + k), W::zero() - tiny * tiny);
       q = min(size * W::all(-1 / support) / slope, W::all(1));
     }
-    for (size_t a = 0; a < D; ++a) d[a] = d[a] / size;
   }
 };
 
@@ -43,8 +43,8 @@ inline void draw_together(Fluid<D, T>& f, T strength, T support, const ThreadAre
     for (auto& s : sums) s = W::zero();
     for (size_t k = begin; k < end; k += W::kLanes) {
       const Ways<D, T> way(c, k, support);
-      const W by = cohesion(way.q);
-      for (size_t a = 0; a < D; ++a) sums[a] = madd(by, way.d[a], sums[a]);
+      const W by = cohesion(way.q) / way.size;
+      for (size_t a = 0; a < D; ++a) sums[a] = madd(by, way.g[a], sums[a]);
     }
     const T scale = strength * f.lightness(i);
     for (size_t a = 0; a < D; ++a) f.a[4 * i + a] += scale * sum(sums[a]);
@@ -64,9 +64,9 @@ inline void shrink_interface(Fluid<D, T>& f, T strength, const PlaneInterface& p
     for (auto& s : sums) s = W::zero();
     for (size_t k = begin; k < end; k += W::kLanes) {
       const Ways<D, T> way(c, k, support);
-      const W p = one - way.q * way.q, psi = way.q * p * p;
+      const W p = one - way.q * way.q, psi = way.q * p * p / way.size;
       near = madd(p * p, p, near);
-      for (size_t a = 0; a < D; ++a) sums[a] = madd(psi, way.d[a], sums[a]);
+      for (size_t a = 0; a < D; ++a) sums[a] = madd(psi, way.g[a], sums[a]);
     }
     T* m = f.normal.data() + 4 * i;
     T square = softness * softness;
@@ -85,11 +85,13 @@ inline void shrink_interface(Fluid<D, T>& f, T strength, const PlaneInterface& p
       c.rows_of(f.normal, k, other);
       for (size_t a = 0; a < D; ++a) {
         other[a] = W::all(own[a]) - other[a];
-        along = madd(other[a], way.d[a], along);
+        along = madd(other[a], way.g[a], along);
       }
+      along = along / way.size;
       const W square = way.q * way.q, p = one - square;
-      const W by = p * (hold * (W::all(own[3]) + other[3]) * way.q * p - W::all(4) * square * along);
-      for (size_t a = 0; a < D; ++a) sums[a] += madd(p * p, other[a], by * way.d[a]);
+      const W by =
+          p * (hold * (W::all(own[3]) + other[3]) * way.q * p - W::all(4) * square * along) / way.size;
+      for (size_t a = 0; a < D; ++a) sums[a] += madd(p * p, other[a], by * way.g[a]);
     }
     const T scale = strength * f.lightness(i);
     for (size_t a = 0; a < D; ++a) f.a[4 * i + a] += scale * sum(sums[a]);
