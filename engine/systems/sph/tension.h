@@ -10,8 +10,8 @@
 
 namespace truestep::sph {
 
-/// The ways to neighbours: gradients and their size, along and by which a direction is g / size, and
-/// distances in radii of the kernel. Directions of 0 and distances of 1 of what fills lists up.
+/// The ways to neighbours: gradients, whose size makes them directions (g / size), and distances in radii of
+/// the kernel. What fills lists up has the direction 0 and the distance 1.
 template <int D, class T>
 struct Ways {
   Wide<T> g[D], size, q;
