@@ -231,7 +231,9 @@ std::span<const CatalogueRow> catalogue() {
        {"constant density and no divergence to the tolerance that is asked for",
         "substeps follow the fastest particle", "mass is exact", "the same bits on any number of threads"},
        "",
-       &sph::sph_outputs()},
+       &sph::sph_outputs(),
+       10,
+       &sph::sph_resolution()},
       {"articulation",
        "rigid bodies",
        "rigid links in a tree of joints, in the joints' own coordinates: chains that cannot come apart, "

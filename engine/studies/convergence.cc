@@ -48,8 +48,10 @@ const DefTable& convergence_table() {
   static const DefTable t =
       TableOf<P>("observed order of a method on this scene, or of a system in space")
           .text("system", &P::system, "system whose method is studied")
-          .text("quantity", &P::quantity,
-                "field whose error is measured; state: all that says where the system is")
+          .text(
+              "quantity", &P::quantity,
+              "field whose error is measured; state: all that says where the system is; expect, with refine: "
+              "what the scene expects to equal a number at its end")
           .text("integrator", &P::integrator, "method; the scene's own when left out")
           .number("step", &P::step, "s", above(0), "largest step; 8 times the scene's when left out")
           .number("horizon", &P::horizon, "s", above(0),

@@ -8,6 +8,7 @@
 #include "engine/base/errors.h"
 #include "engine/core/lattice.h"
 #include "engine/scene/catalogue.h"
+#include "engine/session/expectation.h"
 #include "engine/studies/convergence.h"
 #include "engine/studies/scene_variant.h"
 
@@ -59,6 +60,13 @@ Refinement::Refinement(const json::value& scene, const std::string& id, const St
                       : "the scene has no such system with a parameter that divides it more finely",
            id.empty() ? "" : '"' + id.substr(0, 64) + '"', types_with_resolution());
   }
+  const std::string prefix = scene_.systems[system_].id + '.';
+  for (ExpectParams& e : require_scene(read_scene(scene)).header.expect) {
+    if (!e.equals || expected_quantity(e.quantity).reduction != Reduction::last) continue;
+    if (!e.quantity.starts_with(prefix)) continue;
+    e.quantity.erase(0, prefix.size());
+    expected_.push_back(std::move(e));
+  }
   // As coarse as a quarter, if that gives whole counts and a valid scene.
   for (const double coarser : {4.0, 2.0, 1.0}) {
     coarsening_ = coarser;
@@ -100,11 +108,30 @@ json::value Refinement::document(int level) const {
 TraceRequest Refinement::request(const std::string& quantity, const World& coarsest) const {
   const System& system = coarsest.system(system_);
   TraceRequest r;
+  if (quantity == kExpectedQuantity) {
+    if (expected_.empty()) {
+      refuse("/quantity", "nothing_expected",
+             "the scene expects nothing of this system to equal a number at its end", "", "a field");
+    }
+    r.field = {system_, system.parts().at(0).fields.at(0).name};
+    for (const ExpectParams& e : expected_) r.observables.push_back(e.quantity);
+    return r;
+  }
   r.field = {system_, quantity == "state" ? system.parts().at(0).fields.at(0).name : quantity};
   field_values(system, system.initial_state(), r.field.name);  // refuses a field that does not exist
   // The exact solution belongs to the first field.
   if (has_exact_ && r.field.name == system.parts()[0].fields[0].name) r.observables = {kExact};
   return r;
+}
+
+double Refinement::off_expected(const std::vector<double>& observed) const {
+  double most = 0;
+  for (size_t k = 0; k < expected_.size(); ++k) {
+    const double equals = *expected_[k].equals, size = std::abs(equals);
+    const double off = std::abs(observed[k] - equals) / (size > 0 ? size : 1);
+    if (!(off <= most)) most = off;
+  }
+  return most;
 }
 
 std::vector<double> Refinement::at_common(const World& coarsest, const World& world, const TraceField& field,

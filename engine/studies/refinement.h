@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "engine/core/resolution.h"
+#include "engine/scene/scene.h"
 #include "engine/session/world.h"
 #include "engine/studies/study.h"
 #include "engine/studies/trajectory.h"
@@ -17,6 +18,8 @@ namespace truestep {
 
 /// What is refined: the steps, the system's resolution, or both together.
 enum class Refine : uint8_t { time, space, both };
+/// The quantity of errors against numbers that the scene expects at its end, instead of a field.
+inline constexpr const char* kExpectedQuantity = "expect";
 /// Their names in that order, for parameter tables.
 std::vector<std::string> refine_names();
 inline constexpr const char* kRefineSentence =
@@ -40,8 +43,14 @@ class Refinement {
   /// "/refine" when that is impossible.
   boost::json::value document(int level) const;
 
-  /// What a run records for `at_common`, and error.exact if the scene knows its solution.
+  /// What a run records for `at_common`, and error.exact if the scene knows its solution; of
+  /// kExpectedQuantity what the scene expects of the system to equal a number at the end. Error
+  /// "scene_invalid" with pointer
+  /// "/quantity" when there is no such field or nothing is expected.
   TraceRequest request(const std::string& quantity, const World& coarsest) const;
+  /// The largest relative distance of observables, in the order of the request, from what the scene expects;
+  /// absolute where that is 0.
+  double off_expected(const std::vector<double>& observed) const;
   /// Values (of the part with `quantity`) at the points of the coarsest level.
   std::vector<double> at_common(const World& coarsest, const World& world, const TraceField& field,
                                 const std::vector<double>& values) const;
@@ -52,6 +61,7 @@ class Refinement {
   const Resolution* resolution_ = nullptr;
   double coarsening_ = 1;
   bool has_exact_ = false;
+  std::vector<ExpectParams> expected_;  ///< of the system to equal a number at the end, by observables' names
 };
 
 /// Values of all levels at common points, and the relative errors derived from them.

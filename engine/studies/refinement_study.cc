@@ -96,7 +96,8 @@ class Study {
   }
   StudyResult result() const {
     const bool both = p_.refine == Refine::both;
-    const LevelErrors found = judge_levels(common_, exact_, 10 * uncertainty_);
+    LevelErrors found = judge_levels(common_, exact_, 10 * uncertainty_);
+    if (expects()) found.against = "what the scene expects";
     const int promised = both ? promised_ : order_;
     StudyResult r;
     r.table.columns = {
@@ -105,7 +106,7 @@ class Study {
         {"status", ""}};
     r.plot = {.title = "Convergence of " + ladder_.subject(),
               .x_label = "spacing, 1 = the scene's own",
-              .y_label = "relative error of " + request_.field.name};
+              .y_label = "relative error of " + (expects() ? "what is expected" : request_.field.name)};
     r.plot.series.push_back({.name = both && method_ ? std::string(method_->name) : ladder_.subject()});
     auto& measured = r.plot.series[0];
     for (size_t k = 0; k < levels_.size(); ++k) {
@@ -151,7 +152,11 @@ class Study {
   const std::vector<double>& exact() const { return exact_; }
   double time_uncertainty() const { return uncertainty_; }
   double horizon() const { return horizon_; }
+  std::string subject() const { return ladder_.subject(); }
+  /// Whether the system steps itself, without an integrator that could be chosen.
+  bool own_steps() const { return !coarsest_.system(ladder_.system()).integration().method; }
   bool says_exact() const { return !request_.observables.empty(); }
+  bool expects() const { return p_.quantity == kExpectedQuantity; }
 
   std::string name(int level) const {
     return "resolution " + short_number(std::ldexp(1 / ladder_.coarsening(), level), 3);
@@ -243,7 +248,11 @@ class Study {
       common_.emplace_back(common_.empty() ? 1 : common_[0].size(), NAN);
     }
     if (!request_.observables.empty()) {
-      exact_.push_back(complete ? t.observed.back()[0] / root_mean_square(t.values.back()) : NAN);
+      const auto off = [&] {
+        if (expects()) return ladder_.off_expected(t.observed.back());
+        return t.observed.back()[0] / root_mean_square(t.values.back());
+      };
+      exact_.push_back(complete ? off() : NAN);
     }
     levels_.push_back(std::move(level));
     return t.end != Trace::End::over_budget;
@@ -368,10 +377,12 @@ WorkMeasurement measure_refined_work(const json::value& scene, const WorkPrecisi
     out.reference.uncertainty = in_space.time_uncertainty();
     limit = std::move(found.limit);
   } else {
-    out.reference.method = "the scene's exact solution";
+    out.reference.method = in_space.expects() ? "what the scene expects" : "the scene's exact solution";
   }
   out.horizon = out.duration = in_space.horizon();
   std::vector<std::string> names = p.integrators;
+  // What takes no integrator has one curve, by steps of its own.
+  if (names.empty() && in_space.own_steps()) names.emplace_back();
   if (names.empty()) {
     for (const Integrator& row : integrators()) names.emplace_back(row.name);
   }
@@ -390,7 +401,9 @@ WorkMeasurement measure_refined_work(const json::value& scene, const WorkPrecisi
       study.run();
       for (size_t k = 0; k < study.levels().size(); ++k) {
         const Study::Level& l = study.levels()[k];
-        WorkPoint point{.integrator = names[i], .setting = l.setting, .cpu_seconds = l.cpu_seconds};
+        WorkPoint point{.integrator = names[i].empty() ? in_space.subject() : names[i],
+                        .setting = l.setting,
+                        .cpu_seconds = l.cpu_seconds};
         point.refined = l.refined, point.status = l.status;
         const double e = limit.empty() ? study.exact()[k] : relative_error(study.common()[k], limit);
         point.error_end = point.error_path = l.status == "ok" ? e : INFINITY;

@@ -286,8 +286,10 @@ const DefTable& work_precision_table() {
   static const DefTable t =
       TableOf<P>("CPU time against error of every method on this scene")
           .text("system", &P::system, "system whose method varies; the first that has one when left out")
-          .text("quantity", &P::quantity,
-                "field whose error is measured; state: all that says where the system is")
+          .text(
+              "quantity", &P::quantity,
+              "field whose error is measured; state: all that says where the system is; expect, with refine: "
+              "what the scene expects to equal a number at its end")
           .texts("integrators", &P::integrators, {0, 64}, "methods; all that serve the system when left out")
           .numbers("steps", &P::steps, "s", above(0), {0, 64}, "steps of the fixed-step methods")
           .numbers("tolerances", &P::tolerances, "1", above(0), {0, 64}, "tolerances of the adaptive methods")

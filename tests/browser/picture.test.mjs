@@ -60,6 +60,32 @@ test("a rigid body throws a shadow, and nothing is read while it is drawn", asyn
   assert.deepEqual(warned.filter((text) => /GL_INVALID|feedback/i.test(text)), []);
 });
 
+test("a liquid is drawn as a smooth surface, and as particles when that is switched off", async () => {
+  // A cube of 1,000 particles from the front: a plane as a surface, a chessboard of balls and gaps without.
+  const water = { type: "sph", id: "w", low: [-1, -1, -1], high: [1, 1, 1], spacing: 0.05, bodies: [{ half_extents: [0.25, 0.25, 0.25] }] };
+  const view = { camera: { eye: [0, 0, 1.6], target: [0, 0, 0] } };
+  const middle = { x: 590, y: 330, width: 100, height: 100 };
+  const roughness = async () => {
+    const shot = await pixels(page, middle);
+    let sum = 0;
+    for (let y = 330; y < 429; ++y) for (let x = 590; x < 689; ++x) sum += Math.abs(light(shot.at(x + 1, y)) - light(shot.at(x, y)));
+    return sum / (99 * 99);
+  };
+  await open(page, url, { ...weightless, systems: [water], viewer: { ...view, liquid: "surface" } });
+  let smooth, rough;
+  await until(page, async () => (smooth = await roughness()) < 0.3, "the face of the cube is smooth");
+  await page.click("#show-surface");
+  await until(page, async () => (rough = await roughness()) > 1.5, "balls, when the surface is switched off");
+  await page.click("#show-surface");
+  await until(page, async () => (await roughness()) < 0.3, "smooth again");
+  const shot = await pixels(page, whole);
+  assert.ok(Math.abs(light(shot.at(640, 380)) - light(shot.at(200, 380))) > 5, "and not the empty background");
+  await open(page, url, { ...weightless, systems: [water], viewer: view });
+  await until(page, async () => (await roughness()) > 1.5, "control: balls, when the scene asks for none");
+  assert.equal(await page.locator("#show-surface").isVisible(), false);
+  assert.ok(rough > 5 * smooth, `${rough} beside ${smooth}`);
+});
+
 test("a machine that lost quality draws the resting picture in full", async () => {
   await page.goto(`${url}/?gallery=box_of_particles`);
   await until(page, () => page.evaluate(() => document.getElementById("view").width < 0.9 * window.innerWidth), "fewer pixels where drawing is slow");

@@ -13,6 +13,7 @@ SphDef column(int dimension, Method solver, Precision precision) {
   SphDef d;
   d.dimension = dimension, d.precision = precision, d.solver = solver;
   d.spacing = dimension == 2 ? 0.02 : 0.05, d.viscosity = 1e-3, d.vorticity = 0.5;
+  d.surface_tension = 1, d.surface_tension_model = Tension::interface;
   d.bodies = {{.center = {0.25, 0.4, 0.5}, .half_extents = {0.25, 0.4, 0.5}, .velocity = {1, 0, 0}}};
   return d;
 }

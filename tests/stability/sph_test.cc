@@ -64,7 +64,8 @@ TEST(SphStability, RandomSplashesStayFiniteAndLoseEnergy) {
     SphDef d;
     d.dimension = k % 3 == 0 ? 3 : 2, d.spacing = d.dimension == 2 ? real(0.02, 0.05) : real(0.05, 0.08);
     d.solver = kEvery[k / 3 % 3];
-    d.kernel = static_cast<Smoothing>(random() % 3), d.support = d.kernel == Smoothing::cubic ? 2 : 2.5;
+    d.kernel = static_cast<Smoothing>(random() % 4), d.support = 2.5;
+    if (d.kernel == Smoothing::cubic || d.kernel == Smoothing::poly6_spiky) d.support = 2;
     d.precision = random() % 2 ? Precision::f32 : Precision::f64;
     for (int b = 0; b < 3; ++b) {
       const double r = real(0.08, 0.15);

@@ -53,6 +53,13 @@ TEST(SphScene, SaysWhatDoesNotFit) {
   d.bodies[0].density = 2e6;
   EXPECT_EQ(faults(d), Faults{"/bodies/0/density"}) << "2000 times the system's";
   d = piece();
+  d.kernel = Smoothing::poly6_spiky;
+  EXPECT_EQ(faults(d), Faults{});
+  d.support = 2.5;
+  EXPECT_EQ(faults(d), Faults{"/support"}) << "with dfsph";
+  d.solver = Method::wcsph;
+  EXPECT_EQ(faults(d), Faults{});
+  d = piece();
   d.max_particles = 3;
   EXPECT_EQ(faults(d), Faults{"/max_particles"});
   InletDef nozzle;

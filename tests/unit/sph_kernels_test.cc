@@ -11,7 +11,8 @@ namespace truestep::sph {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr Smoothing kAll[] = {Smoothing::cubic, Smoothing::wendland_c2, Smoothing::wendland_c4};
+constexpr Smoothing kAll[] = {Smoothing::cubic, Smoothing::wendland_c2, Smoothing::wendland_c4,
+                              Smoothing::poly6_spiky};
 
 // The integral over the support is one: the midpoint rule with 4,000 shells is good to 1e-6.
 TEST(SphKernels, IntegrateToOne) {
@@ -30,16 +31,44 @@ TEST(SphKernels, IntegrateToOne) {
   }
 }
 
-// s is the derivative of w over q; central differences over 2e-5 are good to 1e-8.
+// s is the derivative of w over q, of the pair that of (1 - q)^3; central differences over 2e-5 are good to
+// 1e-8.
 TEST(SphKernels, SlopesAreDerivatives) {
   for (const Smoothing kind : kAll) {
+    const auto value = [kind](double q) {
+      return slopes_of_values(kind) ? smoothing_at(kind, q).w[0] : (1 - q) * (1 - q) * (1 - q);
+    };
     for (double q = 0.05; q < 1; q += 0.0931) {
-      const double d = (smoothing_at(kind, q + 1e-5).w[0] - smoothing_at(kind, q - 1e-5).w[0]) / 2e-5;
+      const double d = (value(q + 1e-5) - value(q - 1e-5)) / 2e-5;
       EXPECT_NEAR(smoothing_at(kind, q).s[0] * q, d, 1e-7);
     }
     EXPECT_EQ(smoothing_at(kind, 1.0).w[0], 0);
     EXPECT_GT(std::abs(smoothing_at(kind, 0.4).s[0]), 0.1) << "control";
   }
+}
+
+// Mueller, Charypar & Gross 2003, equations 20 and 21, in space with h = 1: poly6 is 315 / (64 pi) in the
+// middle and 27/64 of that at a half, the gradient of spiky there -45 / (4 pi). Spiky too has the integral 1:
+// by parts, that of -q dW/dq over the dimension. Where two particles meet the gradient is as large as ever.
+TEST(SphKernels, ThePairIsPoly6AndSpiky) {
+  constexpr Smoothing kPair = Smoothing::poly6_spiky;
+  EXPECT_NEAR(smoothing_sigma(kPair, 3) * smoothing_at(kPair, 0).w[0], 1.566681471060845, 1e-12);
+  EXPECT_NEAR(smoothing_sigma(kPair, 3) * smoothing_at(kPair, 0.5).w[0], 0.660943745603794, 1e-12);
+  EXPECT_NEAR(slope_sigma(kPair, 3) * 0.5 * smoothing_at(kPair, 0.5).s[0], -3.580986219567645, 1e-12);
+  constexpr int kShells = 4000;
+  for (const int dimension : {2, 3}) {
+    double sum = 0;
+    for (int k = 0; k < kShells; ++k) {
+      const double q = (k + 0.5) / kShells, shell = dimension == 2 ? 2 * kPi * q : 4 * kPi * q * q;
+      sum -= smoothing_at(kPair, q).s[0] * q * q * shell / kShells / dimension;
+    }
+    // The midpoint rule, and the thousandth of the radius within which the gradient is let fall to 0.
+    EXPECT_NEAR(sum * slope_sigma(kPair, dimension), 1, 1e-5);
+    EXPECT_GT(std::abs(sum * smoothing_sigma(kPair, dimension) - 1), 0.1) << "control: the sigma of poly6";
+  }
+  const auto steep = [](Smoothing kind, double q) { return -q * smoothing_at(kind, q).s[0]; };
+  EXPECT_NEAR(steep(kPair, 0.002), 3, 0.02);
+  EXPECT_LT(steep(Smoothing::wendland_c2, 0.002), 0.05) << "control: a kernel that is smooth there";
 }
 
 // Layers half a spacing, three halves, ... behind a wall continue those before it: rows of particles at a
@@ -55,10 +84,15 @@ TEST(SphWalls, CompleteTheFluid) {
       EXPECT_LT(own, 0.8);
       EXPECT_NEAR(wall.at(3).share, 0, 1e-12) << "out of reach";
       // The slope is the derivative of the share: tables of 512 intervals, linear between.
-      for (double d = 0.1; d < 2.4; d += 0.37) {
+      for (double d = 0.1; d < 2.4 && slopes_of_values(kind); d += 0.37) {
         const double change = (wall.at(d - 0.02).share - wall.at(d + 0.02).share) / 0.04;
         EXPECT_NEAR(wall.at(d).slope, change, 0.01 * wall.at(0.5).slope);
       }
+      // All layers of a straight line through the wall, those before it too, find the line's slope: the sum
+      // of depths (1 and 2 spacings, on either side) times slopes is 1, to what the layers of a kernel of
+      // this width leave of the integral; exactly so where slopes are not of the values.
+      const double nearest = wall.at(0.5).slope - wall.at(1.5).slope, second = wall.at(1.5).slope;
+      EXPECT_NEAR(2 * (nearest + 2 * second), 1, slopes_of_values(kind) ? 0.06 : 1e-3);
       EXPECT_GT(wall.at(0.5).slope, 10 * wall.at(2.3).slope) << "control: slopes differ";
     }
   }

@@ -16,20 +16,25 @@ struct HalfSpace {
   static constexpr int kIntervals = 512;
   double from = 0, per_metre = 1;
   std::array<double, kIntervals + 1> share{};  ///< 1, of the kernel that lies behind the wall
-  std::array<double, kIntervals + 1> slope{};  ///< 1/m, -d share / d d
+  std::array<double, kIntervals + 1> slope{};  ///< 1/m, -d share / d d, of the kernel whose slopes are taken
 
   /// Sets the tables for a kernel of radius H and particles `spacing` (m) apart.
   void set(Smoothing kind, int dimension, double radius, double spacing) {
     from = -0.5 * spacing, per_metre = kIntervals / (radius - from);
-    double whole = plane(kind, dimension, 0).w;
-    for (double z = spacing; z < radius; z += spacing) whole += 2 * plane(kind, dimension, z / radius).w;
+    double whole = plane(kind, dimension, 0).w, steep = 0;
+    for (double z = spacing; z < radius; z += spacing) {
+      const Plane p = plane(kind, dimension, z / radius);
+      whole += 2 * p.w, steep -= 2 * p.s * (z / radius) * (z / radius);
+    }
+    // A kernel's slopes go with its values; those of another make the gradient of a straight line 1.
+    if (slopes_of_values(kind)) steep = whole;
     for (int i = 0; i <= kIntervals; ++i) {
       const auto at = static_cast<size_t>(i);
       share[at] = slope[at] = 0;
       for (double z = from + i / per_metre + 0.5 * spacing; z < radius; z += spacing) {
         const Plane p = plane(kind, dimension, std::max(z, 0.0) / radius);
         share[at] += p.w / whole;
-        slope[at] -= p.s * z / (radius * radius) / whole;
+        slope[at] -= p.s * z / (radius * radius) / steep;
       }
     }
   }

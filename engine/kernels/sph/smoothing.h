@@ -1,6 +1,8 @@
-// Smoothing kernels of compact support: the cubic spline (Monaghan 1992) and Wendland's C2 and C4 functions
-// (Dehnen & Aly 2012), in the plane and in space. With q = r / H and H the radius of the support,
-// W(r) = sigma / H^D w(q) and dW/dr / r = sigma / H^(D + 2) s(q). Both vanish at q = 1.
+// Smoothing kernels of compact support: the cubic spline (Monaghan 1992), Wendland's C2 and C4 functions
+// (Dehnen & Aly 2012), and the pair of Mueller, Charypar & Gross 2003, in the plane and in space. With
+// q = r / H and H the radius of the support, W(r) = sigma / H^D w(q) and dW/dr / r = sigma / H^(D + 2) s(q).
+// Both vanish at q = 1. The pair takes values from one kernel, poly6 (1 - q^2)^3, and slopes from another,
+// spiky (1 - q)^3, with a sigma of their own: poly6 does not push what is close apart.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -9,7 +11,12 @@
 
 namespace truestep::sph {
 
-enum class Smoothing : uint8_t { cubic, wendland_c2, wendland_c4 };
+enum class Smoothing : uint8_t { cubic, wendland_c2, wendland_c4, poly6_spiky };
+
+/// Whether slopes are the derivative of the values; else they are another kernel's.
+constexpr bool slopes_of_values(Smoothing k) {
+  return k != Smoothing::poly6_spiky;
+}
 
 namespace smoothing_detail {
 template <class T>
@@ -38,6 +45,10 @@ inline SmoothingValue<T> smoothing(const Wide<T>& q) {
     return {select(near, inner_w, outer_w), select(near, inner_s, outer_s)};
   } else if constexpr (K == Smoothing::wendland_c2) {
     return {u2 * u2 * madd(real<T>(4), q, real<T>(1)), real<T>(-20) * u2 * u};
+  } else if constexpr (K == Smoothing::poly6_spiky) {
+    const Wide<T> p = real<T>(1) - q * q;
+    // The gradient's size goes to 3 at q = 0, where it has no direction.
+    return {p * p * p, real<T>(-3) * u2 / max(q, real<T>(1e-3))};
   } else {
     const Wide<T> u4 = u2 * u2;
     const Wide<T> p = madd(madd(real<T>(35.0 / 3), q, real<T>(6)), q, real<T>(1));
@@ -55,18 +66,34 @@ constexpr double smoothing_sigma(Smoothing k, int dimension) {
     case Smoothing::wendland_c2:
       return plane ? 7 / kPi : 21 / (2 * kPi);
     case Smoothing::wendland_c4:
+      return plane ? 9 / kPi : 495 / (32 * kPi);
+    case Smoothing::poly6_spiky:
       break;
   }
-  return plane ? 9 / kPi : 495 / (32 * kPi);
+  return plane ? 4 / kPi : 315 / (64 * kPi);
+}
+/// The same of the kernel whose slopes are taken.
+constexpr double slope_sigma(Smoothing k, int dimension) {
+  constexpr double kPi = 3.14159265358979323846;
+  if (slopes_of_values(k)) return smoothing_sigma(k, dimension);
+  return (dimension == 2 ? 10 : 15) / kPi;
 }
 
 /// The same for one number, by the kernel's name at run time.
 inline SmoothingValue<double> smoothing_at(Smoothing k, double q) {
   const Wide<double> x = Wide<double>::all(q);
   if (!(q < 1)) return {Wide<double>::zero(), Wide<double>::zero()};
-  return k == Smoothing::cubic         ? smoothing<Smoothing::cubic>(x)
-         : k == Smoothing::wendland_c2 ? smoothing<Smoothing::wendland_c2>(x)
-                                       : smoothing<Smoothing::wendland_c4>(x);
+  switch (k) {
+    case Smoothing::cubic:
+      return smoothing<Smoothing::cubic>(x);
+    case Smoothing::wendland_c2:
+      return smoothing<Smoothing::wendland_c2>(x);
+    case Smoothing::wendland_c4:
+      return smoothing<Smoothing::wendland_c4>(x);
+    case Smoothing::poly6_spiky:
+      break;
+  }
+  return smoothing<Smoothing::poly6_spiky>(x);
 }
 
 /// The largest of q |s(q)|, which the steepest gradient is in units of sigma / H^(D + 1).

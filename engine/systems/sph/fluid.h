@@ -97,6 +97,7 @@ struct Fluid {
   Aligned<T> push, flow;         ///< m^2/s^2 and m^2/s, solutions of the two solves
   Aligned<T> iterate, next;      ///< of a solve
   Aligned<T> omega;              ///< 1/s, four a row: vorticity and its size
+  Aligned<T> normal;             ///< 1, four a row: into the liquid at its surface; what it lacks (tension.h)
   Aligned<T> stiffness, source;  ///< of a solve: its diagonal (1/m^2) and right-hand side
   Aligned<T> pull;               ///< four a row: sum of gradients over neighbours and walls (1/m)
   Aligned<T> wall;               ///< four a row: gradient of the walls' share (1/m); the share

@@ -88,6 +88,8 @@ class Neighbours {
         return body(std::integral_constant<Smoothing, Smoothing::wendland_c2>{});
       case Smoothing::wendland_c4:
         return body(std::integral_constant<Smoothing, Smoothing::wendland_c4>{});
+      case Smoothing::poly6_spiky:
+        return body(std::integral_constant<Smoothing, Smoothing::poly6_spiky>{});
     }
   }
 

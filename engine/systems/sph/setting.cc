@@ -10,20 +10,25 @@ namespace truestep::sph {
 
 namespace {
 
-/// Sum of the kernel over a lattice of unit volume about one of its points, times that volume: nearly 1.
-double lattice_sum(Smoothing kind, int dimension, double support) {
+/// Sum of the kernel over a lattice of unit volume about one of its points, and the derivative that its
+/// slopes find of what grows by 1 along an axis: both nearly 1.
+struct LatticeSums {
+  double values, slopes;
+};
+LatticeSums lattice_sums(Smoothing kind, int dimension, double support) {
   const int reach = static_cast<int>(support) + 1;
-  double sum = 0;
+  double values = 0, slopes = 0;
   for (int z = dimension == 3 ? -reach : 0; z <= (dimension == 3 ? reach : 0); ++z) {
     for (int y = -reach; y <= reach; ++y) {
       for (int x = -reach; x <= reach; ++x) {
         const double r = std::sqrt(static_cast<double>(x * x + y * y + z * z));
-        sum += smoothing_at(kind, r / support).w[0];
+        const SmoothingValue<double> v = smoothing_at(kind, r / support);
+        values += v.w[0], slopes -= v.s[0] * (r / support) * (r / support) / dimension;
       }
     }
   }
   const double power = dimension == 3 ? support * support * support : support * support;
-  return sum * smoothing_sigma(kind, dimension) / power;
+  return {values * smoothing_sigma(kind, dimension) / power, slopes * slope_sigma(kind, dimension) / power};
 }
 
 /// Largest eigenvalue of the pressure equation over its diagonal on a lattice: its symbol is the square of
@@ -73,22 +78,31 @@ double fastest_start(const SphDef& d, const Vec3& gravity) {
 }  // namespace
 
 std::unique_ptr<const Setting> settle(const SphDef& def, const std::string& id, const Vec3& gravity) {
-  auto out = std::make_unique<Setting>(Setting{.def = def, .id = id, .wall = {}, .colliders = {}});
+  auto out =
+      std::make_unique<Setting>(Setting{.def = def, .id = id, .interface = {}, .wall = {}, .colliders = {}});
   for (const BodyDef& b : def.bodies) out->rows += places_of(def, b).size();
   const double s = def.spacing, h = def.support * s;
   out->volume = def.dimension == 2 ? s * s : s * s * s;
   out->mass = out->volume * def.density;
   out->support = h;
-  const double whole = lattice_sum(def.kernel, def.dimension, def.support);
+  const LatticeSums whole = lattice_sums(def.kernel, def.dimension, def.support);
   const double share = out->volume / (def.dimension == 2 ? h * h : h * h * h);
-  out->kernel_w = smoothing_sigma(def.kernel, def.dimension) * share / whole;
+  out->kernel_w = smoothing_sigma(def.kernel, def.dimension) * share / whole.values;
   out->kernel_s = out->kernel_w / (h * h);
+  if (!slopes_of_values(def.kernel)) {
+    out->kernel_s = slope_sigma(def.kernel, def.dimension) * share / whole.slopes / (h * h);
+  }
   out->sound = def.sound_speed > 0 ? def.sound_speed : std::max(10 * fastest_start(def, gravity), 1e-6);
   out->relaxation = 0.75 / largest_symbol(def.kernel, def.dimension, def.support);
-  if (def.surface_tension > 0) {
-    out->cohesion = cohesion_strength(def.surface_tension, def.density, def.dimension, s, h);
-  }
   out->wall.set(def.kernel, def.dimension, h, s);
+  if (def.surface_tension > 0) {
+    if (def.surface_tension_model == Tension::cohesion) {
+      out->cohesion = cohesion_strength(def.surface_tension, def.density, def.dimension, s, h);
+    } else {
+      out->interface.emplace(def.dimension, s, h);
+      out->cohesion = def.surface_tension / (out->interface->energy * h * out->mass);
+    }
+  }
   out->colliders = build_colliders(def.colliders);
   for (const BodyDef& b : def.bodies) {
     out->lightest = std::min(out->lightest, b.density.value_or(def.density) / def.density);

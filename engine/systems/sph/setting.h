@@ -1,11 +1,13 @@
 // What a system of particles of fluid is built of, and what its solver leaves behind for those who look.
 #pragma once
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "engine/core/real_column.h"
 #include "engine/core/system.h"
 #include "engine/kernels/sph/half_space.h"
+#include "engine/kernels/sph/interface.h"
 #include "engine/systems/sph/inlet.h"
 
 namespace truestep::sph {
@@ -39,12 +41,13 @@ struct Setting {
   State::Column ratio = 0, layers = 0, counts = 0;  ///< columns that not every fluid has; 0: it has not
   double lightest = 1;                              ///< the least density over the system's
   std::vector<Inlet> inlets;
-  double volume = 0, mass = 0;        ///< m^3 and kg of a particle
-  double cohesion = 0;                ///< m/s^2, of a pair at its strongest (tension.h)
-  double support = 0;                 ///< m, radius of the kernel
-  double kernel_w = 0, kernel_s = 0;  ///< volume times the kernel's factors of w and of s (1, 1/m^2)
-  double sound = 0;                   ///< m/s, of wcsph
-  double relaxation = 0.5;            ///< 1, of the solves' gradient steps
+  double volume = 0, mass = 0;              ///< m^3 and kg of a particle
+  double cohesion = 0;                      ///< m/s^2, that surface tension gives a pair at most (tension.h)
+  std::optional<PlaneInterface> interface;  ///< of the tension that is an interface's
+  double support = 0;                       ///< m, radius of the kernel
+  double kernel_w = 0, kernel_s = 0;        ///< volume times the kernel's factors of w and of s (1, 1/m^2)
+  double sound = 0;                         ///< m/s, of wcsph
+  double relaxation = 0.5;                  ///< 1, of the solves' gradient steps
   /// Density at rest of a particle over the system's.
   double ratio_of(const State& s, size_t row) const {
     return ratio ? RealColumn<const double>(s, ratio).at(row) : 1;

@@ -221,7 +221,11 @@ class SolverOf final : public Solver {
       }
     });
     if (d.surface_tension > 0) {
-      draw_together(f, static_cast<T>(set_.cohesion), static_cast<T>(set_.support), arena);
+      const T strength = static_cast<T>(set_.cohesion), support = static_cast<T>(set_.support);
+      if (d.surface_tension_model == Tension::cohesion) draw_together(f, strength, support, arena);
+      if (d.surface_tension_model == Tension::interface) {
+        shrink_interface(f, strength, *set_.interface, support, arena);
+      }
     }
     kick(f, h, arena);
     if (d.vorticity > 0) {

@@ -114,6 +114,10 @@ void check_def(const SphDef& d, const DefTable::Report& report) {
   const bool plane = d.dimension == 2;
   const double reach = d.support * d.spacing;
   const double least = plane ? std::min(size.x, size.y) : std::min({size.x, size.y, size.z});
+  // A wider pair sums up another density than its slopes correct, and the solve shakes the water.
+  if (d.kernel == Smoothing::poly6_spiky && d.solver == Method::dfsph && d.support > 2) {
+    report("/support", "of poly6_spiky with dfsph at most 2: wider, its slopes do not correct its density");
+  }
   if (!(least >= 3 * reach)) {
     return report("/high", "the box must be at least three kernel radii wide (3 x support x spacing)");
   }
@@ -213,7 +217,8 @@ const DefTable& sph_table() {
         .choice("solver", &D::solver, {"dfsph", "wcsph", "pbf"},
                 "dfsph: pressure solved for constant density and no divergence; wcsph: pressure from density "
                 "by Tait's equation; pbf: positions put where the density is right")
-        .choice("kernel", &D::kernel, {"cubic", "wendland_c2", "wendland_c4"}, "smoothing kernel")
+        .choice("kernel", &D::kernel, {"cubic", "wendland_c2", "wendland_c4", "poly6_spiky"},
+                "smoothing kernel; poly6_spiky: density by the first, pressure by the second")
         .number("support", &D::support, "1", between(1.5, 4), "radius of the kernel in spacings")
         .number("density", &D::density, "kg/m^3", above(0), "at rest")
         .number("viscosity", &D::viscosity, "m^2/s", at_least(0), "kinematic")
@@ -223,6 +228,9 @@ const DefTable& sph_table() {
             "substep of any length; weiler2018: a solve that keeps angular momentum, for thick liquids "
             "with a free surface")
         .number("surface_tension", &D::surface_tension, "N/m", at_least(0), "against what is no liquid")
+        .choice("surface_tension_model", &D::surface_tension_model, {"cohesion", "interface"},
+                "cohesion: pairs attract each other (Akinci and others 2013); interface: the "
+                "surface has an energy, whose gradient acts")
         .number("artificial_viscosity", &D::artificial_viscosity, "1", between(0, 1),
                 "Monaghan's alpha, of solver wcsph")
         .number(
@@ -256,6 +264,22 @@ const DefTable& sph_table() {
     return table.check(check_def).build();
   }();
   return t;
+}
+
+const Resolution& sph_resolution() {
+  static const Resolution kSpacing{.parameter = "spacing",
+                                   .divide = [](void* def, double factor) -> std::optional<std::string> {
+                                     auto& d = *static_cast<SphDef*>(def);
+                                     d.spacing /= factor;
+                                     std::optional<std::string> why;
+                                     check_def(d,
+                                               [&](const std::string& pointer, const std::string& message) {
+                                                 if (!why) why = pointer + ": " + message;
+                                               });
+                                     return why;
+                                   },
+                                   .order = [](const void*) { return 0; }};
+  return kSpacing;
 }
 
 double expected_neighbours(const SphDef& d) {

@@ -18,6 +18,7 @@ enum class Shape : uint8_t { box, ball };
 enum class Method : uint8_t { dfsph, wcsph, pbf };
 enum class Walls : uint8_t { slip, no_slip };
 enum class Periodic : uint8_t { none, x, z, xz };
+enum class Tension : uint8_t { cohesion, interface };
 enum class Viscous : uint8_t { explicit_step, implicit_step, weiler2018 };
 enum class Precision : uint8_t { f32, f64 };
 
@@ -57,6 +58,7 @@ struct SphDef : KillDefs {
   double density = 1000, viscosity = 1e-6, artificial_viscosity = 0.02, xsph = 0.5, vorticity = 0;
   Viscous viscosity_step = Viscous::explicit_step;
   double surface_tension = 0;
+  Tension surface_tension_model = Tension::cohesion;
   double density_error = 1e-4;
   int max_iterations = 200;
   double sound_speed = 0, density_diffusion = 0.1;
@@ -84,6 +86,7 @@ struct SphDef : KillDefs {
 
 const DefTable& sph_table();
 const Outputs& sph_outputs();
+const Resolution& sph_resolution();
 Cost sph_cost(const void* def);
 
 /// m, where the particles of a body are at t = 0, in the order of rows.

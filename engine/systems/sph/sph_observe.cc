@@ -13,14 +13,16 @@ void Sph::observe(const State& s, double, Observables& out) const {
   const Vec3 g = load3(s.f64(columns::gravity).data(), 0);
   double kinetic = 0, height = 0;
   Vec3 p, l, centre, low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = -low;
-  double mass = 0;
+  double mass = 0, pressed = 0;
+  Vec3 squares;
   const size_t n = s.rows(columns::position);
   double fastest = 0, compression = 0, densest = 0;
-  const RealColumn<const double> density(s, columns::density);
+  const RealColumn<const double> density(s, columns::density), pressure(s, columns::pressure);
   for (size_t i = 0; i < n; ++i) {
     const Vec3 at = x.vector(i), u = v.vector(i);
     const double m = setting_->mass * setting_->ratio_of(s, i);
-    mass += m;
+    mass += m, pressed += pressure.at(i);
+    squares += Vec3{at.x * at.x, at.y * at.y, at.z * at.z} * m;
     const double over = std::max(density.at(i) - 1, 0.0);
     compression += over, densest = std::max(densest, over);
     kinetic += 0.5 * m * norm2(u), height -= m * dot(g, at);
@@ -39,9 +41,15 @@ void Sph::observe(const State& s, double, Observables& out) const {
   add("angular_momentum", l, "kg m^2/s");
   if (n == 0) low = high = centre / mass;  // nothing is nowhere: not a number
   add("centre", centre / mass, "m");
+  const Vec3 at = centre / mass;
+  const auto spread = [&](double square, double middle) {
+    return std::sqrt(std::max(square / mass - middle * middle, 0.0));
+  };
+  add("spread", {spread(squares.x, at.x), spread(squares.y, at.y), spread(squares.z, at.z)}, "m");
   add("low", low, "m");
   add("high", high, "m");
   out.add("mass", setting_->ratio ? mass : setting_->mass * static_cast<double>(n), "kg");
+  out.add("pressure.mean", n > 0 ? pressed / static_cast<double>(n) : 0, "Pa");
   out.add("speed.max", std::sqrt(fastest), "m/s");
   const auto r = s.f64(columns::report);
   out.add("density.mean_error", r[report::mean_error], "1");
@@ -109,6 +117,9 @@ const Outputs& sph_outputs() {
           {"centre.x", "m", "of mass"},
           {"centre.y", "m", ""},
           {"centre.z", "m", ""},
+          {"spread.x", "m", "root mean square distance of the particles' mass from its centre along x"},
+          {"spread.y", "m", ""},
+          {"spread.z", "m", ""},
           {"low.x", "m", "least coordinate of any particle"},
           {"low.y", "m", ""},
           {"low.z", "m", ""},
@@ -116,6 +127,7 @@ const Outputs& sph_outputs() {
           {"high.y", "m", ""},
           {"high.z", "m", ""},
           {"mass", "kg", "of all particles"},
+          {"pressure.mean", "Pa", "of the particles"},
           {"speed.max", "m/s", "of the fastest particle"},
           {"density.mean_error", "1",
            "mean compression that the pressure solve of the last substep left; of wcsph mean "
