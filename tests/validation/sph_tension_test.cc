@@ -64,7 +64,9 @@ TEST(SphTension, ASquareGoesRound) {
   const double round = 0.6 / std::sqrt(kPi);
   EXPECT_GT(before, 1.15 * round) << "control";
   EXPECT_NEAR(farthest(), round, 1.5 * d.spacing);
-  EXPECT_LT(std::abs(run.observe("momentum.x")), 1e-6);
+  // Pairs keep momentum to 1e-14 kg m/s; the solve for viscosity ends at a millionth of what it begins with.
+  const double moved = std::sqrt(2 * run.observe("mass") * run.observe("energy.kinetic"));
+  EXPECT_LT(std::abs(run.observe("momentum.x")), 1e-6 * moved);
 }
 
 }  // namespace
