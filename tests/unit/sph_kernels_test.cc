@@ -134,9 +134,10 @@ TEST(SphLists, RoundedGradientsAreOppositeAndWhole) {
     EXPECT_EQ(up[3], -down[3]) << x;
     EXPECT_NEAR(up[0], x, 0.5f);
     EXPECT_EQ(up[5], std::nearbyint(x));
-    int16_t kept[8];
-    store_as(kept, down);
-    EXPECT_EQ(load_as<float>(kept)[7], -std::nearbyint(x)) << x;
+    int16_t kept[8][4] = {};
+    const Wide<float> axes[3] = {down, up, down};
+    store_rows3(kept, axes);
+    EXPECT_EQ(load_as<float>(kept[2])[5], std::nearbyint(x)) << x;
   }
   for (const Smoothing kind : kAll) {
     // No gradient is out of the range of its steps.
@@ -157,7 +158,8 @@ TEST(SphLists, LanesAreStoredSideBySide) {
       T out[8] = {};
       uint32_t places[8] = {};
       const LanesOf<T> lanes(bits);
-      lanes.store(out, a), lanes.store_places(places, 100);
+      const uint32_t from[8] = {100, 101, 102, 103, 104, 105, 106, 107};
+      lanes.store(out, a), lanes.store(places, from);
       size_t k = 0;
       for (int i = 0; i < 4; ++i) {
         if (!(bits >> i & 1)) continue;
@@ -168,6 +170,42 @@ TEST(SphLists, LanesAreStoredSideBySide) {
     }
   };
   check(1.0f), check(1.0);
+}
+
+// Rows of four: what is last in them stays, each number is found again where it was put, and sums over rows
+// that lie side by side are those of one after the other.
+TEST(SphLists, RowsOfFourAreKeptAndSummed) {
+  const auto check = [](auto one, auto kept) {
+    using T = decltype(one);
+    using Kept = decltype(kept);
+    constexpr size_t kLanes = Wide<T>::kLanes;
+    Kept rows[kLanes][4] = {};
+    Wide<T> in[3], out[3];
+    for (size_t i = 0; i < kLanes; ++i) {
+      rows[i][3] = static_cast<Kept>(100 + i);
+      for (size_t k = 0; k < 3; ++k) in[k].set(static_cast<int>(i), static_cast<T>(10 * i + k) - T(35));
+    }
+    store_rows3(rows, in), load_rows3(rows, out);
+    for (size_t i = 0; i < kLanes; ++i) {
+      EXPECT_EQ(rows[i][3], static_cast<Kept>(100 + i));
+      for (size_t k = 0; k < 3; ++k) {
+        EXPECT_EQ(rows[i][k], static_cast<Kept>(10 * i + k) - Kept(35));
+        EXPECT_EQ(out[k][static_cast<int>(i)], in[k][static_cast<int>(i)]);
+      }
+    }
+    alignas(32) const T table[20] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19};
+    const size_t slots[2] = {4, 1};
+    const Wide<T> side = rows_side_by_side(table, slots), fours = numbers_by_fours(table, slots);
+    const bool two = kRowsSide<T> == 2;
+    T sums[4];
+    sum_rows(side, sums);
+    for (size_t k = 0; k < 4; ++k) {
+      EXPECT_EQ(sums[k], table[16 + k] + (two ? table[4 + k] : T{0}));
+      EXPECT_EQ(fours[static_cast<int>(k)], T(4));
+    }
+    EXPECT_EQ(fours[static_cast<int>(kLanes) - 1], two ? T(1) : T(4));
+  };
+  check(1.0f, int16_t{1}), check(1.0, 1.0);
 }
 
 // A slot that is more than 16 bits above the first of its group, or below it, begins another group.
@@ -184,10 +222,10 @@ TEST(SphLists, SlotsFarApartAreInGroupsOfTheirOwn) {
     const Group<float>& g = c.group(k);
     const float square = c.square[k - kBegin];
     if (square < 99) {
-      found.push_back(g.base + g.above[k % 8]);
+      found.push_back(c.base[k / 8] + g.above(k % 8));
       EXPECT_EQ(found.back(), slots[static_cast<size_t>(square) - 1]);
     } else {
-      EXPECT_EQ(g.above[k % 8], 0) << "what fills a group up is its first slot";
+      EXPECT_EQ(g.above(k % 8), 0) << "what fills a group up is its first slot";
     }
   }
   EXPECT_EQ(found, std::vector<uint32_t>(std::begin(slots), std::end(slots)));

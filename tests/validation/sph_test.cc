@@ -121,33 +121,39 @@ TEST(SphValidation, AStandingWaveKeepsItsPeriod) {
   }
 }
 
-// Case fluid.hydrostatic: a metre of water presses on the floor with 9,810 Pa.
+// Case fluid.hydrostatic: a metre of water presses on the floor with 9,810 Pa. How wcsph settles hangs on the
+// last bit: starts a millionth of a metre apart differ by 0.3 % for good (their mean is 1.9 % too large), so
+// that the mean of three is what is compared.
 TEST(SphValidation, StillWaterPressesByItsWeight) {
   for (const Method solver : {Method::dfsph, Method::wcsph}) {
-    SphDef d;
-    d.dimension = 2, d.high = {1, 1.5, 1}, d.spacing = 0.025, d.solver = solver;
-    d.bodies = {{.center = {0.5, 0.5, 0}, .half_extents = {0.5, 0.5, 1}}};
-    SphRun run(d, 1.0 / 120, {0, -9.81, 0});
-    run.seconds(2);
-    // Pressure falls linearly with height: its value on the floor by least squares, over a quarter of a
-    // second.
+    const int starts = solver == Method::wcsph ? 3 : 1;
     double floor = 0;
-    for (int k = 0; k < 30; ++k) {
-      run.step();
-      const RealColumn<const double> p(run.state, columns::pressure);
-      double n = 0, y = 0, yy = 0, q = 0, yq = 0;
-      for (size_t i = 0; i < run.system.setting().rows; ++i) {
-        const double at = run.position(i).y;
-        if (at > 0.8 || at < 0.15) continue;
-        n += 1, y += at, yy += at * at, q += p.at(i), yq += at * p.at(i);
+    for (int start = 0; start < starts; ++start) {
+      SphDef d;
+      d.dimension = 2, d.high = {1, 1.5, 1}, d.spacing = 0.025, d.solver = solver;
+      d.bodies = {{.center = {0.5, 0.5, 0}, .half_extents = {0.5, 0.5 + 1e-6 * start, 1}}};
+      SphRun run(d, 1.0 / 120, {0, -9.81, 0});
+      run.seconds(2);
+      // Pressure falls linearly with height: its value on the floor by least squares, over a quarter of a
+      // second.
+      constexpr int kSteps = 30;
+      for (int k = 0; k < kSteps; ++k) {
+        run.step();
+        const RealColumn<const double> p(run.state, columns::pressure);
+        double n = 0, y = 0, yy = 0, q = 0, yq = 0;
+        for (size_t i = 0; i < run.system.setting().rows; ++i) {
+          const double at = run.position(i).y;
+          if (at > 0.8 || at < 0.15) continue;
+          n += 1, y += at, yy += at * at, q += p.at(i), yq += at * p.at(i);
+        }
+        floor += (q * yy - y * yq) / (n * yy - y * y) / (kSteps * starts);
       }
-      floor += (q * yy - y * yq) / (n * yy - y * y) / 30;
+      EXPECT_NEAR(run.observe("centre.y"), 0.5, 0.01) << static_cast<int>(solver);
     }
     // The case's 2 %.
     EXPECT_NEAR(floor, 9810, 0.02 * 9810) << static_cast<int>(solver);
     // And it has sunk by less than 2 %. Control: the half of it would press with half as much.
     EXPECT_GT(floor, 0.75 * 9810);
-    EXPECT_NEAR(run.observe("centre.y"), 0.5, 0.01) << static_cast<int>(solver);
   }
 }
 

@@ -10,7 +10,7 @@ namespace truestep::sph {
 
 /// Lane i: numbers[index[i]].
 template <class T, class Index>
-inline Wide<T> gather(const T* numbers, const Index* index) {
+inline Wide<T> gather(const T* numbers, const Index& index) {
   Wide<T> out;
   for (int i = 0; i < Wide<T>::kLanes; ++i) out.v[i] = numbers[index[i]];
   return out;
@@ -18,7 +18,7 @@ inline Wide<T> gather(const T* numbers, const Index* index) {
 
 /// out[k] lane i: rows[4 index[i] + k], rows 16-byte (float) or 32-byte (double) aligned.
 template <class T, class Index>
-inline void gather_rows4(const T* rows, const Index* index, Wide<T> out[4]) {
+inline void gather_rows4(const T* rows, const Index& index, Wide<T> out[4]) {
 #if defined(__AVX2__) && defined(__FMA__)
   using Raw = typename Wide<T>::Raw;
   const auto row = [&](int i) { return rows + 4 * static_cast<size_t>(index[i]); };
@@ -43,6 +43,56 @@ inline void gather_rows4(const T* rows, const Index* index, Wide<T> out[4]) {
       out[k].v[i] = rows[4 * static_cast<size_t>(index[i]) + static_cast<size_t>(k)];
   }
 #endif
+}
+
+/// Rows of four numbers that one Wide holds side by side.
+template <class T>
+inline constexpr size_t kRowsSide = Wide<T>::kLanes / 4;
+
+/// The rows of four at index[0] and, of floats, index[1], aligned as for gather_rows4.
+template <class T, class Index>
+inline Wide<T> rows_side_by_side(const T* rows, const Index& index) {
+#if defined(__AVX2__) && defined(__FMA__)
+  using Raw = typename Wide<T>::Raw;
+  if constexpr (sizeof(T) == 4) {
+    return {Raw(_mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(rows + 4 * index[0])),
+                                     _mm_load_ps(rows + 4 * index[1]), 1))};
+  } else {
+    return {Raw(_mm256_load_pd(rows + 4 * index[0]))};
+  }
+#else
+  Wide<T> out;
+  for (size_t i = 0; i < Wide<T>::kLanes; ++i) out.v[i] = rows[4 * index[i / 4] + i % 4];
+  return out;
+#endif
+}
+/// The numbers at index[0] and, of floats, index[1], each four times.
+template <class T, class Index>
+inline Wide<T> numbers_by_fours(const T* numbers, const Index& index) {
+#if defined(__AVX2__) && defined(__FMA__)
+  using Raw = typename Wide<T>::Raw;
+  if constexpr (sizeof(T) == 4) {
+    return {Raw(_mm256_blend_ps(_mm256_broadcast_ss(numbers + index[0]),
+                                _mm256_broadcast_ss(numbers + index[1]), 0xf0))};
+  } else {
+    return {Raw(_mm256_broadcast_sd(numbers + index[0]))};
+  }
+#else
+  Wide<T> out;
+  for (size_t i = 0; i < Wide<T>::kLanes; ++i) out.v[i] = numbers[index[i / 4]];
+  return out;
+#endif
+}
+/// out[k]: sum of number k of the rows of four in a.
+template <class T>
+inline void sum_rows(const Wide<T>& a, T out[4]) {
+  for (int k = 0; k < 4; ++k) {
+    if constexpr (sizeof(T) == 4) {
+      out[k] = a[k] + a[k + 4];
+    } else {
+      out[k] = a[k];
+    }
+  }
 }
 
 /// Bit i: a < b in lane i.
@@ -123,17 +173,16 @@ class LanesOf {
     const uint8_t* lanes = kLanesOf.of[bits_];
     for (size_t k = 0; k < count(); ++k) out[k] = a.v[lanes[k]];
   }
-  /// Their numbers, counted from `first` on.
-  void store_places(uint32_t* out, uint32_t first) const {
+  void store(uint32_t* out, const uint32_t* in) const {
 #if defined(__AVX2__) && defined(__FMA__)
     if constexpr (sizeof(T) == 4) {
-      _mm256_storeu_si256(reinterpret_cast<__m256i*>(out),
-                          _mm256_add_epi32(order_, _mm256_set1_epi32(static_cast<int>(first))));
+      const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(in));
+      _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_permutevar8x32_epi32(all, order_));
       return;
     }
 #endif
     const uint8_t* lanes = kLanesOf.of[bits_];
-    for (size_t k = 0; k < count(); ++k) out[k] = first + lanes[k];
+    for (size_t k = 0; k < count(); ++k) out[k] = in[lanes[k]];
   }
 
  private:
@@ -161,14 +210,10 @@ inline Wide<T> nearest(const Wide<T>& a) {
   return (a + shift) - shift;
 }
 
-/// Loads and stores of numbers that are kept as they are, or of whole ones of 16 bits.
+/// Loads of numbers that are kept as they are, or as whole ones of 16 bits.
 template <class T>
 inline Wide<T> load_as(const T* p) {
   return load(p);
-}
-template <class T>
-inline void store_as(T* p, const Wide<T>& a) {
-  store(p, a);
 }
 typedef int16_t EightShorts __attribute__((vector_size(16)));
 template <class T>
@@ -182,14 +227,55 @@ inline Wide<float> load_as(const int16_t* p) {
   return {__builtin_convertvector(r, Wide<float>::Raw)};
 #endif
 }
-inline void store_as(int16_t* p, const Wide<float>& a) {
+
+/// Lane i of in[k] into rows[i][k], and back, k from 0 to 2; what is last in a row stays as it is.
+template <class T>
+inline void store_rows3(T (*rows)[4], const Wide<T> in[3]) {
+  for (int i = 0; i < Wide<T>::kLanes; ++i) {
+    for (int k = 0; k < 3; ++k) rows[i][k] = in[k].v[i];
+  }
+}
+inline void store_rows3(int16_t (*rows)[4], const Wide<float> in[3]) {
 #if defined(__AVX2__) && defined(__FMA__)
-  const __m256i whole = _mm256_cvttps_epi32(__m256(a.v));
-  const __m128i r = _mm_packs_epi32(_mm256_castsi256_si128(whole), _mm256_extracti128_si256(whole, 1));
-  _mm_storeu_si128(reinterpret_cast<__m128i*>(p), r);
+  const auto whole = [&](int k) { return _mm256_cvttps_epi32(__m256(in[k].v)); };
+  auto* out = reinterpret_cast<__m256i*>(rows);
+  const __m256i xy = _mm256_packs_epi32(whole(0), whole(1)), zz = _mm256_packs_epi32(whole(2), whole(2));
+  const __m256i xz = _mm256_unpacklo_epi16(xy, zz), yz = _mm256_unpackhi_epi16(xy, zz);
+  // Rows 0, 1, 4, 5 and rows 2, 3, 6, 7.
+  const __m256i a = _mm256_unpacklo_epi16(xz, yz), b = _mm256_unpackhi_epi16(xz, yz);
+  constexpr int kLast = 0x88;
+  const __m256i low = _mm256_permute2x128_si256(a, b, 0x20), high = _mm256_permute2x128_si256(a, b, 0x31);
+  _mm256_storeu_si256(out, _mm256_blend_epi16(low, _mm256_loadu_si256(out), kLast));
+  _mm256_storeu_si256(out + 1, _mm256_blend_epi16(high, _mm256_loadu_si256(out + 1), kLast));
 #else
-  const EightShorts r = __builtin_convertvector(a.v, EightShorts);
-  __builtin_memcpy(p, &r, sizeof r);
+  for (int i = 0; i < 8; ++i) {
+    for (int k = 0; k < 3; ++k) rows[i][k] = static_cast<int16_t>(in[k].v[i]);
+  }
+#endif
+}
+template <class T>
+inline void load_rows3(const T (*rows)[4], Wide<T> out[3]) {
+  for (int i = 0; i < Wide<T>::kLanes; ++i) {
+    for (int k = 0; k < 3; ++k) out[k].v[i] = rows[i][k];
+  }
+}
+inline void load_rows3(const int16_t (*rows)[4], Wide<float> out[3]) {
+#if defined(__AVX2__) && defined(__FMA__)
+  const auto* in = reinterpret_cast<const __m256i*>(rows);
+  const __m256i low = _mm256_loadu_si256(in), high = _mm256_loadu_si256(in + 1);
+  const __m256i a = _mm256_permute2x128_si256(low, high, 0x20),
+                b = _mm256_permute2x128_si256(low, high, 0x31);
+  const __m256i even = _mm256_unpacklo_epi16(a, b), odd = _mm256_unpackhi_epi16(a, b);
+  const __m256i xy = _mm256_unpacklo_epi16(even, odd), z = _mm256_unpackhi_epi16(even, odd);
+  const auto wide = [](const __m256i& twice) {
+    return Wide<float>::Raw(_mm256_cvtepi32_ps(_mm256_srai_epi32(twice, 16)));
+  };
+  out[0].v = wide(_mm256_unpacklo_epi16(xy, xy)), out[1].v = wide(_mm256_unpackhi_epi16(xy, xy));
+  out[2].v = wide(_mm256_unpacklo_epi16(z, z));
+#else
+  for (int i = 0; i < 8; ++i) {
+    for (int k = 0; k < 3; ++k) out[k].v[i] = static_cast<float>(rows[i][k]);
+  }
 #endif
 }
 

@@ -6,7 +6,6 @@
 #pragma once
 #include <algorithm>
 #include <array>
-#include <utility>
 
 #include "engine/systems/sph/bodies.h"
 
@@ -22,30 +21,36 @@ class Dfsph {
  public:
   explicit Dfsph(const Setting& set) : set_(set) {}
 
-  /// Takes from the velocities what would compress the fluid; `h` s is the substep. What is torn open
-  /// may close, a part of it a substep.
-  SolveResult stop_flow(Fluid<D, T>& f, BodiesIn<D, T>& bodies, double h, const ThreadArena& arena) const {
-    const T closing = static_cast<T>(kClosing / h);
-    f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
-      f.source[i] = compression<Answer::mirror, D, T>(f, f.v, i, c, begin, end) + 2 * f.drive[i] +
-                    closing * std::min(f.delta[i] - static_cast<T>(kGap), T{0});
-    });
-    const SolveResult out = relax<Answer::mirror>(f, bodies, f.flow, static_cast<T>(1 / h), h * h, arena);
-    kick(f, static_cast<T>(h), arena);
-    bodies.follow(f, h);
-    return out;
-  }
-  /// Velocities that leave the density at rest after a substep of h s.
-  SolveResult stop_compression(Fluid<D, T>& f, BodiesIn<D, T>& bodies, double h,
-                               const ThreadArena& arena) const {
-    const T step = static_cast<T>(h);
-    f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
-      const T rate = compression<Answer::rest, D, T>(f, f.v, i, c, begin, end) + f.drive[i];
-      f.source[i] = std::min(f.delta[i] - 1, static_cast<T>(kMostAtOnce)) + step * rate;
-    });
-    const SolveResult out = relax<Answer::rest>(f, bodies, f.push, static_cast<T>(1 / (h * h)), h * h, arena);
-    kick(f, step, arena);
-    bodies.follow(f, h);
+  struct Solved {
+    SolveResult flow, push;
+  };
+  /// Takes from the velocities what would compress the fluid (what is torn open may close, a part of it a
+  /// substep), and then makes them such that the density is that at rest after a substep of `h` s.
+  Solved solve(Fluid<D, T>& f, BodiesIn<D, T>& bodies, double h, const ThreadArena& arena) const {
+    const T step = static_cast<T>(h), per_step = 1 / step, closing = static_cast<T>(kClosing / h);
+    begin_from(f, f.flow, f.start);
+    push_by<Answer::mirror>(f, f.flow, arena);
+    move<Answer::mirror>(f, bodies, f.flow, h, arena);
+    Solved out;
+    out.flow = relax<Answer::mirror>(
+        f, bodies, f.flow, h * h, arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
+          const T rate = compression<Answer::mirror, D, T>(f, f.v, i, c, begin, end) + 2 * f.drive[i];
+          return per_step * (rate + closing * std::min(f.delta[i] - static_cast<T>(kGap), T{0}));
+        });
+    // What the first solve has found and what the second begins from push in one pass.
+    begin_from(f, f.push, f.start);
+    push_by_both(f, f.change, f.push, f.next, arena);
+    if (bodies.any()) {
+      bodies.template answer<Answer::mirror>(f.change), bodies.follow(f, h);
+    }
+    move<Answer::rest>(f, bodies, f.push, h, arena);
+    out.push = relax<Answer::rest>(
+        f, bodies, f.push, h * h, arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
+          const T rate = compression<Answer::rest, D, T>(f, f.v, i, c, begin, end) + f.drive[i];
+          return per_step * (per_step * std::min(f.delta[i] - 1, static_cast<T>(kMostAtOnce)) + rate);
+        });
+    push_by<Answer::rest>(f, f.change, arena);
+    move<Answer::rest>(f, bodies, f.change, h, arena);
     return out;
   }
 
@@ -55,42 +60,65 @@ class Dfsph {
   static constexpr int kLeastIterations = 2;
   /// Where the density is below kGap of that at rest there is a gap, which may close by kClosing of it a
   /// substep.
+  static constexpr double kGap = 0.9, kClosing = 0.1;
   /// Compression is taken back by at most this a substep: what overlaps at the start comes apart calmly.
   static constexpr double kMostAtOnce = 0.02;
-  static constexpr double kGap = 0.9, kClosing = 0.1;
 
-  /// Solves for q >= 0 such that no compression scale * source remains; `error` makes it relative. Leaves the
-  /// accelerations in f.a. Projected gradients, accelerated by Nesterov's sequence, which begins anew where
-  /// it goes uphill (O'Donoghue & Candes 2015): the matrix is symmetric and has no negative eigenvalue.
+  /// The pressures q that a solve begins from, into `start` too: what nothing moves has none.
+  static void begin_from(const Fluid<D, T>& f, Aligned<T>& q, Aligned<T>& start) {
+    for (size_t i = 0; f.weighted && i < f.n; ++i) {
+      if (f.fixed(i)) q[i] = 0;
+    }
+    std::copy(q.begin(), q.end(), start.begin());
+  }
+  /// Carries out for h s what pressures q do; f.a is what they do to the particles.
   template <Answer A>
-  SolveResult relax(Fluid<D, T>& f, BodiesIn<D, T>& bodies, Aligned<T>& q, T scale, double error,
-                    const ThreadArena& arena) const {
+  static void move(Fluid<D, T>& f, BodiesIn<D, T>& bodies, const Aligned<T>& q, double h,
+                   const ThreadArena& arena) {
+    kick(f, static_cast<T>(h), arena);
+    if (bodies.any()) bodies.template answer<A>(q), bodies.follow(f, h);
+  }
+
+  /// Solves for q >= 0 such that no compression remains. Velocities have the pressures that q begins with in
+  /// them, and residual(slot, chunk, begin, end) says what compression (1/s^2) is left there; `error` makes
+  /// it relative. Leaves in f.change what is to be added to the pressures at the beginning. Projected
+  /// gradients, accelerated by Nesterov's sequence, which begins anew where it goes uphill (O'Donoghue &
+  /// Candes 2015): the matrix is symmetric and has no negative eigenvalue.
+  template <Answer A, class Residual>
+  SolveResult relax(Fluid<D, T>& f, BodiesIn<D, T>& bodies, Aligned<T>& q, double error,
+                    const ThreadArena& arena, const Residual& residual) const {
     const bool any = bodies.any();
     const T least = static_cast<T>(1e-6 / (set_.support * set_.support));
     T relaxation = static_cast<T>(set_.relaxation);
     SolveResult out;
-    for (size_t i = 0; f.weighted && i < f.n; ++i) {
-      if (f.fixed(i)) q[i] = 0;
-    }
     std::copy(q.begin(), q.end(), f.iterate.begin());
     double best = HUGE_VAL;
     int run = 0;
     for (;;) {
-      push_by<A>(f, q, arena);
-      if (any) bodies.template answer<A>(q);
+      const bool first = out.iterations == 0;
+      if (!first) {
+        push_by<A>(f, f.change, arena);
+        if (any) bodies.template answer<A>(f.change);
+      }
       const T beyond = static_cast<T>(run) / static_cast<T>(run + 3);
       const auto left = f.tally(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
         if (f.fixed(i)) {
           f.iterate[i] = f.next[i] = 0;
           return std::array<double, 2>{0, 0};
         }
-        T rest = scale * f.source[i] + compression<A, D, T>(f, f.a, i, c, begin, end);
+        T rest;
+        if (first) {
+          rest = f.source[i] = residual(i, c, begin, end);
+        } else {
+          rest = f.source[i] + compression<A, D, T>(f, f.a, i, c, begin, end);
+          if (any) rest += bodies.recoil(i);
+        }
         T own = f.stiffness[i];
         if constexpr (A == Answer::mirror) {
           const T *pull = f.pull.data() + 4 * i, *wall = f.wall.data() + 4 * i;
           for (size_t k = 0; k < D; ++k) own += f.lightness(i) * wall[k] * (2 * pull[k] + wall[k]);
         }
-        if (any) rest += bodies.recoil(i), own += bodies.template give<A>(i);
+        if (any) own += bodies.template give<A>(i);
         // Where there is pressure, expansion is an error too.
         const double wrong = q[i] > 0 ? std::abs(double{rest}) : std::max(double{rest}, 0.0);
         const T to = own > least ? std::max(q[i] + relaxation * rest / own, T{0}) : T{0};
@@ -106,17 +134,17 @@ class Dfsph {
       if (out.mean > 10 * best) relaxation *= T(0.5), best = HUGE_VAL;
       best = std::min(best, out.mean);
       ++run;
-      if (left.second < 0) {
-        run = 0;
-        std::copy(f.iterate.begin(), f.iterate.end(), q.begin());
-      } else {
-        std::swap(q, f.next);
-      }
+      if (left.second < 0) run = 0;
+      go_to(f, q, left.second < 0 ? f.iterate : f.next, arena);
     }
-    std::swap(q, f.iterate);
-    push_by<A>(f, q, arena);
-    if (any) bodies.template answer<A>(q);
+    go_to(f, q, f.iterate, arena);
     return out;
+  }
+  /// q becomes `to`, f.change what that is more than at the beginning.
+  static void go_to(Fluid<D, T>& f, Aligned<T>& q, const Aligned<T>& to, const ThreadArena& arena) {
+    arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) q[i] = to[i], f.change[i] = to[i] - f.start[i];
+    });
   }
 
   const Setting& set_;

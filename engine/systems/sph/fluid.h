@@ -96,6 +96,7 @@ struct Fluid {
   Aligned<T> delta;              ///< 1, density over that at rest
   Aligned<T> push, flow;         ///< m^2/s^2 and m^2/s, solutions of the two solves
   Aligned<T> iterate, next;      ///< of a solve
+  Aligned<T> start, change;      ///< of a solve: pressures at its beginning, and what they are more now
   Aligned<T> omega;              ///< 1/s, four a row: vorticity and its size
   Aligned<T> normal;             ///< 1, four a row: into the liquid at its surface; what it lacks (tension.h)
   Aligned<T> stiffness, source;  ///< of a solve: its diagonal (1/m^2) and right-hand side
@@ -128,7 +129,9 @@ struct Fluid {
     n = rows;
     for (auto& c : x) c.resize(n + kLanes);
     for (auto* c : {&v, &a, &pull, &wall}) c->resize(4 * n);
-    for (auto* c : {&delta, &push, &flow, &iterate, &next, &stiffness, &source, &drive, &rests}) c->resize(n);
+    for (auto* c :
+         {&delta, &push, &flow, &iterate, &next, &start, &change, &stiffness, &source, &drive, &rests})
+      c->resize(n);
     if (weighted) light.resize(n), held.resize(n);
     row.resize(n), cell_of.resize(n);
     if (chunks.size() < chunks_in_use()) chunks.resize(chunks_in_use());

@@ -100,8 +100,12 @@ class Neighbours {
         Chunk<T>& chunk = f.chunks[k];
         const size_t low = k * kChunk, high = std::min(f.n, low + kChunk);
         size_t used = 0;
+        uint32_t cell = 0;
         chunk.first[0] = 0;
         for (size_t i = low; i < high; ++i) {
+          const uint32_t now = f.cell_of[f.row[i]];
+          if (i == low || now != cell) look_around(f, i, chunk);
+          cell = now;
           const size_t end = find(f, i, chunk, used);
           evaluate<K>(f, i, chunk, used, end);
           used = end;
@@ -111,40 +115,44 @@ class Neighbours {
     });
   }
 
+  /// What is in the cells around that of particle i.
+  void look_around(const Fluid<D, T>& f, size_t i, Chunk<T>& chunk) const {
+    int c[3] = {};
+    for (size_t a = 0; a < D; ++a) c[a] = f.cells.along(double{f.x[a][i]}, static_cast<int>(a));
+    chunk.around_count = 0;
+    f.cells.around(c, [&](size_t begin, size_t stop, const double* shift) {
+      if (begin <= i && i < stop) chunk.own = chunk.around_count - begin;
+      chunk.template put_around<D>(f.x, begin, stop, shift);
+    });
+    chunk.end_around();
+  }
+
   /// Appends the neighbours of particle i behind `used` entries, with offsets and squared distances; returns
   /// the end.
   size_t find(const Fluid<D, T>& f, size_t i, Chunk<T>& chunk, size_t used) const {
-    const T here[3] = {f.x[0][i], f.x[1][i], D == 3 ? f.x[2][i] : T{0}};
-    int c[3] = {};
-    for (int a = 0; a < D; ++a) c[a] = f.cells.along(double{here[a]}, a);
     const T far = static_cast<T>(set_.support * set_.support);
     const W limit = W::all(far);
-    size_t end = used;
-    f.cells.around(c, [&](size_t begin, size_t stop, const double* shift) {
-      if (begin == stop) return;
-      chunk.need(used, end, stop - begin + kLanes, static_cast<size_t>(extras_));
-      W from[3];
-      for (int a = 0; a < D; ++a) from[a] = W::all(static_cast<T>(here[a] - static_cast<T>(shift[a])));
-      for (size_t j = begin; j < stop; j += kLanes) {
-        W way[D], square = W::zero();
-        for (size_t a = 0; a < D; ++a) {
-          way[a] = from[a] - load(f.x[a].data() + j);
-          square = madd(way[a], way[a], square);
-        }
-        uint32_t bits = bits_below(square, limit);
-        if (stop - j < kLanes) bits &= (1u << (stop - j)) - 1;
-        if (i - j < kLanes) bits &= ~(1u << (i - j));
-        if (bits == 0) continue;
-        const size_t at = end - used;
-        const LanesOf<T> lanes(bits);
-        lanes.store_places(chunk.near.data() + at, static_cast<uint32_t>(j));
-        for (size_t a = 0; a < D; ++a) lanes.store(chunk.away[a].data() + at, way[a]);
-        lanes.store(chunk.square.data() + at, square);
-        end += lanes.count();
+    W here[D];
+    for (size_t a = 0; a < D; ++a) here[a] = W::all(f.x[a][i]);
+    const size_t own = chunk.own + i;
+    chunk.need(used, used, chunk.around_count + kLanes, static_cast<size_t>(extras_));
+    size_t at = 0;
+    // Each group is stored, with or without neighbours: that costs less than a branch that is not foreseen.
+    for (size_t k = 0; k < chunk.around_count; k += kLanes) {
+      W way[D], square = W::zero();
+      for (size_t a = 0; a < D; ++a) {
+        way[a] = here[a] - load(chunk.around[a].data() + k);
+        square = madd(way[a], way[a], square);
       }
-    });
-    chunk.need(used, end, kLanes, static_cast<size_t>(extras_));
-    return chunk.pack(used, end, far, static_cast<size_t>(extras_));
+      uint32_t bits = bits_below(square, limit);
+      if (own - k < kLanes) bits &= ~(1u << (own - k));
+      const LanesOf<T> lanes(bits);
+      lanes.store(chunk.near.data() + at, chunk.around_slots.data() + k);
+      for (size_t a = 0; a < D; ++a) lanes.store(chunk.away[a].data() + at, way[a]);
+      lanes.store(chunk.square.data() + at, square);
+      at += lanes.count();
+    }
+    return chunk.pack(used, used + at, far, static_cast<size_t>(extras_));
   }
 
   /// Offsets and squared distances of the neighbours that a list has.
@@ -164,7 +172,7 @@ class Neighbours {
       }
       store(chunk.square.data() + (k - begin), min(square, W::all(far)));
       // A neighbour is in a list once: what has its group's first slot again fills the group up.
-      for (size_t last = kLanes; last-- > 1 && chunk.group(k).above[last] == 0;) {
+      for (size_t last = kLanes; last-- > 1 && chunk.group(k).above(last) == 0;) {
         chunk.square[k - begin + last] = far;
       }
     }
@@ -181,18 +189,18 @@ class Neighbours {
       const SmoothingValue<T> value = smoothing<K, T>(q);
       const W w = kw * value.w, s = ks * value.s;
       density += w;
-      W square = W::zero();
+      W square = W::zero(), g[3] = {W::zero(), W::zero(), W::zero()};
       for (size_t a = 0; a < D; ++a) {
-        W g = s * load(chunk.away[a].data() + (k - begin));
-        if constexpr (kRounded<T>) g = nearest(g * W::all(static_cast<T>(1 / unit_)));
-        store_as(chunk.group(k).g[a], g);
-        pull[a] += g;
+        g[a] = s * load(chunk.away[a].data() + (k - begin));
+        if constexpr (kRounded<T>) g[a] = nearest(g[a] * W::all(static_cast<T>(1 / unit_)));
+        pull[a] += g[a];
         if (f.weighted) {
-          square = madd(g, g, square);
+          square = madd(g[a], g[a], square);
         } else {
-          squares = madd(g, g, squares);
+          squares = madd(g[a], g[a], squares);
         }
       }
+      store_rows3(chunk.group(k).g, g);
       if (f.weighted) squares = madd(square, chunk.of(f.light, k), squares);
       if (extras_ != Extras::none) store(chunk.s.data() + k, s), store(chunk.w.data() + k, w);
       if (extras_ == Extras::distances) store(chunk.q.data() + k, q);

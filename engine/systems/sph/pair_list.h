@@ -26,14 +26,31 @@ template <class T>
 inline constexpr bool kRounded = sizeof(T) == 4;
 inline constexpr double kGradientSteps = 32'700;
 
-/// As many entries as Wide has lanes: one run of memory that a pass reads from end to end.
+/// As many entries as Wide has lanes: one run of memory that a pass reads from end to end. An entry is a row
+/// of four numbers, the gradient in the fluid's `unit` (1/m), volume times that of W, and of floats the slot
+/// over that of the first entry: sums over neighbours then need no transposing.
 template <class T>
 struct Group {
   static constexpr size_t kLanes = Wide<T>::kLanes;
-  using Gradient = std::conditional_t<kRounded<T>, int16_t, T>;
-  Gradient g[3][kLanes];   ///< in the fluid's `unit` (1/m): volume times the gradient of W
-  uint16_t above[kLanes];  ///< slot over that of the first entry
-  uint32_t base;           ///< slot of the first entry
+  T g[kLanes][4];
+  uint16_t slots[kLanes];  ///< over that of the first entry
+
+  uint16_t above(size_t lane) const { return slots[lane]; }
+  void set_above(size_t lane, uint16_t slot) { slots[lane] = slot, g[lane][3] = 0; }
+};
+template <>
+struct Group<float> {
+  int16_t g[8][4];
+
+  uint16_t above(size_t lane) const { return static_cast<uint16_t>(g[lane][3]); }
+  void set_above(size_t lane, uint16_t slot) { g[lane][3] = static_cast<int16_t>(slot); }
+};
+/// What stands for an array of a group's slots, from entry `first` on.
+template <class T>
+struct SlotsOf {
+  const Group<T>& group;
+  size_t first = 0;
+  size_t operator[](size_t lane) const { return group.above(first + lane); }
 };
 
 /// Lists of the neighbours of kChunk particles. Entries are counted from 0 on; k is the first one of a group.
@@ -42,26 +59,50 @@ struct Chunk {
   using W = Wide<T>;
   static constexpr size_t kLanes = W::kLanes;
 
-  std::vector<Group<T>> groups;
-  Aligned<T> s;  ///< 1/m^2, volume times dW/dr / r
-  Aligned<T> w;  ///< 1, volume times W
-  Aligned<T> q;  ///< 1, distance over the kernel's radius
+  Aligned<Group<T>> groups;
+  std::vector<uint32_t> base;  ///< slot of a group's first entry
+  Aligned<T> s;                ///< 1/m^2, volume times dW/dr / r
+  Aligned<T> w;                ///< 1, volume times W
+  Aligned<T> q;                ///< 1, distance over the kernel's radius
   /// Of the one list that is being made: slots, offsets (m) and squared distances (m^2).
   std::vector<uint32_t> near;
   Aligned<T> away[3], square;
   uint32_t first[kChunk + 1];
+  /// Of the cells around the one that lists are being made of: places (m), filled up to whole groups with
+  /// what is far from everything, and slots. Slot i of that cell itself is at i + own.
+  Aligned<T> around[3];
+  std::vector<uint32_t> around_slots;
+  size_t around_count = 0, own = 0;
 
   Group<T>& group(size_t k) { return groups[k / kLanes]; }
   const Group<T>& group(size_t k) const { return groups[k / kLanes]; }
   /// Gradients along axis a, in units.
-  W gradient(size_t a, size_t k) const { return load_as<T>(group(k).g[a]); }
+  W gradient(size_t a, size_t k) const {
+    W out[3];
+    load_rows3(group(k).g, out);
+    return out[a];
+  }
   /// numbers[slot].
   W of(const Aligned<T>& numbers, size_t k) const {
-    return gather(numbers.data() + group(k).base, group(k).above);
+    return gather(numbers.data() + base[k / kLanes], SlotsOf<T>{group(k)});
   }
   /// out[c]: number c of rows[slot], rows of four.
   void rows_of(const Aligned<T>& rows, size_t k, W out[4]) const {
-    gather_rows4(rows.data() + 4 * size_t{group(k).base}, group(k).above, out);
+    gather_rows4(rows.data() + 4 * size_t{base[k / kLanes]}, SlotsOf<T>{group(k)}, out);
+  }
+  /// Over the entries from `begin` to `end`: sums of gradient times numbers[slot] (the fourth is nothing).
+  void sum_times(const Aligned<T>& numbers, size_t begin, size_t end, T out[4]) const {
+    sum_rows(over(begin, end,
+                  [&](size_t from, const SlotsOf<T>& slots) {
+                    return numbers_by_fours(numbers.data() + from, slots);
+                  }),
+             out);
+  }
+  /// The sum of the products of gradients and rows[slot], rows of four whose last number is 0.
+  T sum_dot(const Aligned<T>& rows, size_t begin, size_t end) const {
+    return sum(over(begin, end, [&](size_t from, const SlotsOf<T>& slots) {
+      return rows_side_by_side(rows.data() + 4 * from, slots);
+    }));
   }
 
   /// Puts the list that `near` and the rest hold, of the entries from `begin` to `end`, into groups; returns
@@ -70,13 +111,13 @@ struct Chunk {
     for (size_t k = begin; k < end; k += kLanes) {
       const size_t at = k - begin;
       Group<T>& out = groups[k / kLanes];
-      out.base = near[at];
+      const uint32_t from = base[k / kLanes] = near[at];
       size_t full = 1;
       // A slot below the first wraps around and is too far above, too.
-      for (; full < kLanes && k + full < end && near[at + full] - out.base <= 0xffff; ++full) {
-        out.above[full] = static_cast<uint16_t>(near[at + full] - out.base);
+      for (; full < kLanes && k + full < end && near[at + full] - from <= 0xffff; ++full) {
+        out.set_above(full, static_cast<uint16_t>(near[at + full] - from));
       }
-      out.above[0] = 0;
+      out.set_above(0, 0);
       if (full == kLanes) continue;
       if (k + full < end) {
         need(begin, end, kLanes, extras);
@@ -85,11 +126,36 @@ struct Chunk {
       end += kLanes - full;
       Group<T>& filled = groups[k / kLanes];
       for (size_t lane = full; lane < kLanes; ++lane) {
-        filled.above[lane] = 0, near[at + lane] = filled.base, square[at + lane] = far;
+        filled.set_above(lane, 0), near[at + lane] = from, square[at + lane] = far;
         for (auto& a : away) a[at + lane] = 0;
       }
     }
     return end;
+  }
+
+  /// Appends slots from `begin` to `end` to what is around, at their places x and `shift` (m) from there.
+  template <size_t D>
+  void put_around(const Aligned<T>* x, size_t begin, size_t end, const double* shift) {
+    const size_t at = around_count, count = end - begin;
+    around_count += count;
+    if (around_slots.size() < around_count + kLanes) {
+      const size_t room = around_count + around_count / 2 + kLanes;
+      around_slots.resize(room);
+      for (auto& a : around) a.resize(room);
+    }
+    for (size_t a = 0; a < D; ++a) {
+      const T by = static_cast<T>(shift[a]), *from = x[a].data() + begin;
+      T* to = around[a].data() + at;
+      for (size_t k = 0; k < count; ++k) to[k] = from[k] + by;
+    }
+    for (size_t k = 0; k < count; ++k) around_slots[at + k] = static_cast<uint32_t>(begin + k);
+  }
+  void end_around() {
+    const size_t end = (around_count + kLanes - 1) / kLanes * kLanes;
+    for (auto& a : around)
+      std::fill(a.begin() + static_cast<ptrdiff_t>(around_count), a.begin() + static_cast<ptrdiff_t>(end),
+                kFar);
+    around_count = end;
   }
 
   /// Room for `more` entries behind `used` of which those from `begin` on are one list, with gradients and
@@ -104,12 +170,32 @@ struct Chunk {
     }
     if (kLanes * groups.size() >= least) return;
     const size_t room = (least + least / 2) / kLanes * kLanes;
-    groups.resize(room / kLanes);
+    groups.resize(room / kLanes), base.resize(room / kLanes);
     if (extras > 0) s.resize(room), w.resize(room);
     if (extras > 1) q.resize(room);
   }
 
  private:
+  static constexpr T kFar = T(1e18);  ///< m
+  /// Sums of entries times factor(slot of the first, slots above): four, so that no product waits for the one
+  /// before.
+  template <class Factor>
+  W over(size_t begin, size_t end, const Factor& factor) const {
+    // Lists are longer than the caches: what is fetched so many groups ahead is there when its turn comes.
+    constexpr size_t kSums = 4, kAhead = 16;
+    W sums[kSums];
+    for (auto& s : sums) s = W::zero();
+    for (size_t k = begin / kLanes; k != end / kLanes; ++k) {
+      const Group<T>& g = groups[k];
+      __builtin_prefetch(&g + kAhead);
+      const size_t from = base[k];
+      for (size_t p = 0; p < kSums; ++p) {
+        const size_t lane = p * kRowsSide<T>;
+        sums[p] = madd(load_as<T>(g.g[lane]), factor(from, SlotsOf<T>{g, lane}), sums[p]);
+      }
+    }
+    return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+  }
   /// Moves what the list has from `from` to `end` on by `by`.
   void shift(size_t from, size_t end, size_t by) {
     const auto move = [&](auto& a) { std::copy_backward(&a[from], &a[0] + end, &a[0] + end + by); };

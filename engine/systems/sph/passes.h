@@ -9,49 +9,48 @@ namespace truestep::sph {
 /// pressure and the opposite velocity. Either does exactly the work that the density takes up.
 enum class Answer : uint8_t { rest, mirror };
 
-/// m/s^2 into f.a: what pressures q = (p / rho0) / (rho / rho0)^2 (m^2/s^2) of all particles do.
-template <Answer A, int D, class T>
-inline void push_by(Fluid<D, T>& f, const Aligned<T>& q, const ThreadArena& arena) {
-  using W = Wide<T>;
+/// m/s^2 into f.a: what pressures q = (p / rho0) / (rho / rho0)^2 (m^2/s^2) of all particles do, of which
+/// at_wall(slot) has its mirror image behind walls.
+template <int D, class T, class AtWall>
+inline void push_with(Fluid<D, T>& f, const Aligned<T>& q, const ThreadArena& arena, const AtWall& at_wall) {
   f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
-    W sums[D];
-    for (auto& s : sums) s = W::zero();
-    for (size_t k = begin; k < end; k += W::kLanes) {
-      const W other = c.of(q, k);
-      for (size_t a = 0; a < D; ++a) sums[a] = madd(c.gradient(a, k), other, sums[a]);
-    }
-    const T *pull = f.pull.data() + 4 * i, *wall = f.wall.data() + 4 * i, own = q[i];
+    T others[4];
+    c.sum_times(q, begin, end, others);
+    const T *pull = f.pull.data() + 4 * i, *wall = f.wall.data() + 4 * i, own = q[i], image = at_wall(i);
     T* out = f.a.data() + 4 * i;
     out[2] = out[3] = 0;
-    for (size_t a = 0; a < D; ++a)
-      out[a] = -(own * (A == Answer::mirror ? pull[a] + wall[a] : pull[a]) + f.unit * sum(sums[a]));
+    for (size_t a = 0; a < D; ++a) out[a] = -(own * pull[a] + image * wall[a] + f.unit * others[a]);
     if (!f.weighted) return;
     for (size_t a = 0; a < D; ++a) out[a] *= f.light[i];
   });
 }
+template <Answer A, int D, class T>
+inline void push_by(Fluid<D, T>& f, const Aligned<T>& q, const ThreadArena& arena) {
+  push_with(f, q, arena, [&q](size_t i) { return A == Answer::mirror ? q[i] : T{0}; });
+}
+/// What pressures `mirrored` do that walls answer as mirror images and `rests` that they answer at rest, at
+/// once; their sum is left in `both`.
+template <int D, class T>
+inline void push_by_both(Fluid<D, T>& f, const Aligned<T>& mirrored, const Aligned<T>& rests,
+                         Aligned<T>& both, const ThreadArena& arena) {
+  arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) both[i] = mirrored[i] + rests[i];
+  });
+  push_with(f, both, arena, [&mirrored](size_t i) { return mirrored[i]; });
+}
 
-/// Sum of g (u_i - u_j) with walls that do not move, for rows u of four: the rate of a particle's density
-/// (1/s).
+/// Sum of g (u_i - u_j) with walls that do not move, for rows u of four that end with 0: the rate of a
+/// particle's density (1/s).
 template <Answer A, int D, class T>
 inline T compression(const Fluid<D, T>& f, const Aligned<T>& u, size_t i, const Chunk<T>& c, size_t begin,
                      size_t end) {
-  using W = Wide<T>;
-  // Two sums, so that one product need not wait for the one before.
-  W sums[2] = {W::zero(), W::zero()};
-  for (size_t k = begin; k < end; k += W::kLanes) {
-    W other[4];
-    c.rows_of(u, k, other);
-    sums[0] = madd(c.gradient(0, k), other[0], sums[0]);
-    sums[1] = madd(c.gradient(1, k), other[1], sums[1]);
-    if constexpr (D == 3) sums[0] = madd(c.gradient(2, k), other[2], sums[0]);
-  }
   const T *pull = f.pull.data() + 4 * i, *own = u.data() + 4 * i;
   T out = pull[0] * own[0] + pull[1] * own[1];
   if constexpr (D == 3) out += pull[2] * own[2];
   if constexpr (A == Answer::mirror) {
     for (size_t a = 0; a < D; ++a) out += f.wall[4 * i + a] * own[a];
   }
-  return out - f.unit * sum(sums[0] + sums[1]);
+  return out - f.unit * c.sum_dot(u, begin, end);
 }
 
 /// Of what two particles of different density do to each other's velocities, as a share of what two alike do,

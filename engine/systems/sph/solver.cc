@@ -164,8 +164,7 @@ class SolverOf final : public Solver {
     if (viscous_ && d.walls == Walls::no_slip) bodies.hold(f, h);
     if (d.solver == Method::wcsph) wcsph_.advance(f, bodies, gravity, h, in.arena);
     if (d.solver == Method::dfsph) {
-      const SolveResult flow = dfsph_.stop_flow(f, bodies, h, in.arena);
-      const SolveResult push = dfsph_.stop_compression(f, bodies, h, in.arena);
+      const auto [flow, push] = dfsph_.solve(f, bodies, h, in.arena);
       tracks.flow += flow.iterations, tracks.density += push.iterations;
       tracks.mean = push.mean, tracks.most = push.most;
     } else {

@@ -299,8 +299,8 @@ Cost sph_cost(const void* def) {
   const double cells = size.x * size.y * (plane ? 1 : size.z) / (reach * reach * (plane ? 1 : reach));
   const double substeps = d.solver == Method::wcsph ? 10 : 2, passes = d.solver == Method::wcsph ? 3 : 30;
   return {.state_bytes = n * scalar * 10,
-          .workspace_bytes = pairs * 1.5 * (d.precision == Precision::f32 ? 17 : 43) +
-                             n * scalar * (d.solves_viscosity() ? 65 : 40) + cells * 4,
+          .workspace_bytes = pairs * 1.5 * (d.precision == Precision::f32 ? 17 : 50) +
+                             n * scalar * (d.solves_viscosity() ? 67 : 42) + cells * 4,
           .elements = n,
           .seconds_per_step = substeps * pairs * (4e-9 + passes * 0.7e-9)};
 }
