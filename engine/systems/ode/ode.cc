@@ -92,7 +92,7 @@ void Ode::plan_stages() {
   }
   if (model_.bodies > 0 && !def_.tracers) {
     add_stage("path",
-              "what is drawn: " + std::to_string(model_.bodies) + " points and " + std::to_string(trail_) +
+              "drawn: " + std::to_string(model_.bodies) + " points and " + std::to_string(trail_) +
                   " past ones of each",
               [this](State& s, const StepInput& in) {
                 draw_path(s, static_cast<double>(in.step + 1) * in.h, in.workspace);
@@ -198,9 +198,9 @@ void Ode::integrate(State& s, const StepInput& in) const {
       for (const auto& [guard, side] : work.departing) s.span<int32_t>(C::kEventSigns)[guard] = side;
       work.departing.clear();
       if (++times > kMaxEventsPerStep) {
-        throw Instability("", "events",
-                          crossed.empty() ? 0 : static_cast<long long>(work.guards->event(crossed[0])),
-                          "more than 1000 events in one step: they pile up; let one of them stop the system");
+        throw Instability(
+            "", "events", crossed.empty() ? 0 : static_cast<long long>(work.guards->event(crossed[0])),
+            "more than 1000 events in one step: events accumulate; let one of them stop the system");
       }
     }
     work.watcher->clear();
