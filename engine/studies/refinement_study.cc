@@ -80,8 +80,7 @@ class Study {
       const double before = thread_cpu_seconds(), left = p_.budget - (before - started);
       // Twice as fine costs at least twice as much; otherwise the growth from the last two levels.
       if (k > 0 && left < last * growth_) {
-        note_ =
-            "the budget reaches " + std::to_string(k) + " resolutions; a larger budget reaches finer ones";
+        note_ = "the budget reaches " + std::to_string(k) + " resolutions; a larger one allows more";
         break;
       }
       if (!add_level(k, left)) break;
@@ -90,10 +89,9 @@ class Study {
       last = took;
     }
     if (levels_.empty()) {
-      throw Error(
-          "study_failed", "not even the coarsest resolution completes within the time budget",
-          {{"/horizon", "too_long", "not even the coarsest resolution gets this far within the budget",
-            short_number(horizon_, 3), "a larger budget or a shorter horizon", "", "s"}});
+      throw Error("study_failed", "not even the coarsest resolution finishes within the time budget",
+                  {{"/horizon", "too_long", "not even the coarsest resolution gets so far within the budget",
+                    short_number(horizon_, 3), "a larger budget or a shorter horizon", "", "s"}});
     }
   }
   StudyResult result() const {
@@ -217,8 +215,7 @@ class Study {
     if (p_.refine == Refine::space) {
       auto found = in_time(document, world, left);
       if (!found) {
-        note_ =
-            "the budget reaches " + std::to_string(k) + " resolutions; a larger budget reaches finer ones";
+        note_ = "the budget reaches " + std::to_string(k) + " resolutions; a larger one allows more";
         return false;
       }
       // Relative to an error against an exact solution in that error's own norm: a front displaced by a
