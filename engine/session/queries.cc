@@ -44,7 +44,7 @@ DefTable ray_table() {
 }
 DefTable nearest_table() {
   return TableOf<Query>("items nearest to a point; distances inside solids are negative")
-      .vector("point", &Query::at, "m", any(), "the place")
+      .vector("point", &Query::at, "m", any(), "the point")
       .required()
       .number("within", &Query::reach, "m", {0, kFar}, "largest distance")
       .integer("limit", &Query::limit, kLimit, "most hits")

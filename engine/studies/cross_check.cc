@@ -75,7 +75,7 @@ const DefTable& cross_check_table() {
       TableOf<P>("difference between two computations of this scene over time")
           .text("system", &P::system, "system to compare")
           .text("quantity", &P::quantity, "field to compare; state: all coordinates of the system")
-          .object("a", &P::a, side_table(), "one way")
+          .object("a", &P::a, side_table(), "one computation")
           .object("b", &P::b, side_table(),
                   "the other computation; default for rigid bodies: the other engine")
           .texts("statistics", &P::statistics, {0, 32},

@@ -132,7 +132,7 @@ int systems(const Options& options) {
                 << ", order " << m.at("order").as_int64() << '\n';
     }
     for (const std::string_view own : row->own_integrators)
-      std::cout << "  " << own << ": of this system alone\n";
+      std::cout << "  " << own << ": of this system only\n";
   }
   print_outputs(*row->outputs);
   std::cout << "\nguarantees\n";

@@ -53,7 +53,7 @@ fs::path AssetStore::path_of(const std::string& sha256, Kind kind) const {
 }
 
 bool AssetStore::put(const std::string& sha256, std::string_view bytes, Kind kind) {
-  if (folder_.empty()) throw Error("not_found", "this server has no data folder to keep assets in");
+  if (folder_.empty()) throw Error("not_found", "this server has no data folder for assets");
   const std::string actual = net::sha256_hex(bytes);
   if (actual != sha256) {
     throw Error("invalid", "the body has another SHA-256",

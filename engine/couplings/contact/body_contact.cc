@@ -269,7 +269,7 @@ std::vector<PlanRow> BodyContact::plan() const {
       rows.back().reason += ", edges near " + std::to_string(lines.size()) + " lines";
     }
   }
-  rows.push_back({runs, "contacts", "impulses on both sides until all contacts hold"});
+  rows.push_back({runs, "contacts", "impulses on both sides until all contacts are satisfied"});
   rows.push_back({runs, "guard", "keeps points from passing faces, whatever other couplings did"});
   if (def_.friction == 0) rows.push_back({skipped, "friction", "friction is 0"});
   return rows;

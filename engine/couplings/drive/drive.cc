@@ -17,7 +17,7 @@ const DefTable& drive_table() {
                 "name of a vector of a: sets parameters in their order, one number each, three for a vector "
                 "parameter")
           .text("turn", &D::turn, "name of a turn of a: rotates a body")
-          .text("parameter", &D::parameter, "a parameter of b that set_parameter knows")
+          .text("parameter", &D::parameter, "a parameter of b that set_parameter can change")
           .texts("parameters", &D::parameters, {0, 1000}, "several such parameters, for a vector")
           .integer("index", &D::index, at_least(0), "row that the parameters belong to, if they have one")
           .integer("body", &D::body, at_least(0),

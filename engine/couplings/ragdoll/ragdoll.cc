@@ -130,7 +130,7 @@ class Ragdoll final : public Coupling {
       when += (when.empty() ? "" : " or ") + ("by an impact of " + std::to_string(*def_.impact) + " m/s");
     std::vector<PlanRow> rows{{PlanRow::Status::runs, "carry",
                                std::to_string(pairs_.size()) + " bodies on bones" +
-                                   (when.empty() ? ", for ever" : ", let go " + when)}};
+                                   (when.empty() ? ", for ever" : ", released " + when)}};
     const bool back = def_.back_after.has_value();
     rows.push_back({back ? PlanRow::Status::runs : PlanRow::Status::skipped, "back",
                     back ? "the skeleton leads again after " + std::to_string(*def_.back_after) + " s"

@@ -44,7 +44,7 @@ Crowd::Crowd(const CrowdDef& def, const BuildContext& context)
     ways_.push_back(std::move(way));
   }
   check_ways();
-  add_stage("set_out", "the way " + std::to_string(people_) + " people want to go",
+  add_stage("set_out", "desired directions of " + std::to_string(people_) + " people",
             [this](State& s, const StepInput& in) { set_out(s, in); });
   if (def.model == Model::social_force) {
     add_stage("push_and_press", "social forces, in as many substeps as contacts need",
@@ -185,7 +185,7 @@ void Crowd::apply(State& s, const Command& c) const {
     refuse_command("kind", "not_possible",
                    def_.model == Model::orca
                        ? "people of model orca choose their velocity and cannot be pushed"
-                       : "people take only impulses",
+                       : "people take only impulse and set_parameter",
                    def_.model == Model::orca ? "set_parameter" : "impulse, set_parameter");
   }
   if (c.name != "speed_factor") {

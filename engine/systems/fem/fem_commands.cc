@@ -19,7 +19,7 @@ constexpr PointCommands kNodes({Columns::velocity, Columns::inverse_mass, Column
 void Fem::apply(State& s, const Command& given) const {
   Command c = given;
   if (body().plane && c.vector.z != 0)
-    refuse_command("vector", "out_of_range", "a plane body stays in z = 0");
+    refuse_command("vector", "out_of_range", "a plane body must stay in z = 0");
   if (c.kind == CommandKind::unpin && body().axes[kNodes.row(s, c)] == 7) {
     refuse_command("index", "held", "this node is fixed by the scene's holds");
   }

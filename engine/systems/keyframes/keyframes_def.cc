@@ -17,7 +17,7 @@ const DefTable& shape_table() {
           .texts("position", &D::position, {0, 3}, "x, y and z (m) as expressions; a missing one is 0")
           .texts("rotation", &D::rotation, {0, 3}, "angles (rad) about x, y and z as expressions")
           .choice("order", &D::order, animation::kEulerOrders,
-                  "of the angles, each about its axis as already turned")
+                  "of the angles, each about its axis as rotated so far")
           .text("turn", &D::turn, "name of one of turns; instead of rotation")
           .texts("scale", &D::scale, {0, 3},
                  "factors along its own axes as expressions, of spheres and boxes; a missing one is 1")

@@ -198,9 +198,9 @@ void Ode::integrate(State& s, const StepInput& in) const {
       for (const auto& [guard, side] : work.departing) s.span<int32_t>(C::kEventSigns)[guard] = side;
       work.departing.clear();
       if (++times > kMaxEventsPerStep) {
-        throw Instability(
-            "", "events", crossed.empty() ? 0 : static_cast<long long>(work.guards->event(crossed[0])),
-            "more than 1000 events in one step: events accumulate; let one of them stop the system");
+        throw Instability("", "events",
+                          crossed.empty() ? 0 : static_cast<long long>(work.guards->event(crossed[0])),
+                          "more than 1000 events in one step: they pile up; let one of them stop the system");
       }
     }
     work.watcher->clear();

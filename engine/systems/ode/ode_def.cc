@@ -94,9 +94,8 @@ const DefTable& ode_table() {
         .named_numbers("absolute_tolerances", &D::absolute_tolerances, above(0), names,
                        "absolute tolerance of single states")
         .texts("plot", &D::plot, {1, 3},
-               "what is drawn as x, y, z: states, arrays (one point per element) or expressions; [i] is the "
-               "point's "
-               "own element")
+               "drawn coordinates x, y, z: states, arrays (one point per element) or expressions; [i] is the "
+               "point's own element")
         .integer("trail", &D::trail, between(0, 100000), "past steps shown by the drawn path")
         .number("draw_radius", &D::draw_radius, "m", at_least(0), "of the drawn points")
         .vector("color", &D::color, "1", between(0, 1), "red, green, blue of the points");

@@ -9,7 +9,7 @@ const Outputs& ode_outputs() {
       .rows =
           "an element of an array state (a number state has only row 0); for position a tracer, or a drawn "
           "point followed by the past ones of its trail",
-      .fields = {{"position", "m", 3, "tracers, or what plot draws with its trail"},
+      .fields = {{"position", "m", 3, "tracers, or the points of plot and their trails"},
                  {"tag", "1", 1, "tracers: initial position along x, 0 to 1"},
                  {"<state>", "1", 1, "a state by its name, an array with one row per element"}},
       .observables = {{"<state>", "1", "value of a number state"},

@@ -138,7 +138,7 @@ const DefTable& coulomb_table() {
       TableOf<D>("force constant q_i q_j / r^2 between all particles")
           .number("constant", &D::constant, "N m^2/C^2", any(),
                   "1/(4 pi eps_0); negative: like charges attract")
-          .number("softening", &D::softening, "m", at_least(0), "r^2 + softening^2 in place of r^2")
+          .number("softening", &D::softening, "m", at_least(0), "replaces r^2 by r^2 + softening^2")
           .choice("method", &D::method, {"auto", "direct", "tree"},
                   "all pairs; a tree for the charges of either sign; auto: pairs up to 5,000 particles")
           .number("force_error", &D::force_error, "1", between(1e-6, 0.05),

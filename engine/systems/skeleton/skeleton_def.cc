@@ -30,7 +30,7 @@ const DefTable& joint_table() {
           .expression("value", &D::value, "rad or m, of revolute and prismatic joints")
           .texts("rotation", &D::rotation, {0, 3}, "angles (rad) about x, y and z of a ball, as expressions")
           .choice("order", &D::order, animation::kEulerOrders,
-                  "of the angles, each about its axis as already turned")
+                  "of the angles, each about its axis as rotated so far")
           .text("turn", &D::turn, "of a ball: name of one of turns; instead of rotation")
           .check([](const D& d, const DefTable::Report& report) {
             using animation::JointKind;
@@ -41,7 +41,7 @@ const DefTable& joint_table() {
               report("/value", "only a revolute or prismatic joint has a value");
             if (!d.rotation.empty() && !ball)
               report("/rotation", "a ball has a rotation, other joints a value");
-            if (!d.turn.empty() && !ball) report("/turn", "a ball has a turn, other joints a value");
+            if (!d.turn.empty() && !ball) report("/turn", "only a ball has a turn, other joints a value");
             if (!d.turn.empty() && !d.rotation.empty()) report("/turn", "give turn or rotation, not both");
             if (d.cone && !ball) report("/cone", "a ball has a cone, other joints min and max");
           })
@@ -190,7 +190,7 @@ const DefTable& skeleton_table() {
 }
 
 const DefTable& ik_table() {
-  static const DefTable t = table_for("a skeleton whose places reach for goals",
+  static const DefTable t = table_for("a skeleton whose points reach for goals",
                                       [](const SkeletonDef& d, const DefTable::Report& report) {
                                         if (d.goals.empty())
                                           report("/goals", "inverse kinematics needs goals");

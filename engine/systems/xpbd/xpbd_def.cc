@@ -97,7 +97,7 @@ void check_sweep(const XpbdDef& d, const DefTable::Report& report) {
                       : d.tether_slack                                    ? "tethers"
                                                                           : nullptr;
   if (other)
-    report("/sweep", std::string("jacobi and chebyshev solve only links, not ") + other + ": take chains");
+    report("/sweep", std::string("jacobi and chebyshev solve only links, not ") + other + ": use chains");
 }
 
 void check_def(const XpbdDef& d, const DefTable::Report& report) {
