@@ -20,7 +20,7 @@ constexpr std::string_view kColor = R"({"type": "string", "pattern": "^[a-z_]{0,
 constexpr std::string_view kFrameRate =
     R"({"type": "number", "minimum": 0.01, "maximum": 10000, "default": 30})";
 constexpr std::string_view kSeconds = R"({"type": "number", "minimum": 0, "maximum": 1e18})";
-constexpr std::string_view kLastSeconds = "only the last seconds of the session's time; all if absent";
+constexpr std::string_view kLastSeconds = "of motion up to the present; all if absent";
 constexpr std::string_view kMotionSystem =
     "id of a system; the first with joints or blended shapes if absent";
 constexpr std::string_view kOnce =
