@@ -22,7 +22,7 @@ constexpr const char* kMemory = "integrator.memory";
 constexpr double kMargin = 0.9;
 
 std::optional<std::string> why_not(const Integrator& m, const RightHandSide& f) {
-  if (!m.advance) return "this method serves force laws only";
+  if (!m.advance) return "this method supports only force laws";
   return refusal(m, f);
 }
 
@@ -52,8 +52,9 @@ EquationStepper::EquationStepper(const IntegratorChoice& choice, const Defaults&
   if (!choice.name.empty()) {
     method_ = &named(choice.name, f), why_ = "named by the scene";
     if (const auto limit = stable_dt(rates); limit && dt > *limit) {
-      why_ += ", which holds steps of at most " + short_number(*limit, 3) + " s here: take that dt, or " +
-              std::string(defaults.divides) + " or " + std::string(defaults.stiff);
+      why_ += ", which is stable for steps of at most " + short_number(*limit, 3) +
+              " s here: use that dt, or " + std::string(defaults.divides) + " or " +
+              std::string(defaults.stiff);
     }
     return;
   }
@@ -61,10 +62,11 @@ EquationStepper::EquationStepper(const IntegratorChoice& choice, const Defaults&
   const double limit =
       kMargin * stability_interval(*method_, options_).largest_step(rates.omega, rates.damping);
   if (!(dt > limit)) {
-    why_ = "the default, which holds steps of up to " + short_number(limit, 3) + " s here";
+    why_ = "the default, stable for steps of up to " + short_number(limit, 3) + " s here";
     return;
   }
-  why_ = std::string(defaults.usual) + " would hold steps of up to " + short_number(limit, 3) + " s only";
+  why_ = std::string(defaults.usual) + " would be stable for steps of up to " + short_number(limit, 3) +
+         " s only";
   const bool divide = dt <= defaults.most_divisions * limit;
   method_ = &named(std::string(divide ? defaults.divides : defaults.stiff), f);
 }

@@ -66,7 +66,7 @@ struct Resolving {
       const auto given = as->is_string() ? std::string_view(as->get_string()) : std::string_view();
       const auto known = std::find(std::begin(kFileUses) + 1, std::end(kFileUses), given);
       if (known == std::end(kFileUses)) {
-        return fault(pointer + "/as", "not_a_choice", "there is no such use of a file", std::string(given),
+        return fault(pointer + "/as", "not_a_choice", "a file cannot be used as this", std::string(given),
                      "surface, cells, vertices, triangles, text, lines, gltf");
       }
       use = static_cast<FileUse>(known - std::begin(kFileUses));
@@ -75,7 +75,7 @@ struct Resolving {
     if (const json::value* s = o.if_contains("scale")) {
       scale = s->is_number() ? s->to_number<double>() : 0;
       if (!(scale > 0 && scale <= 1e9))
-        return fault(pointer + "/scale", "out_of_range", "a scale is a number", json::serialize(*s),
+        return fault(pointer + "/scale", "out_of_range", "a scale must be a number", json::serialize(*s),
                      "above 0, at most 1e9");
     }
     try {
@@ -89,7 +89,7 @@ struct Resolving {
     } catch (const Error& e) {
       if (e.code() != "not_found") throw;
       fault(at, key == "asset" ? "unknown_asset" : "unknown_file", e.what(), name,
-            key == "asset" ? "a hash that PUT /v1/assets/{sha256} was given"
+            key == "asset" ? "a hash given to PUT /v1/assets/{sha256}"
                            : "a file in the scene file's folder or below it");
     }
   }
@@ -99,13 +99,13 @@ std::string read_beside(const fs::path& folder, const std::string& name) {
   const fs::path path(name);
   const bool inside = !name.empty() && path.is_relative() &&
                       std::none_of(path.begin(), path.end(), [](const fs::path& p) { return p == ".."; });
-  if (!inside) throw Error("not_found", "a path leads to a file in the scene file's folder or below it");
+  if (!inside) throw Error("not_found", "a path must lead to a file in the scene file's folder or below it");
   std::error_code failed;
   // Links must not lead out of the folder either.
   const fs::path whole = fs::weakly_canonical(folder / path, failed), root = fs::weakly_canonical(folder);
   const auto [end, rest] = std::mismatch(root.begin(), root.end(), whole.begin(), whole.end());
   if (failed || end != root.end())
-    throw Error("not_found", "a path leads to a file in the scene file's folder or below it");
+    throw Error("not_found", "a path must lead to a file in the scene file's folder or below it");
   if (!fs::is_regular_file(whole, failed)) throw Error("not_found", "there is no such file");
   if (fs::file_size(whole, failed) > kMostFile)
     throw Error("too_large", "the file " + name + " is larger than 64 MiB");
@@ -125,7 +125,7 @@ void resolve_files(json::value& document, std::string_view key,
   if (!all.issues.empty()) {
     const Issue& first = all.issues.front();
     const std::string detail = all.issues.size() == 1 ? first.pointer + ": " + first.message
-                                                      : "the scene refers to files that it cannot have";
+                                                      : "the scene refers to files that cannot be used";
     throw Error("scene_invalid", detail, std::move(all.issues));
   }
 }

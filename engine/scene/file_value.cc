@@ -85,7 +85,7 @@ SurfaceFile surface_file(Format format, std::string_view bytes) {
     case Format::unknown:
       break;
   }
-  throw FileFault("the file is no mesh: OBJ, STL, PLY and MSH are");
+  throw FileFault("the file is not a mesh: use OBJ, STL, PLY or MSH");
 }
 
 json::value mesh_value(Format format, std::string_view bytes, FileUse use, double scale) {
@@ -101,7 +101,7 @@ json::value mesh_value(Format format, std::string_view bytes, FileUse use, doubl
   const SurfaceFile surface = surface_file(format, bytes);
   if (use == FileUse::vertices) return vertices_value(surface.vertices, scale);
   json::array triangles = triangles_value(surface);
-  if (triangles.empty()) throw FileFault("the file has vertices and no triangles");
+  if (triangles.empty()) throw FileFault("the file has vertices but no triangles");
   if (use == FileUse::triangles) return triangles;
   return json::object{{"vertices", vertices_value(surface.vertices, scale)},
                       {"triangles", std::move(triangles)}};
@@ -131,9 +131,10 @@ json::array gltf_value(Format format, std::string_view bytes) {
       }
     }
   } else if (format != Format::json) {
-    throw FileFault("the file is no glTF: it begins with neither glTF nor {");
+    throw FileFault("the file is not glTF: it begins with neither glTF nor {");
   } else if (!valid_utf8(bytes)) {
-    throw FileFault("byte " + std::to_string(find_invalid_utf8(bytes) + 1) + ": a .gltf is valid UTF-8");
+    throw FileFault("byte " + std::to_string(find_invalid_utf8(bytes) + 1) +
+                    ": a .gltf file must be valid UTF-8");
   }
   json::array out;
   for (size_t at = 0; at < text.size();) {
@@ -159,7 +160,7 @@ json::value file_value(std::string_view bytes, FileUse use, double scale) {
   if (lines || use == FileUse::text) {
     if (!valid_utf8(bytes)) {
       throw FileFault("byte " + std::to_string(find_invalid_utf8(bytes) + 1) +
-                      ": a text is valid UTF-8, and this file is not");
+                      ": a text must be valid UTF-8");
     }
     return lines ? json::value(lines_value(bytes)) : json::value(json::string(bytes));
   }
@@ -168,9 +169,8 @@ json::value file_value(std::string_view bytes, FileUse use, double scale) {
   if (use == FileUse::automatic && format == Format::json) return parse_json(bytes);
   if (use == FileUse::automatic && format == Format::unknown) {
     throw FileFault(
-        "the file is none of JSON, OBJ, STL, PLY, MSH, BVH and .glb: for a text say what it is to be, "
-        "\"as\": "
-        "\"text\" or \"lines\"");
+        "the file is none of JSON, OBJ, STL, PLY, MSH, BVH and .glb: for a text give \"as\": \"text\" or "
+        "\"lines\"");
   }
   try {
     return mesh_value(format, bytes, use, scale);

@@ -27,15 +27,15 @@ class Reader : JsonTokens {
     if (p_ == end_) fail("syntax", "the document is empty");
     read_value(result, 0);
     skip_space();
-    if (p_ != end_) fail("syntax", "something follows the end of the document");
+    if (p_ != end_) fail("syntax", "unexpected text after the end of the document");
     return result;
   }
 
  private:
   void read_value(json::value& out, int depth) {
     if (++values_ > max_values_) {
-      throw Error("too_large", "the document holds more than " + std::to_string(max_values_) +
-                                   " values, which is the most");
+      throw Error("too_large",
+                  "the document holds more than " + std::to_string(max_values_) + " values, the limit");
     }
     if (p_ == end_) fail("syntax", "the text ends where a value should be");
     switch (*p_) {

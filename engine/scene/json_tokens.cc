@@ -49,7 +49,7 @@ void JsonTokens::fail_at(const char* where, const char* code, const std::string&
   issue.value = std::string(near);
   // Excessive depth is a limit of this service, not a syntax error.
   const bool limit = std::string_view(code) == "too_deep";
-  throw Error(limit ? "too_large" : "bad_json", "not acceptable as JSON: " + issue.message, {issue});
+  throw Error(limit ? "too_large" : "bad_json", "not valid JSON: " + issue.message, {issue});
 }
 
 void JsonTokens::literal(std::string_view word) {
@@ -172,7 +172,7 @@ void JsonTokens::read_number(json::value& out) {
   const char* first = p_;
   if (!digits())
     fail_at(start, "syntax", "neither true, false, null, a number, a string, an array nor an object");
-  if (*first == '0' && p_ - first > 1) fail_at(start, "syntax", "a number starts with a superfluous zero");
+  if (*first == '0' && p_ - first > 1) fail_at(start, "syntax", "a number starts with an unnecessary zero");
   bool integer = true;
   if (p_ != end_ && *p_ == '.') {
     integer = false;

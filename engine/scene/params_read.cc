@@ -22,7 +22,7 @@ void ParamReader::members(const DefTable& table, void* owner, const json::object
     if (const ParamRow* row = table.find(key)) {
       if (row->name != key && o.contains(row->name)) {
         fault(where, "unknown_key",
-              "\"" + key + "\" is another word for \"" + row->name + "\", which is there already", value,
+              "\"" + key + "\" is another word for \"" + row->name + "\", which is also given", value,
               row->name);
         continue;
       }
@@ -31,7 +31,7 @@ void ParamReader::members(const DefTable& table, void* owner, const json::object
       std::vector<std::string> names;
       for (const ParamRow& r : table.rows) names.push_back(r.name);
       for (const std::string_view k : also_allowed) names.emplace_back(k);
-      fault(where, kUnknownKey, "\"" + key.substr(0, 64) + "\" is no parameter here", value,
+      fault(where, kUnknownKey, "\"" + key.substr(0, 64) + "\" is not a parameter here", value,
             join_names(names), "", nearest_name(key, names));
     }
   }
@@ -133,7 +133,7 @@ void ParamReader::choice(const ParamRow& r, void* owner, const json::value& v, c
   std::string s;
   if (!text(r, v, where, s)) return;
   if (std::find(r.choices.begin(), r.choices.end(), s) == r.choices.end()) {
-    fault(where, "unknown_choice", "this is none of the choices", v, join_names(r.choices), "",
+    fault(where, "unknown_choice", "not one of the choices", v, join_names(r.choices), "",
           nearest_name(s, r.choices));
   } else {
     r.set(owner, std::move(s));
@@ -167,7 +167,7 @@ void ParamReader::variant(const ParamRow& r, void* owner, const json::value& e, 
       }
     }
   }
-  fault(where + "/type", "unknown_choice", "this is none of the types", *type, join_names(types), "",
+  fault(where + "/type", "unknown_choice", "not one of the types", *type, join_names(types), "",
         type->is_string()
             ? nearest_name(std::string_view(type->as_string().data(), type->as_string().size()), types)
             : "");

@@ -60,7 +60,7 @@ std::string read_id(const json::object& o, const std::string& where, std::string
   if (id->is_string() && good_id({id->as_string().data(), id->as_string().size()})) {
     return id->as_string().c_str();
   }
-  errors.push_back({where + "/id", "bad_id", "an id is 1 to 64 letters, digits, _ or -", shorten(*id),
+  errors.push_back({where + "/id", "bad_id", "an id must have 1 to 64 letters, digits, _ or -", shorten(*id),
                     "[A-Za-z0-9_-]{1,64}", "", ""});
   return otherwise;
 }
@@ -153,7 +153,7 @@ void read_coupling(const json::value& v, size_t index, Scene& scene, SceneReport
 void read_couplings(const json::value& v, Scene& scene, SceneReport& report) {
   if (!v.is_array() || v.as_array().size() > kMaxCouplings) {
     report.errors.push_back({"/couplings", v.is_array() ? "too_many" : "wrong_type",
-                             "couplings are an array of at most 256 objects", shorten(v),
+                             "couplings must be an array of at most 256 objects", shorten(v),
                              "an array of at most 256 objects", "", ""});
     return;
   }
@@ -183,7 +183,7 @@ void check_substep(const Scene& scene, std::vector<Issue>& errors) {
   for (const SceneSystem& s : scene.systems) {
     if (scene.substep() <= s.row->longest_substep) continue;
     errors.push_back({"/time/dt", "out_of_range",
-                      "a system of type " + std::string(s.row->type) + " takes no substep as long as this",
+                      "a system of type " + std::string(s.row->type) + " takes no substep this long",
                       write_json(json::value(scene.header.time.dt)),
                       "at most " + write_json(json::value(s.row->longest_substep)) + " s a substep", "",
                       "s"});
@@ -200,7 +200,7 @@ void check_accuracy(const Scene& scene, std::vector<Issue>& errors) {
   for (const SceneSystem& s : scene.systems) {
     if (scene.integrated_system(s.id)) fit.push_back(s.id);
   }
-  errors.push_back({"/accuracy/system", "unknown_system", "it needs a system that takes an integrator",
+  errors.push_back({"/accuracy/system", "unknown_system", "accuracy needs a system that takes an integrator",
                     '"' + id.substr(0, 64) + '"', join_names(fit), nearest_name(id, fit), ""});
 }
 
@@ -221,7 +221,7 @@ void check_probes(const Scene& scene, SceneReport& report) {
                         join_names(ids), nearest_name(p.system, ids), ""});
     }
     if (!good_id(p.id)) {
-      errors.push_back({where + "/id", "bad_id", "an id is 1 to 64 letters, digits, _ or -",
+      errors.push_back({where + "/id", "bad_id", "an id must have 1 to 64 letters, digits, _ or -",
                         '"' + p.id.substr(0, 64) + '"', "[A-Za-z0-9_-]{1,64}", "", ""});
     }
     for (size_t k = 0; k < i; ++k) {
@@ -277,7 +277,7 @@ SceneReport read_scene(const json::value& document) {
   SceneReport report;
   if (!document.is_object()) {
     report.errors.push_back(
-        {"", "wrong_type", "a scene is a JSON object", shorten(document), "an object", "", ""});
+        {"", "wrong_type", "a scene must be a JSON object", shorten(document), "an object", "", ""});
     return report;
   }
   const json::object& o = document.as_object();
@@ -287,8 +287,9 @@ SceneReport read_scene(const json::value& document) {
   const json::value* systems = o.if_contains("systems");
   if (!systems || !systems->is_array() || systems->as_array().empty() ||
       systems->as_array().size() > kMaxSystems) {
-    report.errors.push_back({"/systems", systems ? "wrong_type" : "missing", "a scene has 1 to 256 systems",
-                             systems ? shorten(*systems) : "", "an array of 1 to 256 objects", "", ""});
+    report.errors.push_back({"/systems", systems ? "wrong_type" : "missing",
+                             "a scene must have 1 to 256 systems", systems ? shorten(*systems) : "",
+                             "an array of 1 to 256 objects", "", ""});
   } else {
     for (size_t i = 0; i < systems->as_array().size(); ++i)
       read_system(systems->as_array()[i], i, scene, report);
@@ -301,7 +302,7 @@ SceneReport read_scene(const json::value& document) {
   }
   if (scene.header.expect.empty() && !scene.header.teaches.empty()) {
     report.warnings.push_back({"/expect", "no_expectation",
-                               "a scene that teaches something should say what to expect", "", "", "", ""});
+                               "a scene with \"teaches\" should also have \"expect\"", "", "", "", ""});
   }
   (report.errors.empty() ? report.scene : report.draft) = std::move(scene);
   return report;
@@ -338,7 +339,7 @@ json::object scene_schema() {
   schema["properties"].as_object()["systems"] = std::move(array);
   schema["properties"].as_object()["couplings"] =
       json::object{{"type", "array"},
-                   {"description", "what systems do to each other"},
+                   {"description", "interactions between systems"},
                    {"maxItems", kMaxCouplings},
                    {"items", json::object{{"oneOf", std::move(couplings)}}}};
   if (!schema.contains("required")) schema["required"] = json::array{};

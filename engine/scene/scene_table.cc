@@ -9,15 +9,14 @@ const DefTable& time_table() {
   static const DefTable t =
       TableOf<TimeParams>("the clock: a fixed step, divided into substeps")
           .number("dt", &TimeParams::dt, "s", {.min = 1e-15, .max = kLongestDt},
-                  "length of a session step; more than 10 s a substep for equations (ode) only")
+                  "length of a session step; more than 10 s per substep only for equations (ode)")
           .integer("substeps", &TimeParams::substeps, between(1, 10000),
-                   "equal parts that each step is computed in; without it one, or as many as the default "
-                   "methods of "
-                   "points that meet bodies need")
+                   "equal parts of each step; without it one, or as many as the default methods of points in "
+                   "contact with bodies need")
           .number("duration", &TimeParams::duration, "s", between(0, kLongestDuration),
                   "how long `truestep run` simulates")
           .integer("max_catchup_steps", &TimeParams::max_catchup_steps, between(1, 1000),
-                   "most steps that a session which fell behind does at once before it skips time")
+                   "most steps at once for a session that fell behind, before it skips time")
           .build();
   return t;
 }
@@ -25,13 +24,13 @@ const DefTable& time_table() {
 const DefTable& accuracy_table() {
   using A = AccuracyParams;
   static const DefTable t =
-      TableOf<A>("how accurate the scene shall be; method and step are then chosen by measuring")
+      TableOf<A>("required accuracy; method and step are then chosen by measurement")
           .number("tolerance", &A::tolerance, "1", between(1e-14, 1), "relative error of the quantity")
           .required()
-          .text("system", &A::system, "system that is meant; the first with an integrator when left out")
-          .text("quantity", &A::quantity,
-                "field whose error counts; state: all that says where the system is")
-          .number("horizon", &A::horizon, "s", above(0), "time over which it counts; else the duration")
+          .text("system", &A::system, "system to measure; the first with an integrator when left out")
+          .text("quantity", &A::quantity, "field whose error counts; state: all coordinates of the system")
+          .number("horizon", &A::horizon, "s", above(0),
+                  "time over which the error counts; else the duration")
           .build();
   return t;
 }
@@ -45,19 +44,19 @@ const DefTable& probe_table() {
           .required()
           .integer("index", &ProbeParams::index, between(-1e9, 1e9), "row; -1 is the last one")
           .vector("at", &ProbeParams::at, "m", any(),
-                  "place in a grid, between whose rows is interpolated; instead of index")
+                  "position in a grid, interpolated between rows; instead of index")
           .texts("fields", &ProbeParams::fields, {1, 16}, "fields to report")
           .build();
   return t;
 }
 
 const DefTable& recording_table() {
-  static const DefTable t = TableOf<RecordingParams>("what goes into the recording")
+  static const DefTable t = TableOf<RecordingParams>("contents of the recording")
                                 .integer("every", &RecordingParams::every, between(1, 1e9),
                                          "steps from one recorded frame to the next")
                                 .texts("fields", &RecordingParams::fields, {0, 16},
                                        "fields to record, of every system that has them; none: position, or "
-                                       "all fields of a system without one")
+                                       "all fields of a system without position")
                                 .choice("precision", &RecordingParams::precision, {"f32", "f64"},
                                         "of recorded floating-point fields")
                                 .build();
@@ -66,9 +65,9 @@ const DefTable& recording_table() {
 
 const DefTable& camera_table() {
   static const DefTable t =
-      TableOf<CameraParams>("where the picture is taken from")
+      TableOf<CameraParams>("viewpoint of the picture")
           .vector("eye", &CameraParams::eye, "m", any(), "position of the camera")
-          .vector("target", &CameraParams::target, "m", any(), "point in the middle of the picture")
+          .vector("target", &CameraParams::target, "m", any(), "point at the centre of the picture")
           .vector("up", &CameraParams::up, "1", any(), "direction that is up in the picture")
           .number("fov", &CameraParams::fov, "rad", between(0.05, 2.5), "vertical angle of view")
           .build();
@@ -77,9 +76,9 @@ const DefTable& camera_table() {
 
 const DefTable& slice_table() {
   static const DefTable t =
-      TableOf<SliceParams>("where a grid in space is cut to be seen")
-          .choice("axis", &SliceParams::axis, {"x", "y", "z"}, "that the cut is at right angles to")
-          .number("at", &SliceParams::at, "m", any(), "place along it; without it in the middle")
+      TableOf<SliceParams>("cut through a grid in space to show")
+          .choice("axis", &SliceParams::axis, {"x", "y", "z"}, "axis perpendicular to the cut")
+          .number("at", &SliceParams::at, "m", any(), "position along the axis; without it in the middle")
           .build();
   return t;
 }
@@ -89,19 +88,18 @@ const DefTable& viewer_table() {
       TableOf<ViewerParams>("how viewers show the scene")
           .object("camera", &ViewerParams::camera, camera_table(), "camera; without one the scene is framed")
           .text("color_by", &ViewerParams::color_by,
-                "field that colours points or is shown of a grid, e.g. speed")
+                "field that colours points, or the field of a grid to show, e.g. speed")
           .choice("color_map", &ViewerParams::color_map, {"viridis", "water", "ember"},
-                  "colours from the lowest to the highest value")
+                  "colour map from the lowest to the highest value")
           .numbers("range", &ViewerParams::range, "", any(), {0, 2},
-                   "lowest and highest value of the colours; without it those of what is shown")
+                   "lowest and highest value of the colours; without it those of the data shown")
           .object("slice", &ViewerParams::slice, slice_table(),
                   "cut through a grid in space; without one it is shown as translucent slices")
           .number("height", &ViewerParams::height, "", any(),
-                  "m per unit: values of a grid in the plane stand out of it as a surface")
+                  "m per unit: draws values of a plane grid as a surface above it")
           .choice("liquid", &ViewerParams::liquid, {"balls", "surface"},
-                  "how particles that have a size are drawn: each as a ball, or in space all of a system as "
-                  "the smooth "
-                  "surface of the liquid that they are")
+                  "how particles with a size are drawn: each as a ball, or in space all of a system as one "
+                  "smooth liquid surface")
           .integer("contours", &ViewerParams::contours, between(0, 64),
                    "level lines of a grid in the plane or a slice")
           .integer("streamlines", &ViewerParams::streamlines, between(0, 400),
@@ -119,16 +117,15 @@ const DefTable& expect_table() {
       TableOf<ExpectParams>("what a run of this scene should measure")
           .text("quantity", &ExpectParams::quantity,
                 "an observable at the end, or min(...), max(...), drift(...) of one over the run's steps. "
-                "Drift: "
-                "largest change since the start, divided by the largest magnitude at the start among the "
-                "quantities of its group with its unit (energy.*: J); not divided, so absolute, where all of "
-                "them start at 0. energy.drift is drift(energy.total)")
+                "Drift: largest change since the start, divided by the largest magnitude at the start among "
+                "the quantities of its group with its unit (energy.*: J); absolute where all of them start "
+                "at 0. energy.drift is drift(energy.total)")
           .required()
           .number("min", &ExpectParams::min, "", any(), "lower bound")
           .number("max", &ExpectParams::max, "", any(), "upper bound")
           .number("equals", &ExpectParams::equals, "", any(), "value, to within tolerance")
           .number("tolerance", &ExpectParams::tolerance, "", at_least(0), "allowed difference from equals")
-          .text("source", &ExpectParams::source, "where the number comes from")
+          .text("source", &ExpectParams::source, "source of the number")
           .check([](const ExpectParams& e, const DefTable::Report& report) {
             if (!e.min && !e.max && !e.equals) report("", "an expectation needs min, max or equals");
           })
@@ -144,31 +141,30 @@ const DefTable& scene_table() {
           .text("$schema", &SceneHeader::schema, "address of the JSON Schema")
           .text("schema_version", &SceneHeader::schema_version, "version of the scene format, 1.0")
           .text("name", &SceneHeader::name, "name of the scene")
-          .text("title", &SceneHeader::title, "one line for people")
+          .text("title", &SceneHeader::title, "one-line description")
           .text("teaches", &SceneHeader::teaches, "what to see in it")
-          .texts("tags", &SceneHeader::tags, {0, 32}, "words to find it by")
+          .texts("tags", &SceneHeader::tags, {0, 32}, "search words")
           .integer("seed", &SceneHeader::seed, between(0, 9007199254740992.0), "seed of every random draw")
-          .vector("gravity", &SceneHeader::gravity, "m/s^2", {-1e6, 1e6}, "acceleration of free fall")
+          .vector("gravity", &SceneHeader::gravity, "m/s^2", {-1e6, 1e6}, "gravitational acceleration")
           .object("time", &SceneHeader::time, time_table(), "the clock")
           .object("accuracy", &SceneHeader::accuracy, accuracy_table(),
-                  "instead of a method and a step: how accurate")
+                  "required accuracy, instead of a method and a step")
           .texts("observables", &SceneHeader::observables, {0, 64},
-                 "observables to keep over time (names or their beginnings up to a dot), at every step; a "
-                 "session "
-                 "keeps energy and probes in any case; none: recordings and --csv keep all")
+                 "observables to keep at every step (names or their beginnings up to a dot); a session "
+                 "always keeps energy and probes; none: recordings and --csv keep all")
           .objects("probes", &SceneHeader::probes, probe_table(), {0, 256},
                    "rows whose fields become observables")
           .object("recording", &SceneHeader::recording, recording_table(),
-                  "what is recorded; without it, nothing")
+                  "recording; without it, nothing is recorded")
           .choice("on_instability", &SceneHeader::on_instability, {"pause", "stop"},
                   "what happens when a state becomes non-finite")
           .boolean("keep_running", &SceneHeader::keep_running,
-                   "a session that plays goes on when its last viewer has left")
+                   "a playing session continues when its last viewer has left")
           .object("viewer", &SceneHeader::viewer, viewer_table(), "how viewers show the scene")
-          .objects("expect", &SceneHeader::expect, expect_table(), {0, 64}, "what a run should measure")
+          .objects("expect", &SceneHeader::expect, expect_table(), {0, 64}, "results that a run should give")
           .check([](const SceneHeader& h, const DefTable::Report& report) {
             if (h.schema_version != "1.0")
-              report("/schema_version", "this version reads scenes of version \"1.0\"");
+              report("/schema_version", "this program reads scenes of version \"1.0\"");
           })
           .build();
   return t;

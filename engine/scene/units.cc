@@ -128,7 +128,7 @@ Quantity parse_quantity(std::string_view text, std::string_view si_unit) {
   const auto [after, error] = std::from_chars(begin, end, number);
   if (error != std::errc() || !std::isfinite(number)) {
     return {std::nullopt,
-            "a quantity is a number followed by a unit, such as \"1 " + std::string(si_unit) + '"'};
+            "a quantity must be a number followed by a unit, such as \"1 " + std::string(si_unit) + '"'};
   }
   const std::string_view rest = trim({after, static_cast<size_t>(end - after)});
   const auto wanted = parse_unit(si_unit.empty() ? "1" : si_unit);
@@ -137,7 +137,7 @@ Quantity parse_quantity(std::string_view text, std::string_view si_unit) {
   if (!wanted || given->powers != wanted->powers) {
     return {std::nullopt, rest.empty()
                               ? "the quantity has no unit"
-                              : "\"" + std::string(rest) + "\" does not measure what this parameter is"};
+                              : "\"" + std::string(rest) + "\" does not fit the dimension of this parameter"};
   }
   const double si = number * given->factor;
   if (!std::isfinite(si)) return {std::nullopt, "the quantity is too large"};

@@ -22,7 +22,7 @@ std::string journal_text(std::span<const JournalEntry> journal) {
 
 std::vector<JournalEntry> read_journal(const SealedReader& in, const json::value& document) {
   std::vector<JournalEntry> out;
-  if (!document.is_array()) in.fail("its journal is no list");
+  if (!document.is_array()) in.fail("its journal is not a list");
   for (const json::value& v : document.as_array()) {
     const json::value* step = v.is_object() ? v.as_object().if_contains("step") : nullptr;
     const json::value* command = v.is_object() ? v.as_object().if_contains("command") : nullptr;

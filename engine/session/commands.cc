@@ -20,19 +20,19 @@ DefTable push_table() {
       .required()
       .vector("force", &C::vector, "N", any(), "force")
       .required()
-      .vector("at", &C::at, "m", any(), "where on a body; its centre of mass if absent")
-      .number("duration", &C::duration, "s", between(0, 1e6), "how long; 0: one step")
+      .vector("at", &C::at, "m", any(), "point of application on a body; its centre of mass if absent")
+      .number("duration", &C::duration, "s", between(0, 1e6), "duration; 0: one step")
       .build();
 }
 DefTable impulse_table() {
-  return TableOf<C>("a change of momentum at once")
+  return TableOf<C>("an instantaneous change of momentum")
       .text("system", &C::system, "id of the system")
       .required()
       .integer("index", &C::index, at_least(0), "row")
       .required()
       .vector("impulse", &C::vector, "N s", any(), "impulse")
       .required()
-      .vector("at", &C::at, "m", any(), "where on a body; its centre of mass if absent")
+      .vector("at", &C::at, "m", any(), "point of application on a body; its centre of mass if absent")
       .build();
 }
 DefTable drag_table() {
@@ -41,9 +41,9 @@ DefTable drag_table() {
       .required()
       .integer("index", &C::index, at_least(0), "row")
       .required()
-      .vector("target", &C::vector, "m", any(), "where the spring ends")
+      .vector("target", &C::vector, "m", any(), "fixed end of the spring")
       .required()
-      .vector("at", &C::at, "m", any(), "where on a body; its centre of mass if absent")
+      .vector("at", &C::at, "m", any(), "point of application on a body; its centre of mass if absent")
       .number("stiffness", &C::value, "N/m", at_least(0), "of the spring; 0: chosen by the system")
       .build();
 }
@@ -55,7 +55,7 @@ DefTable release_table() {
       .build();
 }
 DefTable pin_table() {
-  return TableOf<C>("holds a row where it is, or lets it go")
+  return TableOf<C>("fixes a row at its position, or releases it")
       .text("system", &C::system, "id of the system")
       .required()
       .integer("index", &C::index, at_least(0), "row")
@@ -82,7 +82,7 @@ DefTable spawn_table() {
       .build();
 }
 DefTable remove_table() {
-  return TableOf<C>("takes an element away")
+  return TableOf<C>("removes an element")
       .text("system", &C::system, "id of the system")
       .required()
       .integer("index", &C::index, at_least(0), "row")
@@ -117,8 +117,8 @@ Command read_command(const json::value& document) {
   std::string all;
   for (const std::string& n : names) all += (all.empty() ? "" : ", ") + n;
   if (!document.is_object()) {
-    throw Error("bad_command", "a command is an object",
-                {{"", "wrong_type", "a command is an object", shorten(document), "an object", "", ""}});
+    throw Error("bad_command", "a command must be an object",
+                {{"", "wrong_type", "a command must be an object", shorten(document), "an object", "", ""}});
   }
   const json::value* type = document.as_object().if_contains("type");
   const std::string name = type && type->is_string() ? std::string(type->as_string().c_str()) : "";

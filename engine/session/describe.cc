@@ -221,14 +221,14 @@ json::object validate_scene(const json::value& document, const AdmissionLimits& 
       if (const auto dt = world.stable_dt(state)) {
         if (*dt > 0) out["stable_dt"] = *dt;
         if (*dt <= 0) {
-          report.warnings.push_back(
-              {"/time/dt", "no_stable_dt",
-               "a method of this scene gains energy at every step, however short: shorter "
-               "steps only make it slower to blow up",
-               "", "", "", ""});
+          report.warnings.push_back({"/time/dt", "no_stable_dt",
+                                     "a method of this scene gains energy at every step, however short: "
+                                     "shorter steps only delay the instability",
+                                     "", "", "", ""});
         } else if (*dt < world.dt()) {
           report.warnings.push_back(
-              {"/time/dt", "unstable_dt", "the step is longer than this method holds; it will blow up",
+              {"/time/dt", "unstable_dt",
+               "the step exceeds the stability limit of this method; the run will become unstable",
                write_json(json::value(world.dt())), "at most " + write_json(json::value(*dt)), "", "s"});
         }
       }

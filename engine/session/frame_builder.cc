@@ -19,7 +19,7 @@ void copy_values(FrameBlock& block, const FieldView& view) {
     auto* to = reinterpret_cast<float*>(block.data.data());
     for (size_t i = 0; i < n; ++i) to[i] = static_cast<float>(from[i]);
   } else {
-    throw Error("bad_request", "this field cannot be given as " + std::string(scalar_name(block.key.type)));
+    throw Error("bad_request", "this field cannot be sent as " + std::string(scalar_name(block.key.type)));
   }
 }
 

@@ -29,36 +29,36 @@ constexpr double kFar = 1e9;
 constexpr Limits kLimit{1, 10000};
 
 DefTable ray_table() {
-  return TableOf<Query>("what a ray meets, nearest first")
-      .vector("origin", &Query::at, "m", any(), "where it begins")
+  return TableOf<Query>("hits of a ray, nearest first")
+      .vector("origin", &Query::at, "m", any(), "start of the ray")
       .required()
-      .vector("direction", &Query::direction, "1", any(), "where it goes, of any length but zero")
+      .vector("direction", &Query::direction, "1", any(), "direction of the ray, of any length but zero")
       .required()
-      .number("max_distance", &Query::reach, "m", {0, kFar}, "how far it goes")
-      .integer("limit", &Query::limit, kLimit, "hits at most")
-      .texts("systems", &Query::systems, {0, 256}, "ids of the systems that are asked; all if absent")
+      .number("max_distance", &Query::reach, "m", {0, kFar}, "length of the ray")
+      .integer("limit", &Query::limit, kLimit, "most hits")
+      .texts("systems", &Query::systems, {0, 256}, "ids of the systems to search; all if absent")
       .check([](const Query& q, const DefTable::Report& report) {
-        if (!(norm(q.direction) > 0)) report("/direction", "a direction is not zero");
+        if (!(norm(q.direction) > 0)) report("/direction", "a direction must not be zero");
       })
       .build();
 }
 DefTable nearest_table() {
-  return TableOf<Query>("what lies nearest to a place; distances inside solids are negative")
-      .vector("point", &Query::at, "m", any(), "the place")
+  return TableOf<Query>("items nearest to a point; distances inside solids are negative")
+      .vector("point", &Query::at, "m", any(), "the point")
       .required()
-      .number("within", &Query::reach, "m", {0, kFar}, "nothing further away")
-      .integer("limit", &Query::limit, kLimit, "hits at most")
-      .texts("systems", &Query::systems, {0, 256}, "ids of the systems that are asked; all if absent")
+      .number("within", &Query::reach, "m", {0, kFar}, "largest distance")
+      .integer("limit", &Query::limit, kLimit, "most hits")
+      .texts("systems", &Query::systems, {0, 256}, "ids of the systems to search; all if absent")
       .build();
 }
 DefTable overlap_table() {
-  return TableOf<Query>("what shares a point with a ball or an upright box")
+  return TableOf<Query>("items that overlap a ball or an axis-aligned box")
       .vector("center", &Query::at, "m", any(), "its middle")
       .required()
       .number("radius", &Query::radius, "m", above(0), "of a ball")
       .vector("half_extents", &Query::half_extents, "m", above(0), "of a box")
-      .integer("limit", &Query::limit, kLimit, "items at most")
-      .texts("systems", &Query::systems, {0, 256}, "ids of the systems that are asked; all if absent")
+      .integer("limit", &Query::limit, kLimit, "most items")
+      .texts("systems", &Query::systems, {0, 256}, "ids of the systems to search; all if absent")
       .check([](const Query& q, const DefTable::Report& report) {
         if (q.radius.has_value() == q.half_extents.has_value())
           report("", "give either radius or half_extents");
@@ -66,8 +66,8 @@ DefTable overlap_table() {
       .build();
 }
 DefTable contacts_table() {
-  return TableOf<Query>("where bodies touch, with the force of the last step")
-      .integer("limit", &Query::limit, kLimit, "contacts at most")
+  return TableOf<Query>("contacts of bodies, with the force of the last step")
+      .integer("limit", &Query::limit, kLimit, "most contacts")
       .build();
 }
 
@@ -287,8 +287,8 @@ json::object answer_query(const Session& session, const json::value& document) {
   using Answer = json::object (*)(const Session&, const Query&);
   constexpr Answer kAnswers[] = {ray, nearest, overlap, contacts};
   if (!document.is_object()) {
-    throw Error("bad_query", "a query is an object",
-                {{"", "wrong_type", "a query is an object", shorten(document), "an object", "", ""}});
+    throw Error("bad_query", "a query must be an object",
+                {{"", "wrong_type", "a query must be an object", shorten(document), "an object", "", ""}});
   }
   const json::value* type = document.as_object().if_contains("type");
   const std::string name = type && type->is_string() ? std::string(type->as_string().c_str()) : "";

@@ -131,12 +131,11 @@ class Checker {
 
   void place(const Vec3& at, const PartTable::Entry& part, const std::string& where) {
     if (part.info().kind != PartInfo::Kind::grid) {
-      issues_.push_back({where + "/at", "inconsistent",
-                         "\"" + part.id + "\" is no grid: its rows are found by index", "", "index", "",
-                         "m"});
+      issues_.push_back({where + "/at", "inconsistent", "\"" + part.id + "\" is not a grid: give an index",
+                         "", "index", "", "m"});
     } else if (!locate(part.info().lattice, at)) {
-      issues_.push_back({where + "/at", "out_of_range", "this place lies outside of \"" + part.id + "\"", "",
-                         "a place in the grid", "", "m"});
+      issues_.push_back({where + "/at", "out_of_range", "this position lies outside \"" + part.id + "\"", "",
+                         "a position in the grid", "", "m"});
     }
   }
 
@@ -155,8 +154,8 @@ class Checker {
     for (size_t k = 0; k < r.fields.size(); ++k) {
       if (std::find(names.begin(), names.end(), r.fields[k]) != names.end()) continue;
       issues_.push_back({"/recording/fields/" + std::to_string(k), "unknown_field",
-                         "no system has such a field that can be recorded", quoted(r.fields[k]),
-                         listed(names), nearest_name(r.fields[k], names), ""});
+                         "no system has this field for recording", quoted(r.fields[k]), listed(names),
+                         nearest_name(r.fields[k], names), ""});
     }
   }
 
@@ -183,8 +182,8 @@ class Checker {
     const std::string near = nearest_name(q.name, names);
     const size_t inner = e.quantity.find(q.name);
     const bool wrapped = !near.empty() && q.reduction != Reduction::last && inner != std::string::npos;
-    issues_.push_back({where + "/quantity", "unknown_quantity",
-                       "nothing in this scene is observed by this name", quoted(e.quantity),
+    issues_.push_back({where + "/quantity", "unknown_quantity", "no observable of this scene has this name",
+                       quoted(e.quantity),
                        names.empty() ? "" : listed(names) + ", and min(...), max(...), drift(...) of each",
                        wrapped ? e.quantity.substr(0, inner) + near + ")" : near, ""});
   }
@@ -223,7 +222,7 @@ std::optional<Issue> unknown_observable(const std::string& entry, const std::str
   }
   return Issue{pointer,
                "unknown_observable",
-               "nothing in this scene is observed by this name",
+               "no observable of this scene has this name",
                quoted(entry),
                allowed,
                nearest_name(entry, names),

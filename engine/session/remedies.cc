@@ -168,7 +168,7 @@ Remedies try_remedies(const World& world, const WorldState& before, uint64_t fai
     if (!trials.holds(finer)) continue;
     out.dt = expected && parts == divisions[0] ? *hint : dt / parts;
     out.sentences.push_back("a step of at most " + short_number(*out.dt, 2) + " s, or " +
-                            std::to_string(finer) + " substeps of the present one" + tried);
+                            std::to_string(finer) + " substeps of the present step" + tried);
     break;
   }
   const size_t index = world.index_of(system);

@@ -48,14 +48,14 @@ Bytes seal(const SealKind& kind, std::span<const std::byte> contents) {
 std::span<const std::byte> unseal(const SealKind& kind, std::span<const std::byte> file) {
   const SealedReader reader(kind, file);
   if (file.size() < kHead + kSum || std::memcmp(file.data(), kind.name.data(), kName) != 0)
-    reader.fail("these bytes are none");
+    reader.fail("the bytes are not of this format");
   const auto version = get<uint32_t>(file, kName);
   if (version > kind.version)
-    reader.fail("it is of version " + std::to_string(version) + ", this build reads up to " +
+    reader.fail("its version is " + std::to_string(version) + ", this build reads up to " +
                 std::to_string(kind.version));
   const auto size = get<uint64_t>(file, kName + 8);
   if (version == 0 || get<uint32_t>(file, kName + 4) != 0 || size != file.size() - kHead - kSum)
-    reader.fail("it is incomplete or longer than it says");
+    reader.fail("its length is wrong: it is incomplete or too long");
   if (get<uint64_t>(file, kHead + size) != checksum(file.first(kHead + size)))
     reader.fail("it is damaged: the checksum does not match");
   return file.subspan(kHead, size);

@@ -62,7 +62,7 @@ void Session::begin_seek(uint64_t step) {
   drain_queue();
   const uint64_t first = first_step();
   if (step < first) {
-    throw Error("conflict", "this session's past begins at step " + std::to_string(first));
+    throw Error("conflict", "the history of this session begins at step " + std::to_string(first));
   }
   if (step >= state_.step && !failure_) return;
   abandon_aside();
@@ -102,7 +102,7 @@ WorldState Session::state_at(uint64_t step) const {
 
 Past Session::past(uint64_t step) const {
   if (step > state_.step || step < first_step())
-    throw Error("not_found", "this session's past does not hold this step");
+    throw Error("not_found", "the history of this session does not hold this step");
   if (step == state_.step) return {world_, arena_, state_, {}, step};
   Past past{world_, arena_, snapshot_at_or_before(step), {}, step};
   for (const JournalEntry& e : journal_) {

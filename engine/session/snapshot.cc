@@ -19,9 +19,9 @@ WorldState read_snapshot(const World& world, std::span<const std::byte> file) {
   const uint64_t hash = in.number();
   in.text();  // for human readers
   WorldState state = WorldState::deserialize(in.block());
-  if (!in.done()) in.fail("bytes follow its end");
+  if (!in.done()) in.fail("unexpected bytes follow its end");
   world.require_state(state);
-  if (state.hash() != hash) in.fail("its state has another hash than it says");
+  if (state.hash() != hash) in.fail("its state does not match its hash");
   return state;
 }
 

@@ -46,7 +46,7 @@ WorldState World::initial_state() const {
     if (!bad) continue;
     const std::string what = s.info(bad->column).name + " of row " + std::to_string(bad->row);
     issues.push_back({"/systems/" + std::to_string(scene_.systems[i].place), "out_of_range",
-                      "the start is not finite: " + what, "", "numbers whose results are finite", "", ""});
+                      "the start is not finite: " + what, "", "values that give finite results", "", ""});
   }
   if (!issues.empty()) throw Error("scene_invalid", "the scene's start is not finite", std::move(issues));
   if (finer_) state.finer.push_back(finer_->initial_state());
@@ -63,7 +63,7 @@ void World::reject(size_t i, const State& state, const State::BadValue& bad) con
   }
   throw Instability(
       id(i), column.name, static_cast<long long>(bad.row),
-      finite ? column.name + " exploded: beyond what the scene's energy could give a thousand times over"
+      finite ? column.name + " exploded: it is beyond a thousand times what the scene's energy allows"
              : column.name + " became non-finite");
 }
 
@@ -90,7 +90,7 @@ void World::watch_energy(WorldState& state, size_t i, double t, Workspace& works
   const double reference = watch.reference;
   if (!watch.holds(*all)) {
     throw unstable("energy rose from " + joules(reference) + " to " + joules(all->kinetic + all->potential) +
-                   " with nothing to bring it (" + joules(watch.available) + " were available)");
+                   " without a source (" + joules(watch.available) + " were available)");
   }
 }
 

@@ -160,7 +160,7 @@ void World::list_plan() {
   if (couplings_.empty()) {
     plan_.push_back({"",
                      {PlanRow::Status::skipped, "couplings",
-                      size() > 1 ? "none given: the systems do not meet" : "there is one system alone"},
+                      size() > 1 ? "none given: the systems do not interact" : "there is only one system"},
                      std::nullopt});
   }
 }

@@ -87,11 +87,12 @@ WorldState WorldState::read(std::span<const std::byte> bytes, Companion companio
   if (count >> 63) {
     const uint64_t size = get();
     if (size > bytes.size()) throw Error("bad_snapshot", "the snapshot ends too early");
-    if (companion == Companion::none) throw Error("bad_snapshot", "a companion has none of its own");
+    if (companion == Companion::none)
+      throw Error("bad_snapshot", "a companion state must not contain another one");
     state.finer.push_back(read(bytes.first(size), Companion::none));
     bytes = bytes.subspan(size);
   }
-  if (!bytes.empty()) throw Error("bad_snapshot", "bytes follow the end of the snapshot");
+  if (!bytes.empty()) throw Error("bad_snapshot", "unexpected bytes follow the end of the snapshot");
   return state;
 }
 
@@ -109,7 +110,7 @@ void World::require_finite_energy(const WorldState& state) const {
     const auto e = energy(state, i);
     if (!e || std::isfinite(e->kinetic + e->potential)) continue;
     issues.push_back({"/systems/" + std::to_string(scene_.systems[i].place), "out_of_range",
-                      "the energy of the start is not finite", "", "numbers whose results are finite", "",
+                      "the energy of the start is not finite", "", "values that give finite results", "",
                       "J"});
   }
   if (!issues.empty())
@@ -123,7 +124,7 @@ void World::require_state(const WorldState& state) const {
       state.finer.size() != start.finer.size())
     throw foreign();
   if (state.step > kMostStep || (!state.watch.empty() && state.watch.size() != size()))
-    throw Error("bad_snapshot", "the snapshot's clock or its watch on the energies is malformed");
+    throw Error("bad_snapshot", "the snapshot's clock or energy watch is malformed");
   const double t = static_cast<double>(state.step) * dt();
   for (size_t i = 0; i < size(); ++i) {
     StateCheck check(state.systems[i], start.systems[i]);

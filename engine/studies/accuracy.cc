@@ -75,7 +75,7 @@ const MeasuredMethod* closest(const std::vector<MeasuredMethod>& measured) {
 
 [[noreturn]] void refuse(double tolerance, const MethodAnswer& answer) {
   const MeasuredMethod* nearest = closest(answer.measured);
-  std::string detail = "no method gets through this scene, so that no accuracy can be promised",
+  std::string detail = "no method completes this scene, so no accuracy can be guaranteed",
               message = "every method failed on this scene", reachable;
   if (nearest) {
     detail = "no method meets the tolerance; the closest measured error is " + rounded(nearest->error);
@@ -85,9 +85,9 @@ const MeasuredMethod* closest(const std::vector<MeasuredMethod>& measured) {
   }
   if (nearest && answer.reference && answer.reference->uncertainty > tolerance) {
     const Reference& r = *answer.reference;
-    detail = "no error as small as the tolerance can be told: " + r.method + " and " + r.checked_by +
-             " part by " + rounded(r.uncertainty) + " before the horizon";
-    message = "two accurate methods part further than this";
+    detail = "errors as small as the tolerance cannot be resolved: " + r.method + " and " + r.checked_by +
+             " differ by " + rounded(r.uncertainty) + " before the horizon";
+    message = "two accurate methods differ by more than this";
     if (!(2 * nearest->error <= 1)) reachable = "a shorter horizon";
   }
   throw Error("accuracy_unreachable", detail,
@@ -134,16 +134,15 @@ AccuracyOutcome choose_method(const json::value& original, double budget, StudyC
   if (answer.reference) report["reference"] = describe_reference(*answer.reference);
   if (judged_by == JudgedBy::energy) {
     report["note"] =
-        "two accurate methods part further than the tolerance before the horizon: the motion is chaotic or "
-        "discontinuous, so single paths cannot be this accurate; methods are judged by the drift of the "
-        "energy";
+        "two accurate methods differ by more than the tolerance before the horizon: the motion is chaotic or "
+        "discontinuous, so single paths cannot be this accurate; methods are judged by energy drift";
   } else if (judged_by == JudgedBy::nothing) {
     report["note"] =
-        "measuring would take longer than running the scene ten times: the method is the one whose order "
-        "promises most, its tolerance a hundredth of what was asked";
+        "measuring would take longer than running the scene ten times: the method is chosen by its order, "
+        "with a hundredth of the requested tolerance";
   } else if (answer.measured_horizon < question.horizon * (1 - 1e-9)) {
     report["note"] = "errors were measured over " + rounded(answer.measured_horizon) +
-                     " s and carried on to the horizon as they grew there";
+                     " s and extrapolated to the horizon";
     report["measured_horizon"] = answer.measured_horizon;
   }
   json::array runs;

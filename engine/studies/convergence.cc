@@ -27,7 +27,7 @@ ObservedOrder observed_order(const std::vector<double>& errors, double floor) {
     }
   }
   if (sound.size() < 3) {
-    out.reason = "fewer than three halvings lie between instability and the reference's own uncertainty";
+    out.reason = "fewer than three halvings lie between instability and the uncertainty of the reference";
     return out;
   }
   double mean = 0;
@@ -48,16 +48,15 @@ const DefTable& convergence_table() {
   static const DefTable t =
       TableOf<P>("observed order of a method on this scene, or of a system in space")
           .text("system", &P::system, "system whose method is studied")
-          .text(
-              "quantity", &P::quantity,
-              "field whose error is measured; state: all that says where the system is; expect, with refine: "
-              "what the scene expects to equal a number at its end")
+          .text("quantity", &P::quantity,
+                "field whose error is measured; state: all coordinates of the system; expect, with refine: "
+                "what the scene expects to equal a number at its end")
           .text("integrator", &P::integrator, "method; the scene's own when left out")
           .number("step", &P::step, "s", above(0), "largest step; 8 times the scene's when left out")
           .number("horizon", &P::horizon, "s", above(0),
                   "simulated time; else as much of the duration as the budget allows")
           .integer("halvings", &P::halvings, between(3, 20),
-                   "how often the step or the spacing is halved, at most; 7 in time, 4 in space and both")
+                   "most halvings of the step or the spacing; 7 in time, 4 in space and both")
           .choice("refine", &P::refine, refine_names(), kRefineSentence)
           .number("budget", &P::budget, "s", between(0.1, 1e5), "CPU time for the whole study")
           .build();
@@ -90,7 +89,7 @@ StudyResult by_tolerance(const Integrator& method, const ConvergenceParams& p, c
                {"adaptive", true},
                {"promised_order", method.order},
                {"observed_order", nullptr},
-               {"reason", "the method chooses its steps by its tolerance"},
+               {"reason", "the method adapts its steps to its tolerance"},
                {"reference", describe_reference(m.reference)}};
   describe_reach(m, r.summary);
   return r;

@@ -16,7 +16,7 @@ namespace {
 const DefTable& side_table() {
   using S = CrossCheckSide;
   static const DefTable t =
-      TableOf<S>("one of the two ways; what is left out stays as the scene has it")
+      TableOf<S>("one of the two computations; what is left out is as in the scene")
           .text("integrator", &S::integrator, "method")
           .number("dt", &S::dt, "s", above(0), "step")
           .number("tolerance", &S::tolerance, "1", above(0), "tolerance of an adaptive method")
@@ -72,17 +72,17 @@ std::optional<double> growth_rate(const std::vector<double>& t, const std::vecto
 const DefTable& cross_check_table() {
   using P = CrossCheckParams;
   static const DefTable t =
-      TableOf<P>("how far two ways of computing this scene part over time")
-          .text("system", &P::system, "system that is compared")
-          .text("quantity", &P::quantity, "field that is compared; state: all that says where the system is")
-          .object("a", &P::a, side_table(), "one way")
-          .object("b", &P::b, side_table(), "the other; rigid bodies with nothing said: the other engine")
-          .texts(
-              "statistics", &P::statistics, {0, 32},
-              "observables of the system to compare; of rigid bodies, with nothing said, energies and what "
-              "bodies and joints give way by")
+      TableOf<P>("difference between two computations of this scene over time")
+          .text("system", &P::system, "system to compare")
+          .text("quantity", &P::quantity, "field to compare; state: all coordinates of the system")
+          .object("a", &P::a, side_table(), "one computation")
+          .object("b", &P::b, side_table(),
+                  "the other computation; default for rigid bodies: the other engine")
+          .texts("statistics", &P::statistics, {0, 32},
+                 "observables of the system to compare; default for rigid bodies: energies, penetration of "
+                 "bodies and gaps of joints")
           .number("horizon", &P::horizon, "s", above(0), "simulated time; the scene's duration when left out")
-          .integer("samples", &P::samples, between(2, 10000), "instants of comparison")
+          .integer("samples", &P::samples, between(2, 10000), "number of instants compared")
           .number("budget", &P::budget, "s", between(0.1, 1e5), "CPU time for the whole study")
           .build();
   return t;
@@ -133,9 +133,9 @@ std::vector<std::string> statistics(const CrossCheckParams& p, const System& sys
   for (const Observation& o : now.rows()) names += (names.empty() ? "" : ", ") + o.name;
   for (size_t i = 0; i < p.statistics.size(); ++i) {
     if (!now.find(p.statistics[i]))
-      throw Error("scene_invalid", "the system observes no such number",
+      throw Error("scene_invalid", "the system has no such observable",
                   {{"/statistics/" + std::to_string(i), "unknown_observable",
-                    "the system observes no such number", '"' + p.statistics[i] + '"', names, "", ""}});
+                    "the system has no such observable", '"' + p.statistics[i] + '"', names, "", ""}});
     out.push_back(p.statistics[i]);
   }
   return out;
@@ -227,7 +227,7 @@ StudyResult run_cross_check(const json::value& scene, const void* def, StudyCont
     r.summary["statistics"] = compare_statistics(request.observables, a.trace, b.trace);
   if (both > 0 && std::isfinite(differences.back())) r.summary["difference_at_end"] = differences.back();
   if (const auto rate = growth_rate(times, differences)) r.summary["growth_rate"] = *rate;
-  r.plot = {.title = "Two ways of computing one scene",
+  r.plot = {.title = "Two computations of one scene",
             .x_label = "time in s",
             .y_label = "relative difference of " + p.quantity,
             .x_scale = StudyPlot::Scale::linear,

@@ -56,8 +56,8 @@ Refinement::Refinement(const json::value& scene, const std::string& id, const St
   }
   if (system_ == scene_.systems.size()) {
     refuse(id.empty() ? "/refine" : "/system", "no_resolution",
-           id.empty() ? "no system of the scene has a parameter that divides it more finely"
-                      : "the scene has no such system with a parameter that divides it more finely",
+           id.empty() ? "no system of the scene has a resolution parameter"
+                      : "the scene has no such system with a resolution parameter",
            id.empty() ? "" : '"' + id.substr(0, 64) + '"', types_with_resolution());
   }
   const std::string prefix = scene_.systems[system_].id + '.';
@@ -98,7 +98,7 @@ json::value Refinement::document(int level) const {
   const double factor = std::ldexp(1 / coarsening_, level);
   if (factor != 1) {
     if (const auto why = resolution_->divide(finer.systems[system_].def.get(), factor)) {
-      refuse("/refine", "not_divisible", "the system cannot be divided otherwise: " + *why,
+      refuse("/refine", "not_divisible", "the resolution of the system cannot be changed: " + *why,
              '"' + scene_.systems[system_].id + '"', "");
     }
   }
@@ -161,7 +161,7 @@ std::vector<double> Refinement::at_common(const World& coarsest, const World& wo
     return out;
   }
   if (!resolution_->places || place.part != 0) {
-    refuse("/quantity", "no_place", "rows of this field have no place that other resolutions share",
+    refuse("/quantity", "no_place", "rows of this field have no counterpart at other resolutions",
            '"' + field.name + '"', "a field of the main part");
   }
   const auto places_of = [&](const World& w) {
@@ -208,7 +208,7 @@ LevelErrors judge_levels(const std::vector<std::vector<double>>& common, const s
     const std::vector<double>& before = common[common.size() - 2];
     const double share = 1 / (std::exp2(p) - 1);
     for (size_t i = 0; i < out.limit.size(); ++i) out.limit[i] += share * (out.limit[i] - before[i]);
-    out.against = "what the finest resolutions tend to (Richardson)";
+    out.against = "extrapolation of the finest resolutions (Richardson)";
   }
   for (const std::vector<double>& values : common) out.errors.push_back(relative_error(values, out.limit));
   out.per_level = order.per_halving;

@@ -23,8 +23,8 @@ inline constexpr const char* kExpectedQuantity = "expect";
 /// Their names in that order, for parameter tables.
 std::vector<std::string> refine_names();
 inline constexpr const char* kRefineSentence =
-    "time: shorter steps; space: the system divided more finely, integrated so accurately that time adds "
-    "nothing; both: finer, with steps that shrink so that time and space lose errors at the same rate";
+    "time: shorter steps; space: a finer system, integrated so accurately that time adds no error; both: "
+    "finer, with steps that shrink so that errors in time and space fall at the same rate";
 
 class Refinement {
  public:

@@ -80,7 +80,7 @@ class Study {
       const double before = thread_cpu_seconds(), left = p_.budget - (before - started);
       // Twice as fine costs at least twice as much; otherwise the growth from the last two levels.
       if (k > 0 && left < last * growth_) {
-        note_ = "the budget reaches " + std::to_string(k) + " resolutions; a larger one reaches finer ones";
+        note_ = "the budget reaches " + std::to_string(k) + " resolutions; a larger one allows more";
         break;
       }
       if (!add_level(k, left)) break;
@@ -89,7 +89,7 @@ class Study {
       last = took;
     }
     if (levels_.empty()) {
-      throw Error("study_failed", "not even the coarsest resolution gets through within the time budget",
+      throw Error("study_failed", "not even the coarsest resolution finishes within the time budget",
                   {{"/horizon", "too_long", "not even the coarsest resolution gets so far within the budget",
                     short_number(horizon_, 3), "a larger budget or a shorter horizon", "", "s"}});
     }
@@ -220,7 +220,7 @@ class Study {
     if (p_.refine == Refine::space) {
       auto found = in_time(document, world, left);
       if (!found) {
-        note_ = "the budget reaches " + std::to_string(k) + " resolutions; a larger one reaches finer ones";
+        note_ = "the budget reaches " + std::to_string(k) + " resolutions; a larger one allows more";
         return false;
       }
       // Relative to an error against an exact solution in that error's own norm: a front displaced by a
@@ -351,7 +351,7 @@ StudyResult run_refinement(const json::value& scene, const ConvergenceParams& p,
   for (const auto& [given, pointer] :
        {std::pair{!p.integrator.empty(), "/integrator"}, {p.step.has_value(), "/step"}}) {
     if (p.refine != Refine::space || !given) continue;
-    const char* why = "refining space alone takes methods and steps whose errors do not count";
+    const char* why = "refinement in space uses methods and steps whose errors are negligible";
     throw Error("scene_invalid", why, {{pointer, "inconsistent", why, "", "\"refine\": \"both\"", "", ""}});
   }
   Study study(scene, p, context);
@@ -393,7 +393,7 @@ WorkMeasurement measure_refined_work(const json::value& scene, const WorkPrecisi
     c.integrator = names[i];
     c.budget = (whole - (thread_cpu_seconds() - started)) / static_cast<double>(names.size() - i);
     if (c.budget <= 0) {
-      out.refused.push_back({names[i], "the budget was used up before its turn"});
+      out.refused.push_back({names[i], "the budget was used up before this run"});
       continue;
     }
     try {

@@ -49,7 +49,7 @@ void set_at(json::value& document, std::string_view pointer, json::value value) 
         bad_pointer(pointer, "the array there has " + std::to_string(a->size()) + " elements");
       at = &(*a)[index];
     } else {
-      bad_pointer(pointer, "it leads through a plain value");
+      bad_pointer(pointer, "it leads through a value that is no object or array");
     }
   }
   *at = std::move(value);

@@ -26,7 +26,7 @@ const DefTable& run_table() {
           .number("duration", &P::duration, "s", above(0),
                   "simulated time; the scene's duration when left out")
           .texts("observables", &P::observables, {0, 64},
-                 "names, or their beginnings up to a dot, that the table holds; all when left out")
+                 "observables in the table: names, or their beginnings up to a dot; all when left out")
           .integer("max_points", &P::max_points, between(2, 100000), "rows of the table at most")
           .build();
   return t;
@@ -42,7 +42,7 @@ class Rows {
       if (auto fault = unknown_observable(p.observables[i], "/observables/" + std::to_string(i), known))
         issues.push_back(std::move(*fault));
     }
-    if (!issues.empty()) throw Error("scene_invalid", "nothing is observed by this name", std::move(issues));
+    if (!issues.empty()) throw Error("scene_invalid", "no observable has this name", std::move(issues));
     table.columns = {{"step", "1"}, {"time", "s"}};
     for (const Observation& o : known) {
       const auto means = [&](const std::string& entry) { return selects(entry, o.name); };

@@ -282,13 +282,13 @@ std::vector<const Integrator*> methods(const StabilityParams& p, const ForceFiel
 const DefTable& stability_table() {
   using P = StabilityParams;
   static const DefTable t =
-      TableOf<P>("largest step up to which each method holds, measured and from theory")
+      TableOf<P>("largest stable step of each method, measured and from theory")
           .text("system", &P::system, "system whose method varies; the first that has one when left out")
           .texts("integrators", &P::integrators, {0, 64},
                  "methods; the explicit fixed-step ones when left out")
           .integer("steps", &P::steps, between(10, 1e7), "steps that a run must survive")
           .number("accuracy", &P::accuracy, "1", between(1e-9, 0.5),
-                  "relative width at which the bisection of a border ends")
+                  "relative width at which the bisection of a limit ends")
           .number("budget", &P::budget, "s", between(0.1, 1e5), "CPU time for the whole study")
           .build();
   return t;
@@ -310,7 +310,7 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
 
   if (spectrum.omega == 0 && spectrum.damping == 0) {
     throw Error("study_failed", "the system's forces neither oscillate nor decay: no step is unstable",
-                {{"/system", "no_rates", "its linearised forces have no frequency and no damping rate",
+                {{"/system", "no_rates", "the linearised forces have no frequency and no damping rate",
                   '"' + read.systems[system].id + '"', "", "", ""}});
   }
 

@@ -26,8 +26,8 @@ std::span<const StudyKind> study_kinds() {
       StudyKind{"work_precision", "run time against error of many methods", work_precision_table,
                 run_work_precision},
       StudyKind{"convergence", "observed order of one method", convergence_table, run_convergence},
-      StudyKind{"stability", "largest stable steps beside theory", stability_table, run_stability},
-      StudyKind{"cross_check", "how far two ways of computing part", cross_check_table, run_cross_check},
+      StudyKind{"stability", "largest stable steps and theory", stability_table, run_stability},
+      StudyKind{"cross_check", "difference between two computations", cross_check_table, run_cross_check},
       StudyKind{"sweep", "measured quantities over parameters of the scene", sweep_table, run_sweep},
   };
   return kKinds;
@@ -44,8 +44,8 @@ namespace {
 
 const json::object& object_of(const json::value& request) {
   if (!request.is_object()) {
-    throw Error("scene_invalid", "a study is asked for with an object",
-                {{"", "wrong_type", "a study request is an object", shorten(request), "object", "", ""}});
+    throw Error("scene_invalid", "a study request must be an object",
+                {{"", "wrong_type", "an object", shorten(request), "object", "", ""}});
   }
   return request.as_object();
 }

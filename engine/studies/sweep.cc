@@ -124,9 +124,9 @@ const DefTable& axis_table() {
       TableOf<A>("a parameter that varies")
           .text("pointer", &A::pointer, "JSON pointer to a number of the scene, e.g. /systems/0/stiffness")
           .required()
-          .numbers("values", &A::values, "", any(), {0, 10000}, "values to take")
-          .number("min", &A::min, "", any(), "first value, without a list")
-          .number("max", &A::max, "", any(), "last value, without a list")
+          .numbers("values", &A::values, "", any(), {0, 10000}, "list of values")
+          .number("min", &A::min, "", any(), "first value, if there is no list")
+          .number("max", &A::max, "", any(), "last value, if there is no list")
           .integer("count", &A::count, between(1, 10000), "values from min to max on a grid")
           .choice("scale", &A::scale, {"linear", "log"}, "spacing between min and max")
           .check([](const A& a, const DefTable::Report& report) {

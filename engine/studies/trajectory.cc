@@ -64,7 +64,7 @@ Trace trace(const World& world, const TraceRequest& request, const StudyContext&
       if (out.end == Trace::End::unstable) return out;
       if (out.cpu_seconds > request.cpu_limit || std::chrono::steady_clock::now() >= context.deadline) {
         out.end = Trace::End::over_budget;
-        out.detail = "the run took longer than its share of the time budget";
+        out.detail = "the run exceeded its share of the time budget";
         return out;
       }
       left -= batch;

@@ -82,7 +82,7 @@ class Measurer {
       if (left > 0) {
         measure(names[i], std::max(0.05, left / static_cast<double>(names.size() - i)));
       } else {
-        out_.refused.push_back({names[i], "the budget was used up before its turn"});
+        out_.refused.push_back({names[i], "the budget was used up before this run"});
       }
     }
     return std::move(out_);
@@ -140,8 +140,8 @@ class Measurer {
     const std::string allowed =
         possible >= scene_dt_ ? "about " + short_number(possible, 3) + " s at most" : "a larger budget";
     throw Error(
-        "study_failed", "no method reaches a reference solution within the time budget",
-        {{"/horizon", "too_long", "no method gets so far in time, accurately enough to be a reference",
+        "study_failed", "no method completes a reference solution within the time budget",
+        {{"/horizon", "too_long", "no method gets this far in time and is accurate enough to be a reference",
           short_number(out_.horizon, 3), allowed, "", "s"}});
   }
 
@@ -286,23 +286,22 @@ const DefTable& work_precision_table() {
   static const DefTable t =
       TableOf<P>("CPU time against error of every method on this scene")
           .text("system", &P::system, "system whose method varies; the first that has one when left out")
-          .text(
-              "quantity", &P::quantity,
-              "field whose error is measured; state: all that says where the system is; expect, with refine: "
-              "what the scene expects to equal a number at its end")
-          .texts("integrators", &P::integrators, {0, 64}, "methods; all that serve the system when left out")
+          .text("quantity", &P::quantity,
+                "field whose error is measured; state: all coordinates of the system; expect, with refine: "
+                "what the scene expects to equal a number at its end")
+          .texts("integrators", &P::integrators, {0, 64}, "methods; all that suit the system when left out")
           .numbers("steps", &P::steps, "s", above(0), {0, 64}, "steps of the fixed-step methods")
           .numbers("tolerances", &P::tolerances, "1", above(0), {0, 64}, "tolerances of the adaptive methods")
           .number("horizon", &P::horizon, "s", above(0),
                   "simulated time; else as much of the duration as the budget allows")
           .integer("samples", &P::samples, between(1, 1000), "instants at which paths are compared")
-          .integer("repeats", &P::repeats, between(1, 100), "runs whose median time counts")
+          .integer("repeats", &P::repeats, between(1, 100), "runs, of which the median time counts")
           .number("budget", &P::budget, "s", between(0.1, 1e5), "CPU time for the whole study")
           .choice("refine", &P::refine, refine_names(),
-                  "what gets finer from point to point of a curve; time: steps and tolerances; space: the "
-                  "system's resolution at the scene's own steps; both: the steps follow the spacing")
+                  "what is refined along a curve; time: steps and tolerances; space: the system's resolution "
+                  "at the scene's own steps; both: steps in proportion to the spacing")
           .integer("halvings", &P::halvings, between(3, 20),
-                   "how often the spacing is halved at most, where it is refined")
+                   "most halvings of the spacing, where it is refined")
           .build();
   return t;
 }
@@ -315,11 +314,11 @@ WorkMeasurement measure_work(const json::value& scene, const WorkPrecisionParams
 void describe_reach(const WorkMeasurement& m, json::object& summary) {
   if (m.horizon < m.duration) {
     summary["note"] = "the budget reaches " + short_number(m.horizon, 3) + " s of the scene's " +
-                      short_number(m.duration, 3) + " s; give a horizon or a larger budget for another part";
+                      short_number(m.duration, 3) + " s; give a horizon or a larger budget";
   }
   if (m.reference.meaningless()) {
     summary["warning"] =
-        "two accurate methods part by more than a hundredth before the horizon: the motion is chaotic or "
+        "two accurate methods differ by more than a hundredth before the horizon: the motion is chaotic or "
         "discontinuous, and errors of single paths mean nothing there; shorten the horizon or compare "
         "invariants";
   }

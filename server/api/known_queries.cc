@@ -19,10 +19,10 @@ void check(const net::Request& request, const std::vector<std::string>& known) {
     const std::string pointer = "?" + std::string(name.substr(0, 64));
     const auto same = [&](const auto& other) { return other.name == name; };
     if (std::find(known.begin(), known.end(), name) == known.end()) {
-      issues.push_back({pointer, "unknown_parameter", "this request reads no such parameter", "",
+      issues.push_back({pointer, "unknown_parameter", "this request takes no such parameter", "",
                         all.empty() ? "no parameters" : all, nearest_name(name, known), ""});
     } else if (std::any_of(request.query.begin(), request.query.begin() + static_cast<ptrdiff_t>(i), same)) {
-      issues.push_back({pointer, "duplicate", "this parameter comes once", "", "", "", ""});
+      issues.push_back({pointer, "duplicate", "this parameter may be given only once", "", "", "", ""});
     }
   }
   if (!issues.empty()) throw Error("bad_request", "the query has faults", std::move(issues));

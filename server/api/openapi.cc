@@ -73,7 +73,7 @@ json::object responses(const net::Route& route) {
     if (!answer.is_object()) answer = json::object{{"description", a.description}};
     if (a.status == 201 || a.status == 202) {
       answer.as_object()["headers"] =
-          json::object{{"Location", json::object{{"description", "of what was made"},
+          json::object{{"Location", json::object{{"description", "of the new resource"},
                                                  {"schema", json::object{{"type", "string"}}}}}};
     }
     if (a.media.empty()) continue;

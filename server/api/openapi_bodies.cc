@@ -20,10 +20,11 @@ constexpr std::string_view kColor = R"({"type": "string", "pattern": "^[a-z_]{0,
 constexpr std::string_view kFrameRate =
     R"({"type": "number", "minimum": 0.01, "maximum": 10000, "default": 30})";
 constexpr std::string_view kSeconds = R"({"type": "number", "minimum": 0, "maximum": 1e18})";
-constexpr std::string_view kLastSeconds = "the last so many of the session's time; all if absent";
-constexpr std::string_view kMotionSystem = "an id; the first with joints or blended shapes if absent";
+constexpr std::string_view kLastSeconds = "of motion up to the present; all if absent";
+constexpr std::string_view kMotionSystem =
+    "id of a system; the first with joints or blended shapes if absent";
 constexpr std::string_view kOnce =
-    "of a request that is not to be done twice: the same key gets the same answer";
+    "key of a request that must not be done twice: the same key gets the same answer";
 constexpr std::string_view kFields = "names, separated by commas; position if absent";
 constexpr std::string_view kSystems = "ids, separated by commas; all if absent";
 
@@ -31,20 +32,20 @@ constexpr RouteParameter kParameters[] = {
     {net::Method::post, "/v1/sessions", "header", "Idempotency-Key", kIdempotency, kOnce},
     {net::Method::post, "/v1/sessions/{id}/step", "header", "Idempotency-Key", kIdempotency, kOnce},
     {net::Method::get, "/v1/sessions", "query", "limit",
-     R"({"type": "integer", "minimum": 1, "maximum": 1000, "default": 100})", "sessions on a page"},
+     R"({"type": "integer", "minimum": 1, "maximum": 1000, "default": 100})", "sessions per page"},
     {net::Method::get, "/v1/sessions", "query", "page_token",
      R"({"type": "string", "pattern": "^([0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12})?$"})",
-     "next_page_token of the page before"},
+     "next_page_token of the previous page"},
     {net::Method::get, "/v1/recordings", "query", "limit",
-     R"({"type": "integer", "minimum": 1, "maximum": 1000, "default": 100})", "recordings on a page"},
+     R"({"type": "integer", "minimum": 1, "maximum": 1000, "default": 100})", "recordings per page"},
     {net::Method::get, "/v1/recordings", "query", "page_token",
      R"({"type": "string", "pattern": "^([0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}([.]([2-9]|[1-9][0-9]{1,8}))?)?$"})",
-     "next_page_token of the page before"},
+     "next_page_token of the previous page"},
     {net::Method::get, "/v1/sessions/{id}/frames", "query", "after",
      R"({"type": "integer", "minimum": 0, "maximum": 9000000000000000})",
      "frames after this step; without it the newest"},
     {net::Method::get, "/v1/sessions/{id}/frames", "query", "limit",
-     R"({"type": "integer", "minimum": 1, "maximum": 1024, "default": 16})", "frames in one answer"},
+     R"({"type": "integer", "minimum": 1, "maximum": 1024, "default": 16})", "most frames in one answer"},
     {net::Method::get, "/v1/sessions/{id}/frames", "query", "wait",
      R"({"type": "number", "minimum": 0, "maximum": 60, "default": 0})", "seconds to wait for a frame"},
     {net::Method::get, "/v1/sessions/{id}/frames", "query", "fields", kNames, kFields},
@@ -54,8 +55,7 @@ constexpr RouteParameter kParameters[] = {
     {net::Method::get, "/v1/sessions/{id}/observables", "query", "names", kNames,
      "names or their beginnings, separated by commas"},
     {net::Method::get, "/v1/sessions/{id}/observables", "query", "max_points",
-     R"({"type": "integer", "minimum": 1, "maximum": 1000000, "default": 4096})",
-     "points of a series at most"},
+     R"({"type": "integer", "minimum": 1, "maximum": 1000000, "default": 4096})", "most points of a series"},
     {net::Method::get, "/v1/sessions/{id}/motion.bvh", "query", "system", kNames, kMotionSystem},
     {net::Method::get, "/v1/sessions/{id}/motion.bvh", "query", "rate", kFrameRate, "frames a second"},
     {net::Method::get, "/v1/sessions/{id}/motion.bvh", "query", "seconds", kSeconds, kLastSeconds},
@@ -67,16 +67,15 @@ constexpr RouteParameter kParameters[] = {
     {net::Method::get, "/v1/sessions/{id}/motion.glb", "query", "seconds", kSeconds, kLastSeconds},
     {net::Method::get, "/v1/sessions/{id}/picture.png", "query", "camera",
      R"({"type": "string", "pattern": "^(all|front|side|top|(-?[0-9]{1,6}([.][0-9]{1,6})?,){5}-?[0-9]{1,6}([.][0-9]{1,6})?)$"})",
-     "ex,ey,ez,tx,ty,tz in m; or all that is drawn, seen obliquely (all), from the front, the side or the "
-     "top"},
+     "ex,ey,ez,tx,ty,tz in m; or a view of everything drawn, obliquely (all), from the front, the side or "
+     "the top"},
     {net::Method::get, "/v1/sessions/{id}/picture.png", "query", "width", kPixels, "pixels; 800 if absent"},
     {net::Method::get, "/v1/sessions/{id}/picture.png", "query", "height", kPixels, "pixels; 600 if absent"},
     {net::Method::get, "/v1/sessions/{id}/picture.png", "query", "size",
      R"({"type": "string", "pattern": "^[1-3][0-9]{2,3}x[1-3][0-9]{2,3}$"})",
      "WIDTHxHEIGHT in pixels, instead of width and height"},
     {net::Method::get, "/v1/sessions/{id}/picture.png", "query", "color_by", kColor,
-     "a field of the scene that colours points, bodies, lines or a grid; empty: none; the scene's own if "
-     "absent"},
+     "field that colours points, bodies, lines or a grid; empty: none; the scene's own if absent"},
     {net::Method::get, "/v1/sessions/{id}/picture.png", "query", "theme",
      R"({"enum": ["light", "dark"], "default": "light"})", "of the background"},
     {net::Method::get, "/v1/sessions/{id}/picture.png", "query", "show",
@@ -124,7 +123,7 @@ json::object study_schema() {
     properties["kind"] = json::object{{"const", k.name}};
     properties["scene"] = json::object{{"$ref", "/v1/schemas/scene-1.json"}};
     properties["gallery"] = schema_reference("GalleryName");
-    properties["resume"] = json::object{{"type", "string"}, {"description", "a sweep to go on with"}};
+    properties["resume"] = json::object{{"type", "string"}, {"description", "a sweep to resume"}};
     if (!s.contains("required")) s["required"] = json::array{};
     s["required"].as_array().emplace_back("kind");
     s["oneOf"] = json::array{json::object{{"required", json::array{"scene"}}},

@@ -57,7 +57,7 @@ void require_media(const net::Request& request, std::string_view type) {
   if (request.body.empty()) return;
   const std::string_view coding = request.header("content-encoding");
   if (!coding.empty() && !net::iequals(coding, "identity"))
-    throw Error("unsupported_media", "bodies are read as they are: send them without Content-Encoding");
+    throw Error("unsupported_media", "encoded bodies are not supported: send them without Content-Encoding");
   if (net::iequals(media_type(request), type) || (type == kJsonType && is_json(request))) return;
   throw Error("unsupported_media", "the body must come with Content-Type: " + std::string(type));
 }
@@ -102,7 +102,8 @@ std::string idempotency_key(const net::Request& request) {
   for (const net::Field& f : request.headers) given += net::iequals(f.name, kName);
   const bool visible = std::all_of(key.begin(), key.end(), [](char c) { return c > ' ' && c <= '~'; });
   if (key.empty() || key.size() > 255 || !visible || given > 1)
-    throw Error("bad_request", "an Idempotency-Key has 1 to 255 visible characters of ASCII and comes once");
+    throw Error("bad_request",
+                "an Idempotency-Key must have 1 to 255 visible ASCII characters and be given once");
   return request.caller.name + '\n' + std::string(key);
 }
 
@@ -117,7 +118,7 @@ json::object object_body_of(const net::Request& request, std::initializer_list<s
     if (std::find(names.begin(), names.end(), name) != names.end()) continue;
     std::string pointer;
     append_pointer(pointer, name);
-    issues.push_back({pointer, "unknown_key", "this request has no such member", shorten(value),
+    issues.push_back({pointer, "unknown_key", "this request takes no such member", shorten(value),
                       all.empty() ? "no members" : all, nearest_name(name, names), ""});
   }
   if (!issues.empty()) throw Error("bad_request", "the request has faults", std::move(issues));
@@ -160,7 +161,7 @@ double number_member(const json::object& o, const char* name, double min, double
 uint64_t integer_member(const json::object& o, const char* name, uint64_t max) {
   const double x = number_member(o, name, 0, static_cast<double>(max));
   if (x != std::floor(x)) {
-    throw Error("bad_request", std::string(name) + " is a whole number",
+    throw Error("bad_request", std::string(name) + " must be a whole number",
                 {{std::string("/") + name, "wrong_type", "expected a whole number", write_json(o.at(name)),
                   "0 to " + std::to_string(max), "", ""}});
   }
@@ -171,7 +172,7 @@ bool boolean_member(const json::object& o, const char* name) {
   const json::value* v = o.if_contains(name);
   if (!v) return false;
   if (!v->is_bool()) {
-    throw Error("bad_request", std::string(name) + " is true or false",
+    throw Error("bad_request", std::string(name) + " must be true or false",
                 {{std::string("/") + name, "wrong_type", "expected true or false", shorten(*v), "true, false",
                   "", ""}});
   }

@@ -88,7 +88,7 @@ asio::awaitable<EntryPtr> session_of(App& app, const net::Request& request) {
     const auto give_up = [] {};
     co_await net::wait_for_end(creation->done, ended, give_up, deadline);
     if (!creation->ended)
-      throw Error("creating", "this session is on its way from or to the disk; ask again");
+      throw Error("creating", "this session is being loaded from or saved to disk; try again");
     if (creation->error) std::rethrow_exception(creation->error);
     if (EntryPtr entry = app.store.find(id, request.caller)) co_return entry;
   }

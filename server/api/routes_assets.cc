@@ -38,8 +38,8 @@ void add_asset_routes(net::Router& router, App& app) {
   const std::string asset = "/v1/assets/{sha256}";
   router
       .add(Method::put, asset,
-           "Keeps a JSON value, or a file (OBJ, STL, PLY, MSH, BVH, text), under its SHA-256: scenes say "
-           "{\"asset\": sha256} where it is to stand",
+           "Stores a JSON value, or a file (OBJ, STL, PLY, MSH, BVH, text), under its SHA-256: scenes refer "
+           "to it as {\"asset\": sha256}",
            [&app](const Request& r) { return put(app, r); })
       .max_body = kMostAsset;
   router.add(Method::get, asset, "An asset", [&app](const Request& r) -> asio::awaitable<Response> {
@@ -50,7 +50,7 @@ void add_asset_routes(net::Router& router, App& app) {
     };
     co_return co_await net::offload(app.runner.pool(), std::move(read));
   });
-  router.add(Method::delete_, asset, "Forgets an asset; sessions that were made with it keep its value",
+  router.add(Method::delete_, asset, "Removes an asset; sessions created with it keep its value",
              [&app](const Request& r) -> asio::awaitable<Response> {
                auto remove = [&app, sha256 = std::string(r.param("sha256"))] {
                  app.assets.remove(sha256);

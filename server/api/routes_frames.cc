@@ -64,7 +64,7 @@ Media media_of(const Request& request) {
   const std::string_view accept = request.header("accept");
   if (accept.find("application/x-protobuf") != std::string_view::npos) return Media::protobuf;
   if (!accept.empty() && !request.accepts("application/json")) {
-    throw Error("not_acceptable", "frames are application/json or application/x-protobuf");
+    throw Error("not_acceptable", "frames are available as application/json or application/x-protobuf");
   }
   return Media::json;
 }
@@ -121,7 +121,7 @@ asio::awaitable<Response> frame_at(App& app, const Request& request) {
   uint64_t step = 0;
   const auto [end, error] = std::from_chars(which.data(), which.data() + which.size(), step);
   if (error != std::errc() || end != which.data() + which.size())
-    throw Error("not_found", "a frame is named by its step, or latest");
+    throw Error("not_found", "a frame is identified by its step, or by latest");
   auto compute = [&] {
     const WorldState state = state_of(*entry, step);
     const auto fields = fields_of(request, entry->session.world(), media);
@@ -220,7 +220,7 @@ Response observables(SessionEntry& e, const std::vector<std::string>& names, siz
     for (const std::string& n : names) {
       if (auto fault = unknown_observable(n, "?names", known)) issues.push_back(std::move(*fault));
     }
-    if (!issues.empty()) throw Error("bad_request", "nothing is observed by this name", std::move(issues));
+    if (!issues.empty()) throw Error("bad_request", "no observable has this name", std::move(issues));
   }
   const double dt = s.world().dt();
   if (csv) {
@@ -305,7 +305,7 @@ PictureSize size_of(const Request& request) {
   const bool alone = !request.query_value("width") && !request.query_value("height");
   if (!crossed || h.ec != std::errc() || h.ptr != end || !fits(out.width) || !fits(out.height) || !alone) {
     throw Error(alone ? "bad_request" : "invalid",
-                "size is WIDTHxHEIGHT in pixels, instead of width and height",
+                "size must be WIDTHxHEIGHT in pixels, instead of width and height",
                 {{"?size", alone ? "out_of_range" : "inconsistent", "a size is two numbers of pixels",
                   '"' + std::string(size->substr(0, 60)) + '"', "16x16 to 4096x4096", "", ""}});
   }
@@ -371,7 +371,7 @@ void add_frame_routes(net::Router& router, App& app) {
                  {"truestep.v1.proto", "truestep.v1.json"},
                  [&app](const Request& r) {
                    EntryPtr entry = app.store.find(r.param("id"), r.caller);
-                   if (!entry) throw Error("creating", "this session is on its way to the disk; ask again");
+                   if (!entry) throw Error("creating", "this session is being saved to disk; try again");
                    return std::make_shared<StreamClient>(std::move(entry), app.runner, app.stream_stats);
                  })
       .before_open = [&app](const Request& r) -> asio::awaitable<void> { co_await session_of(app, r); };

@@ -28,8 +28,8 @@ Wanted wanted_of(const Request& request, const Session& session, MotionFormat fo
   w.steps.rate = query_number(request, "rate", 30, 10'000);
   w.steps.dt = world.dt();
   if (w.steps.rate < 0.01) {
-    throw Error("bad_request", "a rate is 0.01 to 10000 frames a second",
-                {{"?rate", "out_of_range", "frames a second of the scene's time",
+    throw Error("bad_request", "a rate must be 0.01 to 10000 frames per second",
+                {{"?rate", "out_of_range", "frames per second of the scene's time",
                   std::string(request.query_value("rate").value_or("")), "0.01 to 10000", "", "1/s"}});
   }
   const double all = static_cast<double>(session.step_index() - session.first_step()) * w.steps.dt;
@@ -39,7 +39,7 @@ Wanted wanted_of(const Request& request, const Session& session, MotionFormat fo
   const double rows =
       (seconds * w.steps.rate + 1) * static_cast<double>(MotionExport::rows(world.system(w.system)));
   if (rows > kMostRows) {
-    throw Error("bad_request", "this is more motion than one answer holds",
+    throw Error("bad_request", "this is more motion than one answer can hold",
                 {{"?seconds", "out_of_range", "frames times joints or shapes", std::to_string(rows),
                   "2000000 at most: fewer seconds, or a lower rate", "", "s"}});
   }
@@ -81,10 +81,10 @@ asio::awaitable<Response> motion(App& app, const Request& request, MotionFormat 
 
 void add_motion_routes(net::Router& router, App& app) {
   const std::string path = "/v1/sessions/{id}/motion";
-  router.add(Method::get, path + ".bvh", "What a skeleton has done, as a BVH file", [&app](const Request& r) {
+  router.add(Method::get, path + ".bvh", "The motion of a skeleton as a BVH file", [&app](const Request& r) {
     return motion(app, r, MotionFormat::bvh, "text/plain; charset=utf-8");
   });
-  router.add(Method::get, path + ".gltf", "What a skeleton or blended shapes have done, as glTF 2.0",
+  router.add(Method::get, path + ".gltf", "The motion of a skeleton or blended shapes as glTF 2.0",
              [&app](const Request& r) { return motion(app, r, MotionFormat::gltf, "model/gltf+json"); });
   router.add(Method::get, path + ".glb", "The same as binary glTF 2.0",
              [&app](const Request& r) { return motion(app, r, MotionFormat::glb, "model/gltf-binary"); });

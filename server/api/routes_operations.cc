@@ -65,8 +65,8 @@ asio::awaitable<Response> start_study(App& app, const Request& request) {
   if (const json::value* r = body.if_contains("resume")) {
     if (!r->is_string()) {
       throw Error(
-          "bad_request", "resume names an operation",
-          {{"/resume", "wrong_type", "the id of an operation is a text", shorten(*r), "text", "", ""}});
+          "bad_request", "resume must name an operation",
+          {{"/resume", "wrong_type", "the id of an operation must be a text", shorten(*r), "text", "", ""}});
     }
     resume = r->as_string();
     body.erase("resume");
@@ -139,7 +139,7 @@ void add_operation_routes(net::Router& router, App& app) {
              });
   router.add(Method::get, "/v1/operations/{id}", "State and progress of an operation",
              [&app](const Request& r) { return json_response(describe_operation(*operation_of(app, r))); });
-  router.add(Method::delete_, "/v1/operations/{id}", "Cancels and forgets an operation",
+  router.add(Method::delete_, "/v1/operations/{id}", "Cancels and removes an operation",
              [&app](const Request& r) {
                app.operations.remove(operation_of(app, r));
                return Response(204);
@@ -160,7 +160,7 @@ void add_operation_routes(net::Router& router, App& app) {
                return out;
              });
   for (const char* name : {"result", "result.json"}) {
-    router.add(Method::get, std::string("/v1/operations/{id}/") + name, "What a study found, as JSON",
+    router.add(Method::get, std::string("/v1/operations/{id}/") + name, "The results of a study as JSON",
                [&app](const Request& r) { return json_response(result_json(*result_of(app, r))); });
   }
   router.add(Method::get, "/v1/operations/{id}/result.csv", "The table of a study", [&app](const Request& r) {

@@ -20,7 +20,7 @@ constexpr uint64_t kMostSteps = 1'000'000'000;  // per request
 
 Error too_many_steps(const char* pointer) {
   return {"bad_request",
-          "a request does at most 1e9 steps",
+          "a request may do at most 1e9 steps",
           {{pointer, "out_of_range", "this is more than 1e9 steps", "", "0 to 1e9 steps", "", ""}}};
 }
 
@@ -28,7 +28,7 @@ Error too_many_steps(const char* pointer) {
 uint64_t step_target(const json::object& body, const Session& s) {
   if (body.contains("steps") + body.contains("seconds") + body.contains("until") > 1)
     throw Error("bad_request", "the step request has faults",
-                {{"", "inconsistent", "give one of steps, seconds and until", "", "", "", ""}});
+                {{"", "inconsistent", "give exactly one of steps, seconds and until", "", "", "", ""}});
   const double now = static_cast<double>(s.step_index()), dt = s.world().dt();
   if (body.contains("from_step")) {
     const uint64_t from = integer_member(body, "from_step", kMostStep);
@@ -144,11 +144,11 @@ void add_playback_routes(net::Router& router, App& app) {
              "Steps: {\"steps\": n | \"seconds\": s | \"until\": t, \"from_step\"?: k}",
              [&app](const Request& r) { return step(app, r); });
   router.add(Method::post, session + "/play",
-             "Runs in real time times speed; without \"keep_running\" until its last viewer has left",
+             "Plays at speed times real time; without \"keep_running\" until its last viewer has left",
              [&app](const Request& r) { return play(app, r); });
-  router.add(Method::post, session + "/pause", "Stops running, and whatever steps were asked for",
+  router.add(Method::post, session + "/pause", "Stops playing and any requested steps",
              [&app](const Request& r) { return pause(app, r); });
-  router.add(Method::post, session + "/reset", "Back to step 0; the journal is forgotten",
+  router.add(Method::post, session + "/reset", "Returns to step 0; the journal is cleared",
              [&app](const Request& r) { return reset(app, r); });
   router.add(Method::post, session + "/seek", "Goes to a step or time of this run, exactly",
              [&app](const Request& r) { return seek(app, r); });

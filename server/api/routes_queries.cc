@@ -21,7 +21,7 @@ asio::awaitable<Response> query(App& app, const Request& request) {
 
 void add_query_routes(net::Router& router, App& app) {
   router.add(net::Method::post, "/v1/sessions/{id}/queries",
-             "Ray, nearest, overlap, contacts: where things are at the present step",
+             "Ray, nearest, overlap and contact queries at the present step",
              [&app](const Request& r) { return query(app, r); });
 }
 

@@ -77,8 +77,8 @@ Response page(const App& app, const Request& request) {
   const uint64_t limit = query_integer(request, "limit", 100, 1, 1000);
   const std::string_view after = request.query_value("page_token").value_or("");
   if (!after.empty() && !is_recording_id(after))
-    throw Error("bad_request", "a page_token is what the page before gave",
-                {{"?page_token", "wrong_type", "this is no page_token", "", "a recording's id", "", ""}});
+    throw Error("bad_request", "a page_token must come from the previous page",
+                {{"?page_token", "wrong_type", "not a valid page_token", "", "a recording's id", "", ""}});
   json::array list;
   const auto all = app.recordings.list(after, limit, request.caller);
   for (const RecordingFacts& f : all) list.push_back(describe(f));
@@ -106,12 +106,12 @@ void add_recording_routes(net::Router& router, App& app) {
   const std::string path = "/v1/sessions/{id}/recording", one = "/v1/recordings/{rid}";
   router.add(Method::get, path, "The newest recording as HDF5 (H5MD and VTKHDF); 409 while it is written",
              [&app](const Request& r) { return session_recording(app, r); });
-  router.add(Method::post, path + "/finish", "Completes the recording, so that it can be downloaded",
+  router.add(Method::post, path + "/finish", "Completes the recording for download",
              [&app](const Request& r) { return finish(app, r); });
   router.add(Method::get, "/v1/recordings",
-             "Recordings in the order of their ids, page by page, also of sessions that are gone",
+             "Recordings in the order of their ids, page by page, including those of ended sessions",
              [&app](const Request& r) { return page(app, r); });
-  router.add(Method::get, one, "One recording: whose it is, its state, frames and bytes",
+  router.add(Method::get, one, "One recording: its session, state, frames and bytes",
              [&app](const Request& r) { return json_response(describe(recording_of(app, r))); });
   router.add(Method::get, one + "/file", "The recording as HDF5; 409 while it is written",
              [&app](const Request& r) { return file_of(app, r, recording_of(app, r)); });

@@ -49,13 +49,13 @@ std::string metrics_text(App& app) {
   gauge("truestep_state_bytes", "bytes of all states", static_cast<double>(state));
   gauge("truestep_session_overhead_bytes", "bytes of histories, series and journals",
         static_cast<double>(overhead));
-  gauge("truestep_memory_leased_bytes", "bytes of memory that are spoken for", app.memory.used());
-  gauge("truestep_memory_limit_bytes", "bytes of memory that may be", app.memory.limit());
+  gauge("truestep_memory_leased_bytes", "bytes of memory that are reserved", app.memory.used());
+  gauge("truestep_memory_limit_bytes", "bytes of memory that may be reserved", app.memory.limit());
   counter("truestep_steps_total", "steps done", static_cast<double>(app.runner.steps_done()));
   gauge("truestep_frames_built", "frames built by the sessions that exist", static_cast<double>(frames));
   counter("truestep_stream_frames_total", "frames sent to streams",
           static_cast<double>(app.stream_stats.frames));
-  counter("truestep_stream_dropped_total", "frames that streams could not take",
+  counter("truestep_stream_dropped_total", "frames dropped by streams",
           static_cast<double>(app.stream_stats.dropped));
   counter("truestep_stream_bytes_total", "bytes of frames sent to streams",
           static_cast<double>(app.stream_stats.bytes));
@@ -74,7 +74,7 @@ std::string metrics_text(App& app) {
 
 Response asset(const Request& request) {
   const Asset* a = find_asset(request.raw_path);
-  if (!a) throw Error("not_found", "nothing is here; GET /docs lists what there is");
+  if (!a) throw Error("not_found", "there is no such path; GET /docs lists all paths");
   const bool gzip = !a->gzip.empty() && request.header_has_token("accept-encoding", "gzip");
   Response r = Response::text(std::string(gzip ? a->gzip : a->bytes), std::string(a->mime));
   r.etag = gzip ? a->gzip_etag : a->etag;
@@ -97,7 +97,7 @@ void add_service_routes(net::Router& router, App& app) {
   static const auto kHealthy = std::make_shared<const std::string>("{\"status\":\"ok\"}");
   open(router.add(Method::get, "/healthz", "The process answers",
                   [](const Request&) { return Response::shared(kHealthy, "application/json"); }));
-  open(router.add(Method::get, "/readyz", "New sessions are welcome", [&app](const Request&) {
+  open(router.add(Method::get, "/readyz", "New sessions are accepted", [&app](const Request&) {
     if (app.server && app.server->draining()) throw Error("draining", "the service is shutting down");
     if (app.repairing) throw Error("starting", "recordings of an earlier run are being repaired");
     return Response::shared(kHealthy, "application/json");

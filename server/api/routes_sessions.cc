@@ -29,7 +29,7 @@ json::value scene_document(json::value body) {
   std::vector<Issue> issues;
   for (const auto& [key, value] : o) {
     if (key != "gallery")
-      issues.push_back({"/" + std::string(key), "unknown_key", "beside \"gallery\" nothing else is read", "",
+      issues.push_back({"/" + std::string(key), "unknown_key", "\"gallery\" takes no other members", "",
                         "gallery", "", ""});
   }
   const GalleryScene* g =
@@ -209,7 +209,7 @@ void add_session_routes(net::Router& router, App& app) {
              [&app](const Request& r) {
                const std::string id(r.param("id"));
                if (!is_session_id(id))
-                 throw Error("bad_request", "a session id is a UUID in lower-case hexadecimal digits");
+                 throw Error("bad_request", "a session id must be a UUID in lower-case hexadecimal digits");
                return create(app, r, id, "");
              });
   router.add(Method::get, "/v1/sessions", "Sessions in the order of their ids, page by page",
@@ -218,8 +218,8 @@ void add_session_routes(net::Router& router, App& app) {
                const std::string_view after = r.query_value("page_token").value_or("");
                if (!after.empty() && !is_session_id(after))
                  throw Error(
-                     "bad_request", "a page_token is what the page before gave",
-                     {{"?page_token", "wrong_type", "this is no page_token", "", "a session's id", "", ""}});
+                     "bad_request", "a page_token must come from the previous page",
+                     {{"?page_token", "wrong_type", "not a valid page_token", "", "a session's id", "", ""}});
                json::array list;
                const auto ids = app.store.list(after, limit, r.caller);
                for (const std::string& id : ids)
@@ -228,7 +228,8 @@ void add_session_routes(net::Router& router, App& app) {
                if (ids.size() == limit) o["next_page_token"] = ids.back();
                return json_response(o);
              });
-  router.add(Method::get, session, "One session: clock, status, systems, links; or how far its making is",
+  router.add(Method::get, session,
+             "One session: clock, status, systems, links; or the progress of its creation",
              [&app](const Request& r) { return describe(app, r); });
   router.add(Method::delete_, session, "Ends a session; its recordings are completed and stay",
              [&app](const Request& r) { return end(app, r); });
@@ -236,14 +237,14 @@ void add_session_routes(net::Router& router, App& app) {
              "Push, impulse, drag, release, pin, unpin, set_parameter, spawn, remove",
              [&app](const Request& r) { return command(app, r); });
   router.add(Method::get, session + "/scene",
-             "The scene as it runs, with every default, in SI: what POST /v1/sessions and studies take",
+             "The scene as it runs, with every default, in SI: as POST /v1/sessions and studies take it",
              [&app](const Request& r) {
                return with_session(app, r, [](SessionEntry& e) {
                  return json_response(e.session.world().scene().canonical());
                });
              });
   router.add(Method::get, session + "/plan",
-             "Passes of a step with their share of time (of the steps since the first request for it), and "
+             "Stages of a step with their share of time (of the steps since the first such request), and "
              "what was skipped and why",
              [&app](const Request& r) {
                return with_session(app, r, [](SessionEntry& e) {

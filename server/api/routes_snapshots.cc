@@ -120,7 +120,7 @@ void add_snapshot_routes(net::Router& router, App& app) {
   const std::string session = "/v1/sessions/{id}";
   router.add(Method::post, session + "/branch", "A new session that continues from this one's state",
              [&app](const Request& r) { return branch(app, r); });
-  router.add(Method::get, session + "/snapshots", "Snapshots that were taken", [&app](const Request& r) {
+  router.add(Method::get, session + "/snapshots", "The session's snapshots", [&app](const Request& r) {
     return with_session(app, r, [](SessionEntry& e) {
       json::array list;
       for (const auto& [sid, snapshot] : e.snapshots)
@@ -132,7 +132,7 @@ void add_snapshot_routes(net::Router& router, App& app) {
   });
   router
       .add(Method::post, session + "/snapshots",
-           "Takes a snapshot of the present state, or keeps the one that the body holds",
+           "Takes a snapshot of the present state, or stores the one in the body",
            [&app](const Request& r) { return keep_snapshot(app, r); })
       .max_body = kMostUploaded;
   router.add(Method::get, session + "/snapshots/{sid}", "A snapshot as a file, for this or another server",
@@ -148,7 +148,7 @@ void add_snapshot_routes(net::Router& router, App& app) {
   router.add(Method::post, session + "/snapshots/{sid}/restore", "Continues from a snapshot",
              [&app](const Request& r) { return restore(app, r); });
   router.add(Method::get, session + "/bundle",
-             "Scene, journal, start and hashes as a file that `truestep replay` repeats",
+             "Scene, journal, start and hashes as a file for `truestep replay`",
              [&app](const Request& r) -> asio::awaitable<Response> {
                auto give = [](SessionEntry& e) {
                  return binary(write_bundle(bundle_of(e.session)), e.id + ".bundle");

@@ -101,7 +101,7 @@ Response cut_short(const App& app, const Request& request, const SessionEntry& e
   if (e.removed) return net::problem(request, "unknown_session", "the session has been deleted");
   return net::problem(
       request, "interrupted",
-      "pause, reset or restore came before the end, at step " + std::to_string(e.session.step_index()), {},
+      "interrupted by pause, reset or restore at step " + std::to_string(e.session.step_index()), {},
       json::object{{"step", e.session.step_index()}, {"time", e.session.time()}});
 }
 

@@ -132,7 +132,7 @@ int systems(const Options& options) {
                 << ", order " << m.at("order").as_int64() << '\n';
     }
     for (const std::string_view own : row->own_integrators)
-      std::cout << "  " << own << ": of this system alone\n";
+      std::cout << "  " << own << ": of this system only\n";
   }
   print_outputs(*row->outputs);
   std::cout << "\nguarantees\n";
@@ -172,7 +172,7 @@ void add_describe_commands(CLI::App& app, int& exit_code) {
     c->callback([options, run, &exit_code] { exit_code = run(*options); });
     return c;
   };
-  add("validate", "all errors and warnings of a scene, its plan and its cost", validate)
+  add("validate", "errors and warnings of a scene, its plan and its cost", validate)
       ->add_option("scene", options->name, "scene file, gallery name, or - for standard input")
       ->required();
   add("systems", "the kinds of systems, or one kind with its parameters", systems)

@@ -60,8 +60,8 @@ void add_motion_command(CLI::App& app, int& exit_code) {
   CLI::App* c = app.add_subcommand("motion", "a skeleton or blended shapes of a scene as a BVH or glTF file");
   c->add_option("scene", options->scene, "scene file, gallery name, or - for standard input")->required();
   c->add_option("-o,--output", options->output, "file to write (.bvh, .gltf, .glb)")->required();
-  c->add_option("--system", options->system, "which (default: the first that has joints or shapes)");
-  c->add_option("--rate", options->rate, "frames a second of the scene's time")
+  c->add_option("--system", options->system, "which system (default: the first with joints or shapes)");
+  c->add_option("--rate", options->rate, "frames per second of the scene's time")
       ->check(CLI::Range(0.01, 10'000.0));
   c->add_option("--seconds", options->seconds, "simulated seconds (default: the scene's duration)")
       ->check(CLI::Range(0.0, 1e6));

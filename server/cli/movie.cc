@@ -104,7 +104,7 @@ class Film final : public PictureFiles {
       if (n < 0 && errno == EINTR) continue;
       if (n <= 0) {
         finish();  // throws with the reason why ffmpeg ended
-        throw Error("write_failed", "ffmpeg took no more pictures for " + path_);
+        throw Error("write_failed", "ffmpeg accepted no pictures for " + path_);
       }
       done += static_cast<size_t>(n);
     }

@@ -34,17 +34,16 @@ std::optional<std::vector<T>> numbers(const std::string& text, size_t count, cha
 
 void add_picture_options(CLI::App& command, PictureOptions& options) {
   command.add_option("--size", options.size, "width and height of a picture in pixels (default: 1280x720)");
-  auto* camera =
-      command.add_option("--camera", options.camera,
-                         "where the camera stands and looks, m: x,y,z,x,y,z (default: the scene's, else "
-                         "one that sees everything)");
-  command.add_option("--view", options.view, "the side from which a camera sees everything")
+  auto* camera = command.add_option("--camera", options.camera,
+                                    "position and target of the camera, m: x,y,z,x,y,z (default: the "
+                                    "scene's, else one that shows everything)");
+  command.add_option("--view", options.view, "side from which the camera shows everything")
       ->check(CLI::IsMember({"oblique", "front", "side", "top"}))
       ->excludes(camera);
-  command.add_option("--show", options.show, "what is shown over bodies: one, or both as contacts,joints")
+  command.add_option("--show", options.show, "marks drawn over bodies: one, or both as contacts,joints")
       ->check(CLI::IsMember({"contacts", "joints", "contacts,joints"})
                   .description("{contacts | joints | contacts,joints}"));
-  command.add_option("--theme", options.theme, "the picture's paper (default: light)")
+  command.add_option("--theme", options.theme, "background of the picture (default: light)")
       ->check(CLI::IsMember({"light", "dark"}));
 }
 
@@ -76,8 +75,7 @@ void aim(const PictureOptions& options, DrawList& list) {
     if (!v) {
       throw Error("bad_request",
                   "--camera " + options.camera +
-                      ": a camera is six numbers, where it stands and what it looks at, such as "
-                      "3,2,4,0,1,0");
+                      ": a camera is six numbers, its position and its target, such as 3,2,4,0,1,0");
     }
     list.camera = DrawCamera{{(*v)[0], (*v)[1], (*v)[2]}, {(*v)[3], (*v)[4], (*v)[5]}, std::nullopt, 40};
   }

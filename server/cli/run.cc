@@ -184,7 +184,7 @@ int run(const RunOptions& options) {
     for (const SessionWarning& w : session.warnings())
       std::cerr << "warning: system \"" << w.system << "\": " << w.warning.detail << '\n';
     if (interrupted())
-      std::cerr << "interrupted at step " << session.step_index() << "; what was asked for is written\n";
+      std::cerr << "interrupted at step " << session.step_index() << "; the requested files are written\n";
     if (failure) {
       std::cerr << "unstable: " << failure->detail << '\n';
     }
@@ -199,7 +199,7 @@ int run(const RunOptions& options) {
 
 void add_run_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<RunOptions>();
-  CLI::App* c = app.add_subcommand("run", "simulates a scene and says what came out");
+  CLI::App* c = app.add_subcommand("run", "simulates a scene and reports the results");
   c->add_option("scene", options->scene, "scene file, gallery name, or - for standard input")->required();
   auto* seconds =
       c->add_option("--seconds", options->seconds, "simulated seconds (default: the scene's duration)")

@@ -61,7 +61,7 @@ SeriesCsv::Choice choose_observables(const World& world, const std::vector<std::
   for (const std::string& e : entries) {
     if (auto fault = unknown_observable(e, "--observe", known)) issues.push_back(std::move(*fault));
   }
-  if (!issues.empty()) throw Error("bad_request", "nothing is observed by this name", std::move(issues));
+  if (!issues.empty()) throw Error("bad_request", "no observable has this name", std::move(issues));
   const auto& wanted = entries.empty() ? world.scene().header.observables : entries;
   SeriesCsv::Choice out;
   for (const Observation& o : known) {

@@ -52,8 +52,10 @@ bool is_loopback(const std::string& host) {
 
 AppOptions app_options(const ServeOptions& o) {
   if (!is_loopback(o.host) && o.key_file.empty() && !o.insecure) {
-    throw Error("bad_request",
-                "binding " + o.host + " lets others in: give --api-key-file, or --insecure if that is meant");
+    throw Error(
+        "bad_request",
+        "binding " + o.host +
+            " is reachable by other machines: give --api-key-file, or --insecure if that is intended");
   }
   AppOptions a;
   a.net.host = o.host;
@@ -119,7 +121,7 @@ class LastResort {
       : thread_([this, end = std::chrono::steady_clock::now() + patience] {
           std::unique_lock lock(mutex_);
           if (over_.wait_until(lock, end, [this] { return ended_; })) return;
-          spdlog::warn("work that goes on is given up");
+          spdlog::warn("work still running is abandoned");
           std::_Exit(kExitOk);
         }) {}
   ~LastResort() {
@@ -246,13 +248,13 @@ void add_serve_command(CLI::App& app, int& exit_code) {
   c->add_option("--host", o->host, "address to listen on")->capture_default_str();
   c->add_option("--port", o->port, "port; 0: any free one")->capture_default_str();
   c->add_option("--data-dir", o->data_dir,
-                "where sessions and recordings are kept (default: ~/.local/share/truestep)");
+                "folder of sessions and recordings (default: ~/.local/share/truestep)");
   c->add_option("--api-key-file", o->key_file,
-                "keys that clients must present, a line each: NAME KEY [admin]");
+                "keys that clients must present, one per line: NAME KEY [admin]");
   c->add_flag("--insecure", o->insecure,
-              "serve other machines without keys (the Host header is checked all the same)");
-  c->add_option("--allow-host", o->hosts, "further names that clients may call this server by");
-  c->add_option("--allow-origin", o->origins, "further origins of browsers");
+              "serve other machines without keys (the Host header is still checked)");
+  c->add_option("--allow-host", o->hosts, "further host names of this server");
+  c->add_option("--allow-origin", o->origins, "further allowed origins of browsers");
   c->add_option("--threads", o->threads, "threads that advance sessions (default: all)")
       ->check(CLI::Range(1, 1024));
   c->add_option("--max-memory", o->max_memory_mb, "megabytes of all sessions together")
@@ -262,16 +264,16 @@ void add_serve_command(CLI::App& app, int& exit_code) {
                 "KiB of a message that a stream's client sends; a longer one closes the stream with 1009")
       ->check(CLI::Range(1, 1 << 20))
       ->capture_default_str();
-  c->add_option("--max-sessions", o->max_sessions, "sessions at once")
+  c->add_option("--max-sessions", o->max_sessions, "most sessions at once")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   c->add_option("--session-ttl", o->session_ttl,
-                "seconds after which an unused session is put away on disk, or removed when it is not kept")
+                "seconds after which an unused session is saved to disk, or removed if sessions are not kept")
       ->check(CLI::Range(1, 1000000000))
       ->capture_default_str();
   c->add_option("--pause-unwatched", o->pause_unwatched,
-                "how long a session plays on when its last viewer has left (10s, 5m), or forever; scenes and "
-                "requests with \"keep_running\" play on")
+                "how long a session keeps playing when its last viewer has left (10s, 5m), or forever; with "
+                "\"keep_running\" it always does")
       ->capture_default_str();
   c->add_option("--keep-sessions", o->keep_sessions,
                 "how long an unused session stays on disk: 7d, 12h, 30m, 90s, forever; 0: sessions end with "
@@ -293,7 +295,7 @@ void add_serve_command(CLI::App& app, int& exit_code) {
   c->callback([o, &exit_code] { exit_code = serve(*o); });
 
   auto url = std::make_shared<std::string>("http://127.0.0.1:8080");
-  CLI::App* h = app.add_subcommand("health", "asks a running server whether it is well");
+  CLI::App* h = app.add_subcommand("health", "checks that a running server is healthy");
   h->add_option("url", *url, "address of the server")->capture_default_str();
   h->callback([url, &exit_code] { exit_code = health(*url); });
 }

@@ -172,7 +172,7 @@ void add_study_command(CLI::App& app, int& exit_code) {
   c->add_option("--set", options->set,
                 "a parameter of the study, e.g. --set integrators='[\"rk4\"]' --set horizon=2");
   c->add_option("--refine", options->refine,
-                "convergence and work-precision: what is made finer, time, space or both")
+                "convergence and work-precision: what is refined, time, space or both")
       ->check(CLI::IsMember(refine_names()));
   c->add_option("--threads", options->threads, "threads of a sweep (default: all)")
       ->check(CLI::Range(1, 1024));

@@ -288,7 +288,7 @@ asio::awaitable<Response> Connection::wait_for(const Route& route) {
   } catch (const std::exception& e) {
     if (service_.draining) co_return problem(request_, "draining", "the service is shutting down");
     // Nobody would read it.
-    if (gone_) co_return problem(request_, "request_timeout", "the client has left");
+    if (gone_) co_return problem(request_, "request_timeout", "the client disconnected");
     co_return problem(request_, e);
   }
 }
@@ -323,7 +323,7 @@ void Connection::refuse(int status, std::string_view reason) {
 // On success upgrade_ is set.
 asio::awaitable<Response> Connection::open_websocket(const Route& route) {
   if (!request_.body.empty() || buffer_.size() > 0)
-    co_return problem(request_, "bad_request", "nothing may follow a handshake before its answer");
+    co_return problem(request_, "bad_request", "nothing may be sent after a handshake before its answer");
   if (auto refused = check_handshake(request_, route, subprotocol_)) co_return std::move(*refused);
   try {
     if (route.check) route.check(request_);

@@ -56,7 +56,7 @@ std::optional<Response> Guard::check_source(const Request& request) const {
   const std::string_view host = request.header("host");
   if (!(host.empty() && request.http10) && !host_allowed(host)) {
     return problem(request, "misdirected",
-                   "the Host header names a host that is not served here; --allow-host adds names");
+                   "the Host header names a host that this server does not serve; --allow-host adds names");
   }
   for (const Field& f : request.headers) {
     if (f.name.size() == 6 && iequals(f.name, "origin") && !origin_allowed(f.value, host)) {

@@ -45,7 +45,7 @@ std::optional<Response> check_handshake(const Request& request, const Route& rou
     issue.allowed += (issue.allowed.empty() ? "" : ", ") + supported;
   }
   issue.code = "unknown_subprotocol";
-  issue.message = "none of the offered subprotocols is spoken here";
+  issue.message = "none of the offered subprotocols is supported";
   return problem(request, "bad_request", "supported subprotocols: " + issue.allowed, {&issue, 1});
 }
 

@@ -153,7 +153,7 @@ void RequestParser::refuse(error_code ec, std::string_view rest) {
   } else if (ec == http::error::body_limit) {
     refuse(413, "the body is larger than " + std::to_string(body_limit_) + " bytes");
   } else if (ec == http::error::bad_version && asks_other_version(rest)) {
-    refuse(505, "only HTTP/1.1 and HTTP/1.0 are spoken here");
+    refuse(505, "only HTTP/1.1 and HTTP/1.0 are supported");
   } else {
     refuse(400, "the request is malformed: " + ec.message());
   }
@@ -167,7 +167,7 @@ void RequestParser::check_field(Name name, std::string_view value) {
       has_host_ = true;
       break;
     case Name::expect:
-      if (!iequals(value, "100-continue")) refuse(417, "only 100-continue can be expected");
+      if (!iequals(value, "100-continue")) refuse(417, "the only supported expectation is 100-continue");
       expects_continue_ = !request_.http10;
       break;
     case Name::content_length:
@@ -177,7 +177,7 @@ void RequestParser::check_field(Name name, std::string_view value) {
       break;
     case Name::transfer_encoding:
       if (request_.http10) refuse(400, "Transfer-Encoding in HTTP/1.0");
-      if (!iequals(value, "chunked")) refuse(501, "only the chunked transfer coding is understood");
+      if (!iequals(value, "chunked")) refuse(501, "only the chunked transfer coding is supported");
       break;
     default:
       break;

@@ -32,7 +32,7 @@ OperationPtr OperationStore::start(StudyRequest request, const std::string& requ
   if (!resume.empty()) {
     const OperationPtr before = find(resume, owner);
     if (before->request_text != request_text)
-      throw Error("conflict", "the operation to resume had another request");
+      throw Error("conflict", "the operation to resume was started by a different request");
     earlier = before->rows();
   }
   auto operation = std::make_shared<Operation>(random_session_id(), std::move(request), request_text);

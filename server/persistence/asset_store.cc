@@ -25,7 +25,7 @@ Error no_asset() {
 
 // Bytes that are not JSON are a file that scenes can use, or a text.
 void require_readable(std::string_view bytes) {
-  if (bytes.empty()) throw Error("bad_request", "an asset has a byte or more");
+  if (bytes.empty()) throw Error("bad_request", "an asset must have at least one byte");
   try {
     file_value(bytes, FileUse::automatic, 1);
   } catch (const FileFault& fault) {
@@ -53,7 +53,7 @@ fs::path AssetStore::path_of(const std::string& sha256, Kind kind) const {
 }
 
 bool AssetStore::put(const std::string& sha256, std::string_view bytes, Kind kind) {
-  if (folder_.empty()) throw Error("not_found", "this server has no data folder to keep assets in");
+  if (folder_.empty()) throw Error("not_found", "this server has no data folder for assets");
   const std::string actual = net::sha256_hex(bytes);
   if (actual != sha256) {
     throw Error("invalid", "the body has another SHA-256",
@@ -70,9 +70,9 @@ bool AssetStore::put(const std::string& sha256, std::string_view bytes, Kind kin
   if (fs::exists(path)) return false;
   std::error_code failed;
   fs::create_directories(folder_, failed);
-  if (failed) throw Error("folder_io", "the assets' folder cannot be made: " + failed.message());
+  if (failed) throw Error("folder_io", "the assets' folder cannot be created: " + failed.message());
   if (folder_bytes(folder_) + static_cast<double>(bytes.size()) > most_bytes_)
-    throw Error("quota_exceeded", "this server keeps no more assets: DELETE /v1/assets/{sha256} some");
+    throw Error("quota_exceeded", "this server has no room for more assets: DELETE /v1/assets/{sha256} some");
   write_file(path, bytes_of(bytes), Durability::process);
   return true;
 }
@@ -100,8 +100,8 @@ void AssetStore::resolve(json::value& document) const {
   resolve_files(document, "asset", [this](const std::string& hash) { return get(hash).bytes; });
   resolve_files(document, "path", [](const std::string&) -> std::string {
     throw Error("not_found",
-                "paths are for scene files of the command line: PUT the file to /v1/assets/{sha256} and "
-                "say {\"asset\": sha256}");
+                "paths work only in scene files of the command line: PUT the file to /v1/assets/{sha256} and "
+                "give {\"asset\": sha256}");
   });
 }
 

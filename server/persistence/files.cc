@@ -125,7 +125,7 @@ Bytes read_file(const fs::path& path, size_t most) {
   struct stat about {};
   if (::fstat(file.get(), &about) != 0) throw_file_error("read " + path.filename().string(), errno);
   if (!S_ISREG(about.st_mode) || static_cast<uint64_t>(about.st_size) > most)
-    throw Error("session_damaged", path.filename().string() + " is no file, or too long for what it is");
+    throw Error("session_damaged", path.filename().string() + " is not a file, or is too long");
   return read_from(file.get(), static_cast<size_t>(about.st_size), path);
 }
 

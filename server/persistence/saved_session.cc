@@ -90,7 +90,7 @@ SavedSession read_saved_session(const SessionFolder& folder, std::optional<uint6
   const std::vector<Log> logs = read_logs(folder, there.logs);
   if (!there.states.empty()) out.next_number = there.states.rbegin()->first + 1;
   if (!logs.empty()) out.next_number = std::max(out.next_number, logs.back().number + 1);
-  std::string why = "no state of it is left";
+  std::string why = "no usable state is left";
   for (const Candidate& c : candidates(there, logs, recorded)) {
     try {
       SavedState state;

@@ -46,7 +46,7 @@ SavedState read_saved_state(std::span<const std::byte> file) {
     state.ahead.push_back({step, sequence, command_of(in.text())});
   }
   state.last_sequence = in.number();
-  if (!in.done()) in.fail("bytes follow its end");
+  if (!in.done()) in.fail("unexpected bytes follow its end");
   return state;
 }
 

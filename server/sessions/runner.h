@@ -156,7 +156,7 @@ template <class F>
 boost::asio::awaitable<std::invoke_result_t<F>> Runner::draw(F f) {
   if (pictures_.fetch_add(1) >= kMostPictures) {
     --pictures_;
-    throw Error("quota_exceeded", "too many pictures are being drawn; ask again");
+    throw Error("quota_exceeded", "too many pictures are being drawn; try again");
   }
   const auto start = [this](const std::function<void()>& run) {
     boost::asio::post(picture_thread_, [this, run] {

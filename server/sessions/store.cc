@@ -29,7 +29,7 @@ SessionStore::SessionStore(StoreLimits limits, MemoryBudget& budget, SessionArch
 void SessionStore::check_room() const {
   if (entries_.size() + creations_.size() < limits_.max_sessions) return;
   throw Error("quota_exceeded",
-              "this server holds its most of " + std::to_string(limits_.max_sessions) + " sessions");
+              "this server has reached its limit of " + std::to_string(limits_.max_sessions) + " sessions");
 }
 
 SessionStore::Begun SessionStore::begin(const std::string& id, const json::value& document,
@@ -227,7 +227,7 @@ EntryPtr SessionStore::find(std::string_view id, const net::Caller& caller) {
   }
   const auto gone = expired_.find(id);
   if (gone != expired_.end() && caller.may_see(gone->second))
-    throw Error("session_expired", "this session was removed because nobody used it");
+    throw Error("session_expired", "this session was removed because it was unused");
   throw unknown_session();
 }
 

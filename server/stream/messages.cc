@@ -233,7 +233,7 @@ v1::ClientMessage client_message_from_wire(std::string_view payload, WireForm fo
   v1::ClientMessage m;
   if (form == WireForm::protobuf) {
     if (!m.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
-      throw Error("bad_request", "the message is no truestep.v1.ClientMessage");
+      throw Error("bad_request", "the message is not a truestep.v1.ClientMessage");
     }
     return m;
   }

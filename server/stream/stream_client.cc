@@ -77,7 +77,8 @@ void StreamClient::on_message(net::MessageKind kind, std::string_view payload) {
   if (binary != (form_ == WireForm::protobuf)) {
     send(problem_message(
         "bad_request",
-        binary ? "this subprotocol takes text messages" : "this subprotocol takes binary messages", "", ""));
+        binary ? "this subprotocol takes only text messages" : "this subprotocol takes only binary messages",
+        "", ""));
     return;
   }
   v1::ClientMessage message;
@@ -167,9 +168,9 @@ void StreamClient::command(const v1::ClientMessage& message) {
 
 void StreamClient::subscribe(const v1::Subscribe& wish) {
   if (wish.encoding() < v1::F32 || wish.encoding() > v1::QUAT32)
-    throw Error("bad_request", "encoding is one of F32, F64, Q16, Q16_DELTA and QUAT32");
+    throw Error("bad_request", "encoding must be one of F32, F64, Q16, Q16_DELTA and QUAT32");
   if (!(wish.rate() >= 0) || wish.rate() > 10000)
-    throw Error("bad_request", "rate is a number of frames a second from 0 to 10000");
+    throw Error("bad_request", "rate must be from 0 to 10000 frames per second");
   fields_ =
       wire_fields(entry_->session.world(), {wish.fields().begin(), wish.fields().end()},
                   {wish.systems().begin(), wish.systems().end()}, static_cast<WireEncoding>(wish.encoding()));
@@ -220,7 +221,7 @@ void StreamClient::control(const v1::Control& control) {
     session.pause();
     runner_.interrupt(*entry_);
   } else if (action == "step" || action == "seek") {
-    if (!(value >= 0) || value > 1e15) throw Error("bad_request", action + " takes a number from 0 to 1e15");
+    if (!(value >= 0) || value > 1e15) throw Error("bad_request", action + " needs a number from 0 to 1e15");
     const auto n = static_cast<uint64_t>(value);
     if (action == "seek") {
       // The latest request wins: dragging a slider sends many a second.
@@ -231,7 +232,7 @@ void StreamClient::control(const v1::Control& control) {
           [n](SessionEntry& e) { return e.session.step_index() + std::max<uint64_t>(1, n); });
     }
   } else {
-    throw Error("bad_request", "unknown action; there are: play, pause, step, seek, speed, reset");
+    throw Error("bad_request", "unknown action; use play, pause, step, seek, speed or reset");
   }
   entry_->publish();
 }

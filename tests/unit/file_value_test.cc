@@ -52,12 +52,12 @@ TEST(FileValue, SaysWhyItIsNone) {
   };
   EXPECT_EQ(fault(kObj + "f 1 2 4", FileUse::automatic),
             "line 6: a face has vertex 4, and 3 vertices come before it");
-  EXPECT_EQ(fault("v 0 0 0", FileUse::automatic), "the file has vertices and no triangles");
+  EXPECT_EQ(fault("v 0 0 0", FileUse::automatic), "the file has vertices but no triangles");
   EXPECT_EQ(fault("v 0 0 0", FileUse::vertices), "");
   EXPECT_EQ(fault(kObj, FileUse::cells), "only MSH files have elements: fill the surface of this one");
-  EXPECT_EQ(fault("{}", FileUse::surface), "the file is no mesh: OBJ, STL, PLY and MSH are");
+  EXPECT_EQ(fault("{}", FileUse::surface), "the file is not a mesh: use OBJ, STL, PLY or MSH");
   EXPECT_EQ(fault("hello", FileUse::automatic).substr(0, 36), "the file is none of JSON, OBJ, STL, ");
-  EXPECT_EQ(fault("h\xff", FileUse::text), "byte 2: a text is valid UTF-8, and this file is not");
+  EXPECT_EQ(fault("h\xff", FileUse::text), "byte 2: a text must be valid UTF-8");
 }
 
 TEST(FileReferences, NoPathLeadsOutOfTheFolder) {
@@ -81,7 +81,7 @@ TEST(FileReferences, NoPathLeadsOutOfTheFolder) {
   EXPECT_EQ(issue("meshes/a.obj"), "");
   EXPECT_EQ(issue("meshes/b.obj"), "there is no such file");
   EXPECT_EQ(issue("meshes"), "there is no such file");
-  const std::string out = "a path leads to a file in the scene file's folder or below it";
+  const std::string out = "a path must lead to a file in the scene file's folder or below it";
   for (const std::string& name : {std::string("../secret.obj"), std::string("meshes/../../secret.obj"),
                                   (root / "secret.obj").string(), std::string("link.obj"), std::string()}) {
     EXPECT_EQ(issue(name), out) << name;

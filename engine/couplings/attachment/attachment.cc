@@ -24,7 +24,7 @@ uint64_t named_point(int64_t index, const CouplingSide& side, const PointPort& c
     throw Error(
         "scene_invalid", why,
         {{pointer, "out_of_range", why, std::to_string(index),
-          n > 0 ? std::to_string(-n) + " to " + std::to_string(n - 1) : "no point is there", "", ""}});
+          n > 0 ? std::to_string(-n) + " to " + std::to_string(n - 1) : "there is no such point", "", ""}});
   }
   return points.ids.empty() ? static_cast<uint64_t>(row) : points.ids[static_cast<size_t>(row)];
 }
@@ -227,14 +227,13 @@ std::vector<PlanRow> Attachment::plan() const {
   using enum PlanRow::Status;
   const std::string count = std::to_string(pairs_.size()) + (pairs_.size() == 1 ? " pair" : " pairs");
   if (def_.link == AttachmentDef::Link::rigid) {
-    const char* together = answered_.any() ? ", solved for with all that is tied to them" : "";
+    const char* together = answered_.any() ? ", solved together with everything attached to them" : "";
     return {{runs, pass(), count + " of points at a fixed distance" + together},
             {skipped, "damping", "rigid links have none"}};
   }
   std::vector<PlanRow> rows{{runs, pass(),
-                             count +
-                                 " of points, a kick at both ends of the substep; stiff ones solved for with "
-                                 "all that is tied to them"}};
+                             count + " of points, a kick at both ends of the substep; stiff ones solved "
+                                     "together with everything attached to them"}};
   if (def_.damping > 0) {
     rows.push_back({runs, "damping", "along the pairs"});
   } else {
@@ -248,14 +247,14 @@ std::unique_ptr<const Coupling> build_attachment(const void* def, const Coupling
   const bool a = context.a.system.ports().bodies.has_value(), b = context.b.system.ports().bodies.has_value();
   if (a != b) return BodyAttachment::make(d, context);
   if (a) {
-    const std::string why = "bodies of two systems are not attached to each other";
+    const std::string why = "bodies of two systems cannot be attached to each other";
     throw Error("scene_invalid", why,
                 {{"/b", "unsuitable_system", why, '"' + context.b.id + '"',
-                  "a system of points (mass_spring, particles) on one side; joints hold bodies of one system",
+                  "a system of points (mass_spring, particles) on one side; bodies of one system take joints",
                   "", ""}});
   }
   if (!d.places.empty()) {
-    const std::string why = "neither system has bodies that could have places";
+    const std::string why = "places need a system of bodies";
     throw Error("scene_invalid", why,
                 {{"/places", "unsuitable_system", why, "", "places on bodies of rigid3d", "", ""}});
   }

@@ -24,7 +24,7 @@ size_t named_row(int64_t index, size_t rows, const std::string& id, const char* 
   if (row >= 0 && row < n) return static_cast<size_t>(row);
   refuse(pointer, "out_of_range", "\"" + id + "\" has " + std::to_string(n) + " " + noun + " at t = 0",
          std::to_string(index),
-         n > 0 ? std::to_string(-n) + " to " + std::to_string(n - 1) : "nothing is there");
+         n > 0 ? std::to_string(-n) + " to " + std::to_string(n - 1) : "there is no such row");
 }
 
 }  // namespace
@@ -195,14 +195,13 @@ std::vector<PlanRow> BodyAttachment::plan() const {
   using enum PlanRow::Status;
   const std::string count = std::to_string(pairs_.size()) + (pairs_.size() == 1 ? " pair" : " pairs");
   if (rigid()) {
-    const char* together = sides_.together() ? ", solved for with all that is tied to them" : "";
-    return {{runs, pass(), count + " of a point and a place on a body at a fixed distance" + together},
+    const char* together = sides_.together() ? ", solved together with everything attached to them" : "";
+    return {{runs, pass(), count + " of a point and a point of a body at a fixed distance" + together},
             {skipped, "damping", "rigid links have none"}};
   }
-  std::vector<PlanRow> rows{
-      {runs, pass(),
-       count +
-           " of a point and a place on a body, a kick at both ends of the substep; stiff ones solved for"}};
+  std::vector<PlanRow> rows{{runs, pass(),
+                             count + " of a point and a point of a body, a kick at both ends of the substep; "
+                                     "stiff ones solved together"}};
   if (def_.damping > 0) {
     rows.push_back({runs, "damping", "along the pairs"});
   } else {

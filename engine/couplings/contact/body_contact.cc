@@ -87,12 +87,12 @@ std::unique_ptr<const BodyContact> BodyContact::make(const ContactDef& def, cons
   const std::string member = bodies_first ? "b" : "a";
   const PointPort columns = require_points(points, member);
   if (answers_together(points.system)) {
-    const std::string why = "the method of \"" + points.id +
-                            "\" solves for all its points together, and single points then carry no body";
-    throw Error(
-        "scene_invalid", why,
-        {{"/" + member, "unsuitable_system", why, '"' + points.id + '"',
-          "an explicit integrator, or none: the default is then one that bodies can be met with", "", ""}});
+    const std::string why =
+        "the method of \"" + points.id +
+        "\" solves for all its points together, so that single points cannot carry a body";
+    throw Error("scene_invalid", why,
+                {{"/" + member, "unsuitable_system", why, '"' + points.id + '"',
+                  "an explicit integrator, or none: the default then supports contact with bodies", "", ""}});
   }
   std::unique_ptr<BodyContact> out(new BodyContact(def, columns, *on_bodies.bodies));
   out->bodies_first_ = bodies_first;
@@ -259,18 +259,18 @@ std::vector<PlanRow> BodyContact::plan() const {
   using enum PlanRow::Status;
   const size_t hulls = hulls_.start.triangles.size() + hulls_.start.segments.size();
   std::vector<PlanRow> rows{
-      {runs, "remember", "a touch needs the substep's start, and where the systems alone lead"},
+      {runs, "remember", "contacts need the start of the substep and the systems' uncoupled end"},
       {runs, "search", "points of " + points_id_ + " near bodies of " + bodies_id_}};
   if (hulls > 0) {
-    rows.back().reason += ", and bodies' corners near " + std::to_string(hulls) + " triangles and capsules";
+    rows.back().reason += ", and corners of bodies near " + std::to_string(hulls) + " triangles and capsules";
     if (meets_edges_) {
       std::vector<PointEdge> lines;
       find_edges(hulls_.start, lines);
       rows.back().reason += ", edges near " + std::to_string(lines.size()) + " lines";
     }
   }
-  rows.push_back({runs, "contacts", "impulses on both sides until all touches hold"});
-  rows.push_back({runs, "guard", "no point passes a face, whatever other couplings did"});
+  rows.push_back({runs, "contacts", "impulses on both sides until all contacts are satisfied"});
+  rows.push_back({runs, "guard", "keeps points from passing faces, whatever other couplings did"});
   if (def_.friction == 0) rows.push_back({skipped, "friction", "friction is 0"});
   return rows;
 }

@@ -46,7 +46,7 @@ std::unique_ptr<const ContactCoupling> ContactCoupling::make(const ContactDef& d
   std::unique_ptr<ContactCoupling> out(new ContactCoupling(def));
   if (&context.a.system == &context.b.system) {
     if (of_a.balls == PublishedSolids::Balls::none) {
-      refuse("/b", '"' + context.a.id + "\" cannot touch itself: only systems of balls can",
+      refuse("/b", '"' + context.a.id + "\" cannot collide with itself: only systems of balls can",
              "another system");
     }
     out->roles_ = Roles::on_itself;
@@ -63,7 +63,7 @@ std::unique_ptr<const ContactCoupling> ContactCoupling::make(const ContactDef& d
   out->published_ = swapped ? solids_a : solids_b;
   out->reach_ = a.radius + b.radius + kContactSlop;
   if (a.radius + b.radius == 0 && out->published_.start.triangles.empty()) {
-    refuse("/b", "points without radius never meet lines or points without radius",
+    refuse("/b", "points without radius never touch lines or points without radius",
            "a radius (particles) or a thickness (mass_spring) on either side");
   }
   return out;
@@ -179,13 +179,13 @@ std::vector<PlanRow> ContactCoupling::plan() const {
     what += std::string(what.empty() ? "" : ", ") + "a ball around every point";
   }
   std::vector<PlanRow> rows{
-      {runs, "remember", "a touch needs the substep's start, and where the systems alone lead"},
+      {runs, "remember", "contacts need the start of the substep and the systems' uncoupled end"},
       {runs, "search", "points of " + points_id_ + " near the solids of " + solids_id_ + ": " + what},
-      {runs, "contacts", "impulses on both sides, in the order of the touches"}};
+      {runs, "contacts", "impulses on both sides, in the order of the contacts"}};
   if (published_.start.triangles.empty()) {
-    rows.push_back({skipped, "guard", "only triangles can be passed"});
+    rows.push_back({skipped, "guard", "only triangles need it"});
   } else {
-    rows.push_back({runs, "guard", "no point passes a triangle, whatever the impulses did"});
+    rows.push_back({runs, "guard", "keeps points from passing triangles, whatever the impulses did"});
   }
   if (def_.friction == 0) rows.push_back({skipped, "friction", "friction is 0"});
   return rows;
@@ -196,9 +196,9 @@ std::unique_ptr<const Coupling> build_contact(const void* def, const CouplingCon
   if (a && b) {
     refuse("/b",
            "\"" + context.b.id + "\" is a system of bodies as \"" + context.a.id +
-               "\" is, and bodies of two systems do not meet",
-           "a system of points (mass_spring, particles) beside a system of bodies; bodies that shall meet "
-           "belong into one system");
+               "\" is, and bodies of two systems cannot collide",
+           "a system of points (mass_spring, particles) with a system of bodies; bodies that collide belong "
+           "in one system");
   }
   if (a || b) return BodyContact::make(*static_cast<const ContactDef*>(def), context);
   return ContactCoupling::make(*static_cast<const ContactDef*>(def), context);

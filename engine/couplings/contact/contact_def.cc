@@ -11,7 +11,7 @@ const DefTable& contact_table() {
           "balls) or its rigid bodies, which recoil; with itself, a system of particles "
           "collides ball against ball")
           .number("restitution", &D::restitution, "1", between(0, 1),
-                  "share of the normal speed kept by a bounce")
+                  "share of the normal speed kept in a bounce")
           .number("friction", &D::friction, "1", at_least(0), "Coulomb's coefficient")
           .number("rest_speed", &D::rest_speed, "m/s", at_least(0), "slower approaches do not bounce")
           .build();

@@ -97,7 +97,7 @@ std::unique_ptr<const Coupling> build_body_drive(const DriveDef& d, const Coupli
                  bodies.count() == 0 ? "there are none" : "0 to " + std::to_string(bodies.count() - 1));
   }
   if (!can_be_carried(*b.bodies)) {
-    refuse_drive("b", "bodies of \"" + context.b.id + "\" are not moved by paths", '"' + context.b.id + '"',
+    refuse_drive("b", "bodies of \"" + context.b.id + "\" cannot be moved by paths", '"' + context.b.id + '"',
                  "a rigid3d or an articulation");
   }
   if (!bodies.dynamic(row)) {

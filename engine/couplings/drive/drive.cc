@@ -14,33 +14,34 @@ const DefTable& drive_table() {
           .text("control", &D::control, "name of a control of a: sets a number")
           .text("path", &D::path, "name of a path of a: sets a vector, or moves a body")
           .text("vector", &D::vector,
-                "name of a vector of a: sets parameters in their order, one number each, "
-                "three of those that are vectors")
-          .text("turn", &D::turn, "name of a turn of a: turns a body")
-          .text("parameter", &D::parameter, "a parameter of b that set_parameter knows")
-          .texts("parameters", &D::parameters, {0, 1000}, "the same, several, for a vector")
-          .integer("index", &D::index, at_least(0), "row that the parameters belong to, where they have one")
+                "name of a vector of a: sets parameters in their order, one number each, three for a vector "
+                "parameter")
+          .text("turn", &D::turn, "name of a turn of a: rotates a body")
+          .text("parameter", &D::parameter, "a parameter of b that set_parameter can change")
+          .texts("parameters", &D::parameters, {0, 1000}, "several such parameters, for a vector")
+          .integer("index", &D::index, at_least(0), "row that the parameters belong to, if they have one")
           .integer("body", &D::body, at_least(0),
-                   "body of b that path and turn move, from the place that it has at t = 0")
+                   "body of b that path and turn move, from its position at t = 0")
           .check([](const D& d, const DefTable::Report& report) {
             const bool pose = d.body.has_value();
             const int given = !d.control.empty() + !d.path.empty() + !d.vector.empty();
             if (pose) {
-              if (d.path.empty() && d.turn.empty()) report("/body", "a path or a turn moves it, or both");
+              if (d.path.empty() && d.turn.empty()) report("/body", "needs a path, a turn or both");
               if (!d.control.empty() || !d.vector.empty()) {
-                report(d.control.empty() ? "/vector" : "/control", "a path and a turn move a body");
+                report(d.control.empty() ? "/vector" : "/control", "path and turn together need a body");
               }
               if (!d.parameter.empty() || !d.parameters.empty()) {
-                report(d.parameter.empty() ? "/parameters" : "/parameter", "either a body or parameters");
+                report(d.parameter.empty() ? "/parameters" : "/parameter",
+                       "give either a body or parameters");
               }
               return;
             }
-            if (!d.turn.empty()) report("/turn", "turns belong to a body");
-            if (given != 1) report("", "needs a control, a path or a vector, one of them");
+            if (!d.turn.empty()) report("/turn", "a turn needs a body");
+            if (given != 1) report("", "needs exactly one of control, path and vector");
             if (d.parameter.empty() == d.parameters.empty())
               report(d.parameter.empty() ? "/parameter" : "/parameters", "needs parameter or parameters");
             if (!d.parameters.empty() && d.vector.empty())
-              report("/parameters", "several parameters take a vector");
+              report("/parameters", "several parameters need a vector");
           })
           .build();
   return t;
@@ -121,7 +122,7 @@ class Drive final : public Coupling {
         b_.apply(s.b, t.command);
       } catch (const Error& e) {
         throw Instability(t.command.system, t.command.name, -1,
-                          "what drives " + t.command.name + " left what it may be: " + e.what());
+                          "what drives " + t.command.name + " left the allowed range: " + e.what());
       }
     }
   }

@@ -13,11 +13,10 @@ namespace truestep::immersion {
 
 const DefTable& immersion_table() {
   using D = ImmersionDef;
-  static const DefTable t =
-      TableOf<D>("rigid bodies of a float, sink and are carried in b, a medium")
-          .choice("bodies", &D::bodies, {"moving", "all"},
-                  "all: also those that nothing moves; planes and height fields are never in it")
-          .build();
+  static const DefTable t = TableOf<D>("rigid bodies of a float, sink and are carried in b, a medium")
+                                .choice("bodies", &D::bodies, {"moving", "all"},
+                                        "all: also static ones; planes and height fields never are")
+                                .build();
   return t;
 }
 
@@ -129,7 +128,7 @@ class Immersion final : public Coupling {
 
   void observe(const ConstCoupledStates& s, Observables& out) const override { observe_impulses(s.own, out); }
   std::vector<PlanRow> plan() const override {
-    return {{PlanRow::Status::runs, "bodies in the medium", medium_ + " moves them with itself"}};
+    return {{PlanRow::Status::runs, "bodies in the medium", medium_ + " moves them itself"}};
   }
 
  private:
@@ -185,7 +184,8 @@ std::unique_ptr<const Coupling> build_immersion(const void* def, const CouplingC
   const Ports a = context.a.system.ports(), b = context.b.system.ports();
   if (!a.bodies || a.bodies->access())
     refuse("a", context.a.id, "has no rigid bodies in space", "a system of type rigid3d");
-  if (!b.medium) refuse("b", context.b.id, "is no medium that takes bodies", "a system of type sph or mpm");
+  if (!b.medium)
+    refuse("b", context.b.id, "is not a medium that takes bodies", "a system of type sph or mpm");
   if (b.medium->dimension != 3) refuse("b", context.b.id, "is a medium in the plane", "dimension 3");
   const ConstBodies bodies(context.a.state, *a.bodies);
   auto out = std::make_unique<const Immersion>(*static_cast<const ImmersionDef*>(def), *a.bodies,

@@ -17,33 +17,33 @@ const DefTable& ragdoll_table() {
   using D = RagdollDef;
   constexpr Count kBones{0, 10'000};
   static const DefTable t =
-      TableOf<D>("bodies of b that bones of a carry until they are let go, and that then lead a")
+      TableOf<D>("bodies of b that follow bones of a until they are released and then lead a")
           .integers("bones", &D::bones, at_least(0), kBones,
-                    "numbers of bones; absent: as many as bodies, 0 on")
+                    "indices of bones; absent: as many as bodies, from 0")
           .integers("bodies", &D::bodies, at_least(0), kBones,
-                    "numbers of their bodies; absent: as many as bones, 0 on")
-          .number("at", &D::at, "s", at_least(0), "when the bodies are let go")
+                    "indices of their bodies; absent: as many as bones, from 0")
+          .number("at", &D::at, "s", at_least(0), "time when the bodies are released")
           .number("impact", &D::impact, "m/s", above(0),
-                  "a body whose velocity changes by more than this in a substep lets all go")
+                  "change of a body's velocity in a substep above which all are released")
           .integers("impact_bodies", &D::impact_bodies, at_least(0), kBones,
-                    "bodies that feel an impact; absent: all")
+                    "bodies whose impacts count; absent: all")
           .number("back_after", &D::back_after, "s", at_least(0),
                   "how long the bodies lead; absent: for ever")
-          .number("blend", &D::blend, "s", at_least(0), "from there to the skeleton's own motion")
+          .number("blend", &D::blend, "s", at_least(0), "time of the blend back to the skeleton's own motion")
           .number("match_from", &D::match_from, "s", at_least(0),
-                  "first time of the skeleton's motion at which it may go on")
+                  "first time of the skeleton's motion at which it may continue")
           .number("match_to", &D::match_to, "s", at_least(0),
-                  "last such time; absent: the motion goes on as if nothing had happened")
+                  "last such time; absent: the motion continues as if nothing had happened")
           .check([](const D& d, const DefTable::Report& report) {
             if (!d.bones.empty() && !d.bodies.empty() && d.bones.size() != d.bodies.size())
-              report("/bodies", "as many bodies as bones");
+              report("/bodies", "needs as many bodies as bones");
             if (d.match_to && *d.match_to < d.match_from.value_or(0))
               report("/match_to", "the last time is before the first");
             for (const auto* list : {&d.bones, &d.bodies}) {
               std::vector<int64_t> sorted = *list;
               std::ranges::sort(sorted);
               if (std::ranges::adjacent_find(sorted) != sorted.end())
-                report(list == &d.bones ? "/bones" : "/bodies", "every number once");
+                report(list == &d.bones ? "/bones" : "/bodies", "each index must occur once");
             }
           })
           .build();
@@ -130,7 +130,7 @@ class Ragdoll final : public Coupling {
       when += (when.empty() ? "" : " or ") + ("by an impact of " + std::to_string(*def_.impact) + " m/s");
     std::vector<PlanRow> rows{{PlanRow::Status::runs, "carry",
                                std::to_string(pairs_.size()) + " bodies on bones" +
-                                   (when.empty() ? ", for ever" : ", let go " + when)}};
+                                   (when.empty() ? ", for ever" : ", released " + when)}};
     const bool back = def_.back_after.has_value();
     rows.push_back({back ? PlanRow::Status::runs : PlanRow::Status::skipped, "back",
                     back ? "the skeleton leads again after " + std::to_string(*def_.back_after) + " s"
@@ -223,11 +223,11 @@ std::unique_ptr<const Coupling> build_ragdoll(const void* def, const CouplingCon
     refuse("a", '"' + context.a.id + "\" has no bones", '"' + context.a.id + '"', "a skeleton");
   }
   if (!b.bodies || rig_of(context.b.system)) {
-    refuse("b", '"' + context.b.id + "\" has no bodies that move by themselves", '"' + context.b.id + '"',
+    refuse("b", '"' + context.b.id + "\" has no dynamic bodies", '"' + context.b.id + '"',
            "a rigid3d or an articulation");
   }
   if (!can_be_carried(*b.bodies)) {
-    refuse("b", "bodies of \"" + context.b.id + "\" are not carried by bones", '"' + context.b.id + '"',
+    refuse("b", "bodies of \"" + context.b.id + "\" cannot follow bones", '"' + context.b.id + '"',
            "a rigid3d or an articulation");
   }
   const ConstBodies bones(context.a.state, rig->bones), bodies(context.b.state, *b.bodies);
@@ -239,12 +239,12 @@ std::unique_ptr<const Coupling> build_ragdoll(const void* def, const CouplingCon
     const auto number = [&](const std::vector<int64_t>& list, const char* member, size_t count) {
       const size_t i = list.empty() ? k : static_cast<size_t>(list[k]);
       if (i < count) return i;
-      refuse(std::string(member) + "/" + std::to_string(k), "there is no such one of " + std::string(member),
+      refuse(std::string(member) + "/" + std::to_string(k), "there is no such row of " + std::string(member),
              std::to_string(i), count == 0 ? "there are none" : "0 to " + std::to_string(count - 1));
     };
     Pair p{number(d.bones, "bones", bones.count()), number(d.bodies, "bodies", bodies.count()), {}, true};
     if (!bodies.dynamic(p.body)) {
-      refuse("bodies/" + std::to_string(k), "nothing moves this body", std::to_string(p.body),
+      refuse("bodies/" + std::to_string(k), "this body is not dynamic", std::to_string(p.body),
              "dynamic bodies");
     }
     const Quat back = conjugate(bones.orientation(p.bone));

@@ -41,7 +41,7 @@ void give_up(const Advance& in, double t, double h, const double* y, const doubl
     for (size_t i = 0; i < in.f.size(); ++i) {
       if (std::isfinite(a[i])) continue;
       throw Instability("", "y", static_cast<long long>(i),
-                        in.f.name_of(i) + " is no finite number at t = " + short_number(t) +
+                        in.f.name_of(i) + " is not finite at t = " + short_number(t) +
                             " s, however short the internal step");
     }
   }
@@ -52,7 +52,7 @@ void give_up(const Advance& in, double t, double h, const double* y, const doubl
 }
 
 std::string too_many_steps_message(uint64_t most, double t, double h) {
-  return "one step would take more than " + std::to_string(most) + " internal steps, which have fallen to " +
+  return "one step would need more than " + std::to_string(most) + " internal steps, which have shrunk to " +
          short_number(h, 2) + " s at t = " + short_number(t) +
          " s: take a shorter dt, a larger tolerance, an implicit method such as radau5 if the equations are "
          "stiff, or raise max_internal_steps";

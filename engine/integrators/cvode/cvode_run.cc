@@ -177,7 +177,7 @@ void CvodeRun::step() {
   if (flag < 0) fail(flag_name(flag));
   // A few roundings of the time itself.
   if (t - t1_ <= std::max(4e-16 * std::abs(t1_), 1e-24 * (start_.first_aim - start_.t))) {
-    fail("CVODE's steps have become as short as the rounding of the time");
+    fail("CVODE's steps have shrunk to the rounding error of the time");
   }
   t0_ = t1_, t1_ = t;
   ++steps_;

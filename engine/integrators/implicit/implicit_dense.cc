@@ -86,7 +86,8 @@ void implicit_euler_dense(Motion& m, const IntegratorOptions& options, NewtonSte
     if (next_residual.norm() < residual.norm()) {
       y = next, residual = next_residual;
     } else if (!at_rounding) {
-      throw Instability("", "velocity", -1, "Newton's method found no better point; a smaller dt would help");
+      throw Instability("", "velocity", -1,
+                        "Newton's method found no decrease of the residual; a smaller dt would help");
     }
     if (at_rounding) break;
     if (it >= options.max_newton_iterations) {

@@ -123,7 +123,7 @@ StageNewton::Failure StageNewton::iterate_to(double target, int most, const Stag
   for (int it = 0;; ++it) {
     interruption_point();
     record();
-    if (!std::isfinite(norm_)) return "met forces that are not finite";
+    if (!std::isfinite(norm_)) return "met non-finite forces";
     if (norm_ <= target) return nullptr;
     system_.differentiate(eq.t, x_, u, Derivatives::exact, rate_position());
     report_.floor = system_.rounding_floor(x_, u, eq.g);
@@ -141,7 +141,7 @@ StageNewton::Failure StageNewton::iterate_to(double target, int most, const Stag
       ++report_.iterations;
       continue;
     }
-    if (!iterate(eq, u, accuracy, kind)) return "found no better point";
+    if (!iterate(eq, u, accuracy, kind)) return "found no decrease of the residual";
     ++report_.iterations;
   }
 }

@@ -39,7 +39,7 @@ std::optional<std::string> refuses_general_rates(const ForceField& field) {
   const ThreadArena serial(1);
   const StepInput in{.workspace = workspace, .arena = serial};
   if (Motion(field, state, in).plain_rate()) return std::nullopt;
-  return "positions are no integrals of velocities here (orientations); velocity_verlet serves them";
+  return "positions are not integrals of velocities here (orientations): use velocity_verlet";
 }
 
 void prepare_verlet(const ForceField&, State& s) {

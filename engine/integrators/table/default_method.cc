@@ -37,16 +37,16 @@ ChosenMethod settle_method(const IntegratorChoice& choice, const DefaultMethods&
     return kMargin * stability_interval(method, choice.options).largest_step(rates.omega, rates.damping);
   };
   const double limit = holds(usual);
-  if (!(dt > limit)) return {usual, "the default, which holds steps of this length"};
+  if (!(dt > limit)) return {usual, "the default, stable for this step"};
   const std::string why = "the fastest motion at the start, " + number(std::max(rates.omega, rates.damping)) +
                           " 1/s, is too fast for " + std::string(usual.name) + " beyond " + number(limit) +
                           " s";
   const Integrator* divides = find_integrator(defaults.divides);
   if (divides && refusal(*divides, field)) divides = nullptr;
   const double divisions = divides ? dt / holds(*divides) : INFINITY;
-  if (divisions <= kMostDivisions) return {*divides, why + ", so that steps are divided"};
+  if (divisions <= kMostDivisions) return {*divides, why + ", so steps are divided"};
   const Integrator* stiff = find_integrator(defaults.stiff);
-  if (stiff && !refusal(*stiff, field)) return {*stiff, why + ", so that it is solved implicitly"};
+  if (stiff && !refusal(*stiff, field)) return {*stiff, why + ", so the step is implicit"};
   return {divides ? *divides : usual, why};
 }
 

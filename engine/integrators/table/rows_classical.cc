@@ -40,7 +40,7 @@ std::span<const Integrator> classical_rows() {
                  .step = step_midpoint,
                  .advance = advance_midpoint},
       Integrator{.name = "modified_euler",
-                 .title = "Euler with the mean of both ends' velocities",
+                 .title = "Euler with the mean of the velocities at both ends",
                  .order = 1,
                  .imaginary_limit = 0,
                  .real_limit = 2,

@@ -73,8 +73,8 @@ std::span<const Integrator> implicit_rows() {
       remembering(implicit<advance_bdf2>("bdf2", "backward differentiation of order 2, L-stable",
                                          "Hairer, Norsett, Wanner 1993, section III.5"),
                   prepare_bdf2, bdf2_memory),
-      bounded(structural<advance_newmark>(
-                  "newmark", "Newmark's method, average acceleration unless told otherwise", "Newmark 1959"),
+      bounded(structural<advance_newmark>("newmark", "Newmark's method, average acceleration by default",
+                                          "Newmark 1959"),
               newmark_interval),
       remembering(structural<advance_generalized_alpha>(
                       "generalized_alpha",

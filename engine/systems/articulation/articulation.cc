@@ -40,13 +40,12 @@ Articulation::Articulation(std::unique_ptr<const ArticulationField> field, const
   if (tree_.model().closures.empty()) {
     skip_stage("loops", "the links are a tree");
   } else {
-    add_stage("loops", "takes out what the step left of the loops' gaps",
-              [this](State& s, const StepInput& in) {
-                close(tree_.model().tree, tree_.model().closures, s.f64(Columns::kPosition),
-                      s.f64(Columns::kVelocity), in.workspace.object<ClosureWork>("articulation.closures"));
-              });
+    add_stage("loops", "removes the gaps that the step left in loops", [this](State& s, const StepInput& in) {
+      close(tree_.model().tree, tree_.model().closures, s.f64(Columns::kPosition), s.f64(Columns::kVelocity),
+            in.workspace.object<ClosureWork>("articulation.closures"));
+    });
   }
-  add_stage("push", "ends a push command when its time is over", end_push);
+  add_stage("push", "ends a push command when its duration is over", end_push);
   const auto& drives = tree_.model().drives;
   if (std::ranges::none_of(drives, [](const Drive& d) { return d.limited(); })) {
     skip_stage("limits", "no joint has limits");
@@ -194,7 +193,7 @@ void Articulation::apply(State& s, const Command& c) const {
                      "gravity, <link>.torque");
     }
     default:
-      refuse_command("kind", "unsupported_command", "a tree of links knows no such command",
+      refuse_command("kind", "unsupported_command", "an articulation takes no such command",
                      "push, impulse, set_parameter");
   }
 }

@@ -15,7 +15,7 @@ DefTable finish(TableOf<D>& t) {
   Vec3 D::*position = &LinkShapeDef::position;
   Vec3 D::*rotation = &LinkShapeDef::rotation;
   return t.vector("position", position, "m", any(), "in the link's frame")
-      .vector("rotation", rotation, "rad", any(), "its own turn, as a rotation vector")
+      .vector("rotation", rotation, "rad", any(), "rotation of its own, as a rotation vector")
       .build();
 }
 const DefTable& sphere_table() {
@@ -36,10 +36,10 @@ const DefTable& box_table() {
 }
 const DefTable& capsule_table() {
   static const DefTable t = [] {
-    TableOf<CapsuleLinkDef> t("cylinder with round ends along y");
-    t.number("radius", &CapsuleLinkDef::radius, "m", above(0), "radius of the cylinder and of its ends")
+    TableOf<CapsuleLinkDef> t("cylinder along y with round ends");
+    t.number("radius", &CapsuleLinkDef::radius, "m", above(0), "of the cylinder and its ends")
         .number("half_length", &CapsuleLinkDef::half_length, "m", above(0),
-                "half of the cylinder without ends");
+                "half of the cylinder without its ends");
     return finish(t);
   }();
   return t;
@@ -56,10 +56,10 @@ const DefTable& cylinder_table() {
 
 const DefTable& copies_table() {
   static const DefTable t =
-      TableOf<LinkCopiesDef>("a chain: more links like this one, each on the one before")
+      TableOf<LinkCopiesDef>("a chain: more links like this one, each attached to the one before")
           .integer("count", &LinkCopiesDef::count, between(1, kMostLinks), "links in all")
           .vector("offset", &LinkCopiesDef::offset, "m", any(),
-                  "where each further link's joint is in the frame of the one before")
+                  "position of each further link's joint in the frame of the one before")
           .build();
   return t;
 }
@@ -81,9 +81,10 @@ void check_link(const LinkDef& d, const DefTable::Report& report) {
   if (d.cone && d.joint != JointType::spherical) report("/cone", "only spherical joints have a cone");
   if (d.joint == JointType::spherical) {
     constexpr double kHalfTurn = 3.141592653589793;
-    if (d.lowest && !(std::abs(*d.lowest) <= kHalfTurn)) report("/lowest", "a twist is within half a turn");
+    if (d.lowest && !(std::abs(*d.lowest) <= kHalfTurn))
+      report("/lowest", "a twist must be within half a turn");
     if (d.highest && !(std::abs(*d.highest) <= kHalfTurn))
-      report("/highest", "a twist is within half a turn");
+      report("/highest", "a twist must be within half a turn");
   }
   if (!(norm(d.axis) > 0)) report("/axis", "the axis must not be zero");
   if (d.joint == JointType::universal && !(norm(cross(d.axis, d.second_axis)) > 1e-9)) {
@@ -104,7 +105,7 @@ void check_link(const LinkDef& d, const DefTable::Report& report) {
 
 const DefTable& link_table() {
   static const DefTable t =
-      TableOf<LinkDef>("a rigid body and the joint that it hangs by; its frame has its origin in the joint")
+      TableOf<LinkDef>("a rigid body and its joint; its frame has its origin in the joint")
           .text("id", &LinkDef::id, "name for parents, commands and pictures")
           .text("parent", &LinkDef::parent,
                 "id of an earlier link, or ground; absent: the link before, the ground for the first")
@@ -116,14 +117,14 @@ const DefTable& link_table() {
                   "about second_axis; cylindrical: moves along and turns about axis; fixed; free: any motion")
           .vector("axis", &LinkDef::axis, "1", any(), "in the joint's frame; any length")
           .vector("second_axis", &LinkDef::second_axis, "1", any(), "of a universal joint")
-          .vector("offset", &LinkDef::offset, "m", any(), "where the joint is in the parent's frame")
+          .vector("offset", &LinkDef::offset, "m", any(), "position of the joint in the parent's frame")
           .vector("rotation", &LinkDef::rotation, "rad", any(),
-                  "turn of the joint's frame in the parent's, as a rotation vector")
+                  "rotation of the joint's frame in the parent's, as a rotation vector")
           .number("mass", &LinkDef::mass, "kg", above(0), "instead of density")
-          .vector("center", &LinkDef::center, "m", any(), "centre of mass, where shapes do not give it")
+          .vector("center", &LinkDef::center, "m", any(), "centre of mass, if shapes do not give it")
           .numbers("inertia", &LinkDef::inertia, "kg m^2", any(), {0, 6},
                    "xx yy zz or xx yy zz xy xz yz about the centre (no principal moment above the sum of the "
-                   "other two); with it shapes are only drawn. Absent, without shapes: a point")
+                   "other two); shapes are then only drawn. Absent, without shapes: a point mass")
           .number("density", &LinkDef::density, "kg/m^3", above(0), "uniform, of the shapes")
           .variants("shapes", &LinkDef::shapes,
                     {{"sphere", &sphere_table()},
@@ -143,10 +144,10 @@ const DefTable& link_table() {
           .numbers("torque", &LinkDef::torque, "", any(), {0, 6},
                    "constant drive of the joint, N m or N, one per number of v")
           .number("damping", &LinkDef::damping, "", at_least(0),
-                  "torque or force against the joint's velocity, N m s or N s/m")
+                  "viscous, against the joint's velocity, N m s or N s/m")
           .number("stiffness", &LinkDef::stiffness, "", at_least(0),
-                  "spring towards rest, N m or N/m; spherical: 2 k sin^2(angle / 2) towards no turn")
-          .number("rest", &LinkDef::rest, "", any(), "coordinate where the spring is slack")
+                  "spring towards rest, N m or N/m; spherical: 2 k sin^2(angle / 2) towards no rotation")
+          .number("rest", &LinkDef::rest, "", any(), "coordinate where the spring exerts nothing")
           .number("lowest", &LinkDef::lowest, "", any(),
                   "soft limit of the first coordinate; of a spherical joint of its twist about axis, rad")
           .number("highest", &LinkDef::highest, "", any(),
@@ -159,10 +160,9 @@ const DefTable& link_table() {
                   "damper beyond a limit; it never pulls back")
           .vector("force", &LinkDef::force, "N", any(), "constant, on the link's centre of mass")
           .vector("moment", &LinkDef::moment, "N m", any(), "constant torque on the link")
-          .choice(
-              "force_frame", &LinkDef::force_frame, {"world", "link"},
-              "axes of force and moment: fixed, or turning with the link. energy.potential holds that of a "
-              "force in the world, power.applied what the others do")
+          .choice("force_frame", &LinkDef::force_frame, {"world", "link"},
+                  "axes of force and moment: fixed, or turning with the link. A force in the world counts in "
+                  "energy.potential, the others in power.applied")
           .object("copies", &LinkDef::copies, copies_table(), "makes a chain of it")
           .check(check_link)
           .build();
@@ -204,7 +204,7 @@ void check_ends(const std::vector<D>& all, const std::string& name, const std::s
     const std::string at = name + std::to_string(i);
     if (!known.contains(all[i].a)) report(at + "/a", "no link has the id " + all[i].a);
     if (!known.contains(all[i].b)) report(at + "/b", "no link has the id " + all[i].b);
-    if (all[i].a == all[i].b) report(at + "/b", "must be another link than a");
+    if (all[i].a == all[i].b) report(at + "/b", "must not be the same link as a");
   }
 }
 
@@ -216,7 +216,7 @@ const DefTable& articulation_table() {
     TableOf<D> t("rigid links in a tree of joints, in the joints' own coordinates; loops by closures");
     t.objects("links", &D::links, link_table(), {1, 100'000}, "parents before children")
         .objects("closures", &D::closures, closure_table(), {0, 200},
-                 "loops, held by forces; the start is moved to where they close")
+                 "loops, closed by constraint forces; the start is moved to where they close")
         .objects("springs", &D::springs, spring_table(), {0, 10'000}, "springs between links")
         .vector("gravity", &D::gravity, "m/s^2", any(), "instead of the scene's")
         .number("point_radius", &D::point_radius, "m", at_least(0),
@@ -231,7 +231,7 @@ const DefTable& articulation_table() {
         if (l.parent && !known.contains(*l.parent)) {
           report(at + "/parent", "no earlier link has the id " + *l.parent);
         }
-        if (!l.id.empty() && !known.insert(l.id).second) report(at + "/id", "this id is taken");
+        if (!l.id.empty() && !known.insert(l.id).second) report(at + "/id", "another link has this id");
         n += l.copies ? static_cast<double>(l.copies->count) : 1;
       }
       check_ends(d.closures, "/closures/", known, report);

@@ -106,7 +106,7 @@ std::vector<Vec3> BlendShapes::sampled(const std::string& pointer, const std::ve
     program.run(registers.data(), values);
     out.push_back({values[0], values[1], values[2]});
     if (std::isfinite(norm2(out.back()))) continue;
-    driver_.fault({pointer, "not_finite", "it has no finite value at a vertex of the base", "", "", "", ""});
+    driver_.fault({pointer, "not_finite", "not finite at a vertex of the base", "", "", "", ""});
     out.assign(base_.size(), {});
     break;
   }
@@ -116,7 +116,7 @@ std::vector<Vec3> BlendShapes::sampled(const std::string& pointer, const std::ve
 void BlendShapes::add_target(const TargetDef& d, size_t number) {
   const std::string at = "/targets/" + std::to_string(number);
   if (std::ranges::find(names_, d.name) != names_.end()) {
-    driver_.fault({at + "/name", "duplicate_name", "there is a target of this name", d.name, "", "", ""});
+    driver_.fault({at + "/name", "duplicate_name", "another target has this name", d.name, "", "", ""});
   }
   std::vector<Vec3> offsets;
   if (d.vertices.empty()) {
@@ -185,7 +185,7 @@ FieldView BlendShapes::field(const State& s, size_t, size_t which, std::vector<d
 void BlendShapes::apply(State& s, const Command& c) const {
   check_command_numbers(c);
   if (c.kind != CommandKind::set_parameter) {
-    refuse_command("kind", "bad_command", "a blended surface moves as it is told", "set_parameter");
+    refuse_command("kind", "bad_command", "a blended surface moves as prescribed", "set_parameter");
   }
   if (driver_.apply(s, kControl, c)) return;
   std::string all;

@@ -9,7 +9,7 @@ constexpr Count kVertices{0, 1'000'000}, kLines{0, 1'000'000};
 
 const DefTable& ball_table() {
   using D = BallDef;
-  static const DefTable t = TableOf<D>("a ball of rings about y, as the base")
+  static const DefTable t = TableOf<D>("a ball made of rings about y, as the base")
                                 .number("radius", &D::radius, "m", above(0), "its radius")
                                 .integer("rings", &D::rings, between(1, 1000), "between the poles")
                                 .integer("around", &D::around, between(3, 2000), "vertices of a ring")
@@ -23,20 +23,20 @@ const DefTable& target_table() {
       TableOf<D>("a shape to blend in")
           .text("name", &D::name, "its name in observables")
           .required()
-          .expression("weight", &D::weight, "of t and controls; a product of others' for a corrective shape")
+          .expression("weight", &D::weight,
+                      "of t and controls; for a corrective shape a product of other weights")
           .required()
           .vectors("vertices", &D::vertices, "m", any(), kVertices, "all of the target, in the base's order")
           .texts("offset", &D::offset, {0, 3},
-                 "of x, y and z of the base (m): how far its points are from the base's; a missing one is 0")
+                 "of x, y and z of the base (m): displacement from the base; a missing one is 0")
           .texts("gltf", &D::gltf, kLines,
-                 "a mesh with its vertices in the base's order: a .gltf file with its data in it, or a .glb "
-                 "file "
-                 "in base64, in lines broken anywhere")
+                 "a mesh with its vertices in the base's order: a .gltf file with embedded data, or a .glb "
+                 "file in base64, with any line breaks")
           .text("mesh", &D::mesh, "name of the mesh in that file; the first if absent")
           .check([](const D& d, const DefTable::Report& report) {
             if (!d.vertices.empty() + !d.offset.empty() + !d.gltf.empty() > 1)
-              report("", "a target has vertices, an offset or a file, one of them");
-            if (!d.mesh.empty() && d.gltf.empty()) report("/mesh", "belongs to a file");
+              report("", "a target needs exactly one of vertices, offset and file");
+            if (!d.mesh.empty() && d.gltf.empty()) report("/mesh", "only with a file");
           })
           .build();
   return t;
@@ -52,12 +52,11 @@ const DefTable& blend_shapes_table() {
         .integers("triangles", &D::triangles, at_least(0), {0, 6'000'000}, "three vertices each")
         .object("ball", &D::ball, ball_table(), "a ball as the base, instead of vertices and triangles")
         .texts("gltf", &D::gltf, kLines,
-               "a mesh as the base, whose targets those of the same names are: a .gltf file with its data in "
-               "it, "
-               "or a .glb file in base64, in lines broken anywhere")
+               "a mesh as the base, with targets of the same names: a .gltf file with embedded data, or a "
+               ".glb file in base64, with any line breaks")
         .text("mesh", &D::mesh, "name of the mesh in that file; the first if absent")
         .texts("base", &D::base, {0, 3},
-               "reshapes the base: its x, y and z as expressions of x, y and z; a missing one stays")
+               "reshapes the base: its x, y and z as expressions of x, y and z; a missing one is unchanged")
         .objects("targets", &D::targets, target_table(), {0, 1000}, "shapes to blend in")
         .texts("position", &D::position, {0, 3}, "x, y and z (m) of the whole, as expressions")
         .texts("rotation", &D::rotation, {0, 3}, "angles (rad) about x, y and z of the whole, as expressions")
@@ -67,10 +66,10 @@ const DefTable& blend_shapes_table() {
     return table
         .check([](const D& d, const DefTable::Report& report) {
           if (!d.vertices.empty() + d.ball.has_value() + !d.gltf.empty() != 1)
-            report("", "the base is vertices, a ball or a file, one of them");
-          if (!d.mesh.empty() && d.gltf.empty()) report("/mesh", "belongs to a file");
-          if (!d.gltf.empty() && !d.triangles.empty()) report("/triangles", "those are the file's");
-          if (d.triangles.size() % 3 != 0) report("/triangles", "three vertices a triangle");
+            report("", "the base needs exactly one of vertices, ball and file");
+          if (!d.mesh.empty() && d.gltf.empty()) report("/mesh", "only with a file");
+          if (!d.gltf.empty() && !d.triangles.empty()) report("/triangles", "the file gives these");
+          if (d.triangles.size() % 3 != 0) report("/triangles", "three vertices per triangle");
           for (size_t i = 0; d.gltf.empty() && i < d.triangles.size(); ++i) {
             if (static_cast<size_t>(d.triangles[i]) < d.vertices.size()) continue;
             return report("/triangles/" + std::to_string(i), "there is no such vertex");
@@ -80,14 +79,14 @@ const DefTable& blend_shapes_table() {
             const size_t n = target.vertices.size();
             if (n == 0 && target.offset.empty() && target.gltf.empty() && d.gltf.empty())
               report("/targets/" + std::to_string(k),
-                     "a target has vertices, an offset or a file, one of them");
+                     "a target needs exactly one of vertices, offset and file");
             if (!d.gltf.empty()) continue;
             const size_t want =
                 d.ball ? 2 + static_cast<size_t>(d.ball->rings) * static_cast<size_t>(d.ball->around)
                        : d.vertices.size();
             if (n == 0 || n == want) continue;
             report("/targets/" + std::to_string(k) + "/vertices",
-                   "as many as the base has, " + std::to_string(want));
+                   "needs as many as the base has, " + std::to_string(want));
           }
         })
         .build();
@@ -97,7 +96,7 @@ const DefTable& blend_shapes_table() {
 
 const Outputs& blend_shapes_outputs() {
   static const Outputs kOutputs{
-      .rows = "a vertex, in the order given; of a ball the pole, then ring by ring, then the other pole",
+      .rows = "a vertex, in the given order; in a ball the pole, then ring by ring, then the other pole",
       .fields = {{"position", "m", 3, ""}, {"velocity", "m/s", 3, "mean over the last step"}},
       .observables = {{"control.<name>", "1", "value of a control"},
                       {"weight.<target>", "1", "of a target"},

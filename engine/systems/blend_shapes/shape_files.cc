@@ -60,7 +60,7 @@ BlendShapesDef with_files(const BlendShapesDef& given) {
       t.vertices = mesh_of(t.gltf, t.mesh, at).positions;
       t.gltf.clear();
       if (t.vertices.size() != want) {
-        refuse(at + "/gltf", "wrong_count", "a target has as many vertices as the base",
+        refuse(at + "/gltf", "wrong_count", "a target needs as many vertices as the base",
                std::to_string(t.vertices.size()), std::to_string(want));
       }
     } else if (t.vertices.empty() && t.offset.empty()) {
@@ -72,7 +72,7 @@ BlendShapesDef with_files(const BlendShapesDef& given) {
       const auto& offsets = base.targets[static_cast<size_t>(found - base.target_names.begin())];
       for (size_t i = 0; i < want; ++i) t.vertices.push_back(base.positions[i] + offsets[i]);
     } else if (!t.vertices.empty() && t.vertices.size() != want) {
-      refuse(at + "/vertices", "wrong_count", "a target has as many vertices as the base",
+      refuse(at + "/vertices", "wrong_count", "a target needs as many vertices as the base",
              std::to_string(t.vertices.size()), std::to_string(want));
     }
   }

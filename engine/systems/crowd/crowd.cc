@@ -44,15 +44,16 @@ Crowd::Crowd(const CrowdDef& def, const BuildContext& context)
     ways_.push_back(std::move(way));
   }
   check_ways();
-  add_stage("set_out", "the way " + std::to_string(people_) + " people want to go",
+  add_stage("set_out", "desired directions of " + std::to_string(people_) + " people",
             [this](State& s, const StepInput& in) { set_out(s, in); });
   if (def.model == Model::social_force) {
     add_stage("push_and_press", "social forces, in as many substeps as contacts need",
               [this](State& s, const StepInput& in) { push_and_press(s, in); });
   } else {
-    add_stage("choose",
-              "velocities in the half-planes of up to " + std::to_string(def.max_neighbours) + " neighbours",
-              [this](State& s, const StepInput& in) { choose(s, in); });
+    add_stage(
+        "choose",
+        "velocities within the half-planes of up to " + std::to_string(def.max_neighbours) + " neighbours",
+        [this](State& s, const StepInput& in) { choose(s, in); });
   }
   const bool leave =
       std::any_of(def.groups.begin(), def.groups.end(), [](const GroupDef& g) { return g.leave; });
@@ -95,7 +96,7 @@ void Crowd::check_ways() const {
       Vec3 x = g.positions[i];
       x.z = 0;
       if (std::isinf(ways_[k]->time(x))) {
-        refuse(at + "/positions/" + std::to_string(i), "no way leads from here to the goal around the walls");
+        refuse(at + "/positions/" + std::to_string(i), "the walls leave no path from here to the goal");
       }
     }
     if (!g.positions.empty()) continue;
@@ -104,7 +105,7 @@ void Crowd::check_ways() const {
       const Vec3 x = grid_->place(node);
       if (x.x < low.x || x.x > high.x || x.y < low.y || x.y > high.y || grid_->solid(node)) continue;
       if (std::isinf(ways_[k]->time(x))) {
-        refuse(at + "/center", "no way leads from all of where they start to the goal around the walls");
+        refuse(at + "/center", "the walls leave no path to the goal from some of the starting area");
       }
     }
   }
@@ -181,10 +182,11 @@ void Crowd::apply(State& s, const Command& c) const {
     return store3(v, i, load3(v, i) + push / s.f64(Columns::mass)[i]);
   }
   if (c.kind != CommandKind::set_parameter) {
-    refuse_command(
-        "kind", "not_possible",
-        def_.model == Model::orca ? "who chooses a velocity cannot be pushed" : "people take impulses",
-        def_.model == Model::orca ? "set_parameter" : "impulse, set_parameter");
+    refuse_command("kind", "not_possible",
+                   def_.model == Model::orca
+                       ? "people of model orca choose their velocity and cannot be pushed"
+                       : "people take only impulse and set_parameter",
+                   def_.model == Model::orca ? "set_parameter" : "impulse, set_parameter");
   }
   if (c.name != "speed_factor") {
     refuse_command("name", "unknown_parameter", "there is no parameter \"" + c.name + "\" to set",
@@ -209,7 +211,7 @@ std::vector<std::string> Crowd::remedies() const {
 void Crowd::check(StateCheck& check, double) const {
   check.together(Columns::position, Columns::group + 1, people_).below(Columns::group, def_.groups.size());
   const auto group = check.state().span<uint32_t>(Columns::group);
-  check.require(std::is_sorted(group.begin(), group.end()), "people stand in the order of their groups");
+  check.require(std::is_sorted(group.begin(), group.end()), "rows in the order of groups");
 }
 
 std::unique_ptr<const System> build_crowd(const void* def, const BuildContext& context) {

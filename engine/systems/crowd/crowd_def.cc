@@ -17,24 +17,26 @@ void check_group(const CrowdDef& d, size_t k, const DefTable::Report& report) {
   const GroupDef& g = d.groups[k];
   const std::string at = "/groups/" + std::to_string(k);
   const int ways = (g.goal ? 1 : 0) + (g.heading ? 1 : 0) + (g.goals.empty() ? 0 : 1);
-  if (ways != 1) report(at, "a group has one of goal, goals and heading");
+  if (ways != 1) report(at, "a group needs exactly one of goal, goals and heading");
   if (g.heading && !(norm(*g.heading) > 0)) report(at + "/heading", "the heading must not be zero");
   if (!g.goals.empty() && g.goals.size() != g.positions.size())
-    report(at + "/goals", "as many goals as positions");
-  if (g.goal_end && !g.goal) report(at + "/goal_end", "is the other end of a goal that is a segment");
+    report(at + "/goals", "needs as many goals as positions");
+  if (g.goal_end && !g.goal) report(at + "/goal_end", "needs a goal, whose other end it is");
   if (g.goal_end && norm(g.goal_half_extents) > 0) {
     report(at + "/goal_end", "a goal is a segment or a box, not both");
   }
-  if (d.period > 0 && !g.heading) report(at + "/heading", "in a periodic corridor everybody has a heading");
-  if (g.leave && g.heading) report(at + "/leave", "a heading has no end at which to leave");
-  if (g.radius_deviation > g.radius) report(at + "/radius_deviation", "is at most the radius");
+  if (d.period > 0 && !g.heading)
+    report(at + "/heading", "in a periodic corridor every group needs a heading");
+  if (g.leave && g.heading) report(at + "/leave", "a group with a heading never arrives");
+  if (g.radius_deviation > g.radius) report(at + "/radius_deviation", "must be at most the radius");
   if (!g.positions.empty()) return;
   const double r = g.radius + g.radius_deviation;
   const double area = 4 * (g.half_extents.x + r) * (g.half_extents.y + r);
   const double discs = static_cast<double>(g.count) * kPi * r * r;
   if (discs > kFullest * area) {
     report(at + "/half_extents", "discs would cover " + short_number(discs / area) +
-                                     " of where they start; up to " + short_number(kFullest) + " finds room");
+                                     " of the starting area; up to " + short_number(kFullest) +
+                                     " finds room");
   }
 }
 
@@ -43,7 +45,7 @@ void check(const CrowdDef& d, const DefTable::Report& report) {
   for (size_t k = 0; k < d.groups.size(); ++k) check_group(d, k, report);
   for (size_t k = 0; k < d.doors.size(); ++k) {
     const std::string at = "/doors/" + std::to_string(k);
-    if (d.doors[k].from == d.doors[k].to) report(at + "/to", "a door has a width");
+    if (d.doors[k].from == d.doors[k].to) report(at + "/to", "a door needs a width");
     for (size_t j = 0; j < k; ++j) {
       if (d.doors[j].id == d.doors[k].id) report(at + "/id", "another door has this id");
     }
@@ -53,9 +55,10 @@ void check(const CrowdDef& d, const DefTable::Report& report) {
   if (corners > 20'000) report("/walls", "more than 20,000 corners");
   const double reach = 2 * largest_radius(d) + (d.model == Model::orca ? d.neighbour_distance : d.reach);
   if (d.period > 0 && d.period < 2 * reach) {
-    report("/period", "is at least " + short_number(2 * reach) + " m: else somebody is met twice");
+    report("/period", "must be at least " + short_number(2 * reach) +
+                          " m, or people would meet their own neighbours twice");
   }
-  if (way_nodes(d) > kMostNodes) report("/grid_spacing", "more than four million nodes to find the ways on");
+  if (way_nodes(d) > kMostNodes) report("/grid_spacing", "more than four million nodes to find paths on");
 }
 
 Vec3 flat(Vec3 x) {
@@ -69,7 +72,7 @@ const DefTable& wall_table() {
       TableOf<D>("a line that nobody crosses")
           .vectors("points", &D::points, "m", any(), {2, 100'000}, "corners in order; z is ignored")
           .required()
-          .boolean("closed", &D::closed, "whether the last corner is joined with the first")
+          .boolean("closed", &D::closed, "whether the last corner is joined to the first")
           .build();
   return t;
 }
@@ -77,12 +80,13 @@ const DefTable& wall_table() {
 const DefTable& door_table() {
   using D = DoorDef;
   static const DefTable t =
-      TableOf<D>("a gap in every wall that it lies along, and a line whose crossings are counted")
+      TableOf<D>("a gap in every wall along it, and a line whose crossings are counted")
           .text("id", &D::id, "name in observables")
           .required()
           .vector("from", &D::from, "m", any(), "one jamb")
           .required()
-          .vector("to", &D::to, "m", any(), "the other; from right to left, seen along, counts as forward")
+          .vector("to", &D::to, "m", any(),
+                  "the other end; from right to left, seen along the line, counts as forward")
           .required()
           .build();
   return t;
@@ -91,28 +95,27 @@ const DefTable& door_table() {
 const DefTable& group_table() {
   using D = GroupDef;
   static const DefTable t =
-      TableOf<D>("people who start in one place and make for one")
+      TableOf<D>("people with one starting area and one goal")
           .integer("count", &D::count, between(1, kMost), "people, spread at random without overlap")
           .vectors("positions", &D::positions, "m", any(), {0, kMost}, "of everybody, instead of count")
           .vectors("goals", &D::goals, "m", any(), {0, kMost},
-                   "one per position, made for in a straight line; walls are not walked around")
-          .vector("center", &D::center, "m", any(), "of the area where they start")
+                   "one per position, approached in a straight line, not around walls")
+          .vector("center", &D::center, "m", any(), "of the starting area")
           .vector("half_extents", &D::half_extents, "m", at_least(0), "of that area")
-          .number("speed", &D::speed, "m/s", at_least(0), "that they want to walk at, in the mean")
+          .number("speed", &D::speed, "m/s", at_least(0), "mean desired walking speed")
           .number("speed_deviation", &D::speed_deviation, "m/s", at_least(0),
-                  "standard deviation of the normal distribution of wanted speeds, cut off at two of them "
+                  "standard deviation of the normal distribution of desired speeds, cut off at two of them "
                   "and at 0")
-          .number("radius", &D::radius, "m", at_least(0), "of a person, in the mean")
-          .number("radius_deviation", &D::radius_deviation, "m", at_least(0), "radii are uniform in +- this")
+          .number("radius", &D::radius, "m", at_least(0), "of a person, on average")
+          .number("radius_deviation", &D::radius_deviation, "m", at_least(0),
+                  "radii are uniform within +- this")
           .number("mass", &D::mass, "kg", above(0), "of a person")
           .vector("velocity", &D::velocity, "m/s", any(), "of everybody at the start")
-          .vector("goal", &D::goal, "m", any(),
-                  "point that is made for, or centre of a box, or end of a segment")
+          .vector("goal", &D::goal, "m", any(), "goal point, centre of a box, or one end of a segment")
           .vector("goal_end", &D::goal_end, "m", any(), "other end of the goal")
-          .vector("goal_half_extents", &D::goal_half_extents, "m", at_least(0), "of a goal that is a box")
-          .vector("heading", &D::heading, "1", any(),
-                  "direction to walk in without an end, instead of a goal")
-          .boolean("leave", &D::leave, "whether who arrives is taken away and counted")
+          .vector("goal_half_extents", &D::goal_half_extents, "m", at_least(0), "of a box as the goal")
+          .vector("heading", &D::heading, "1", any(), "direction to walk in for ever, instead of a goal")
+          .boolean("leave", &D::leave, "whether people who arrive are removed and counted")
           .vector("color", &D::color, "1", between(0, 1), "linear red, green, blue")
           .build();
   return t;
@@ -191,50 +194,53 @@ double way_nodes(const CrowdDef& d) {
 const DefTable& crowd_table() {
   using D = CrowdDef;
   static const DefTable t =
-      TableOf<D>("pedestrians in the plane who make for their goals and keep off each other and walls")
-          .choice(
-              "model", &D::model, {"social_force", "orca"},
-              "forces that push, press and rub (Helbing, Farkas, Vicsek 2000), or velocities that avoid each "
-              "other by agreement (van den Berg, Guy, Lin, Manocha 2011)")
-          .objects("groups", &D::groups, group_table(), {1, 100}, "who is there")
+      TableOf<D>("pedestrians in the plane who walk to their goals and avoid each other and walls")
+          .choice("model", &D::model, {"social_force", "orca"},
+                  "forces of repulsion, contact and friction (Helbing, Farkas, Vicsek 2000), or velocities "
+                  "that avoid collisions reciprocally (van den Berg, Guy, Lin, Manocha 2011)")
+          .objects("groups", &D::groups, group_table(), {1, 100}, "groups of people")
           .required()
           .objects("walls", &D::walls, wall_table(), {0, 10'000}, "lines that nobody crosses")
           .objects("doors", &D::doors, door_table(), {0, 100}, "gaps in walls, where crossings are counted")
           .number("period", &D::period, "m", at_least(0),
-                  "length along x, about x = 0, of a corridor whose ends are one; 0: there is none")
+                  "length along x, about x = 0, of a periodic corridor; 0: not periodic")
           .number("arrival_distance", &D::arrival_distance, "m", above(0),
-                  "from the goal at which one has arrived")
+                  "from the goal at which a person has arrived")
           .number("relaxation_time", &D::relaxation_time, "s", above(0),
-                  "in which a velocity approaches the wanted one, and in which one slows down at a goal")
+                  "in which a velocity approaches the desired one, and in which people slow down at a goal")
           .number("noise", &D::noise, "rad", between(0, 6.283185307179586),
-                  "full angle over which the wanted direction is disturbed every step")
-          .number("repulsion", &D::repulsion, "N", at_least(0), "social_force: A, of two that just touch")
+                  "full angle of the random change of the desired direction every step")
+          .number("repulsion", &D::repulsion, "N", at_least(0),
+                  "social_force: A, between two people who just touch")
           .number("repulsion_range", &D::repulsion_range, "m", above(0), "social_force: B")
           .number("body_stiffness", &D::body_stiffness, "kg/s^2", at_least(0),
-                  "social_force: k, of pressed bodies")
+                  "social_force: k, of bodies in contact")
           .number("sliding_friction", &D::sliding_friction, "kg/(m s)", at_least(0),
-                  "social_force: kappa, along pressed bodies")
+                  "social_force: kappa, along bodies in contact")
           .number("attention", &D::attention, "1", between(0, 1),
-                  "social_force: lambda, weight of who is behind; ahead it is 1")
+                  "social_force: lambda, weight of people behind; ahead it is 1")
           .number("reach", &D::reach, "m", above(0),
-                  "social_force: beyond this distance of the rims nobody pushes")
+                  "social_force: distance between rims beyond which there is no force")
           .integer("max_substeps", &D::max_substeps, between(1, 1e6),
-                   "social_force: of a step, beyond which it is refused")
-          .number("horizon", &D::horizon, "s", above(0), "orca: time without a collision with others")
+                   "social_force: of a step; a step that needs more fails")
+          .number("horizon", &D::horizon, "s", above(0), "orca: time kept free of collisions with others")
           .number("wall_horizon", &D::wall_horizon, "s", above(0),
-                  "orca: time without a collision with walls")
-          .number("margin", &D::margin, "m", at_least(0), "orca: kept between rims where there is room")
+                  "orca: time kept free of collisions with walls")
+          .number("margin", &D::margin, "m", at_least(0), "orca: gap kept between rims where there is room")
           .number("neighbour_distance", &D::neighbour_distance, "m", above(0),
-                  "orca: of the rims of those looked at, and twice the longest way of a step")
-          .integer("max_neighbours", &D::max_neighbours, between(1, 36),
-                   "orca: the nearest that are looked ahead for; who looks at all of a throng stands still")
-          .number("max_speed", &D::max_speed, "m/s", above(0), "orca: nobody is faster, unless wanting to")
-          .number("clearance", &D::clearance, "m", at_least(0), "from walls that ways keep where they can")
+                  "orca: between rims of people considered, and twice the longest move of a step")
+          .integer(
+              "max_neighbours", &D::max_neighbours, between(1, 36),
+              "orca: nearest people to consider; in a dense crowd considering everybody means standing still")
+          .number("max_speed", &D::max_speed, "m/s", above(0),
+                  "orca: limit, unless the desired speed is higher")
+          .number("clearance", &D::clearance, "m", at_least(0), "that paths keep from walls where possible")
           .number("grid_spacing", &D::grid_spacing, "m", at_least(0),
-                  "of the grid that ways are found on; 0: chosen")
+                  "of the grid for finding paths; 0: automatic")
           .number("lane_width", &D::lane_width, "m", above(0),
-                  "within which the order of lanes compares directions")
-          .number("density_radius", &D::density_radius, "m", above(0), "of the disc in which density counts")
+                  "of the strip within which lanes.order compares directions")
+          .number("density_radius", &D::density_radius, "m", above(0),
+                  "of the disc in which density is measured")
           .check(check)
           .build();
   return t;
@@ -242,7 +248,7 @@ const DefTable& crowd_table() {
 
 const Outputs& crowd_outputs() {
   static const Outputs kOutputs{
-      .rows = "a person of the first group who is still there; of part group<k>, one of group k",
+      .rows = "a present person of the first group; in part group<k> one of group k",
       .fields = {{"position", "m", 3, ""},
                  {"velocity", "m/s", 3, ""},
                  {"speed", "m/s", 1, "magnitude of the velocity"},
@@ -250,17 +256,17 @@ const Outputs& crowd_outputs() {
                  {"pressure", "N/m", 1, "radial forces over circumference; of orca 0"},
                  {"group<k>.position", "m", 3, "of part group<k>: those of group k, from 1; and so on"}},
       .observables = {{"people", "1", "still there"},
-                      {"left", "1", "have arrived and left"},
-                      {"arrived", "1", "are at their goals or have left"},
+                      {"left", "1", "people who have arrived and left"},
+                      {"arrived", "1", "people who are at their goals or have left"},
                       {"speed.mean", "m/s", ""},
                       {"density.mean", "1/m^2", "of people within density_radius, mean over people"},
                       {"energy.kinetic", "J", ""},
-                      {"separation.smallest", "m", "between two rims; negative: pressed together"},
-                      {"pressure.largest", "N/m", "radial forces on somebody over circumference"},
+                      {"separation.smallest", "m", "smallest between two rims; negative: in contact"},
+                      {"pressure.largest", "N/m", "largest radial force on a person over circumference"},
                       {"lanes.order", "1", "mean of ((same - other) / (same + other))^2 within lane_width"},
                       {"door.<id>.forward", "1", "crossings from right to left, seen from its first point"},
                       {"door.<id>.backward", "1", ""},
-                      {"door.<id>.flow", "1/s", "from the first crossing forward to the last"}}};
+                      {"door.<id>.flow", "1/s", "from the first forward crossing to the last"}}};
   return kOutputs;
 }
 

@@ -125,7 +125,7 @@ void Crowd::push_and_press(State& s, const StepInput& in) const {
     const double parts = std::ceil(left / allowed);
     if (static_cast<double>(k) + parts > static_cast<double>(def_.max_substeps)) {
       Instability failure(id_, "velocity", -1,
-                          "pressed bodies allow substeps of " + short_number(allowed, 3) +
+                          "bodies in contact allow substeps of " + short_number(allowed, 3) +
                               " s, more than max_substeps (" + std::to_string(def_.max_substeps) +
                               ") a step");
       failure.suggested_dt = allowed * static_cast<double>(def_.max_substeps);

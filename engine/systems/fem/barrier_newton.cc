@@ -244,7 +244,7 @@ void BarrierNewton::minimise(BarrierWork& k) const {
     k.energy = evaluate(k, k.x, true);
     const double gap = k.least_gap, noise = kNoise * k.magnitude;
     if (!std::isfinite(k.energy))
-      throw Instability("", "position", -1, "features of the surface touch at a step's start");
+      throw Instability("", "position", -1, "features of the surface touch at the start of the step");
     direction(k);
     std::fill(k.d.begin() + static_cast<std::ptrdiff_t>(k.n), k.d.end(), 0.0);
     bend(k);
@@ -270,7 +270,7 @@ void BarrierNewton::minimise(BarrierWork& k) const {
     k.slip = share < 0.5 * safe ? BarrierOutput::Slip::above : BarrierOutput::Slip::exact;
     if (it >= kMostIterations) {
       throw Instability("", "position", -1,
-                        "Newton's method found no state in which nothing touches (" + std::to_string(it) +
+                        "Newton's method found no state without contact (" + std::to_string(it) +
                             " iterations); a smaller dt would help");
     }
     if (k.least_gap < kThin * k.law.reach && k.least_gap < gap) k.law.stiffness *= 2;

@@ -126,7 +126,7 @@ void BarrierStep::advance(State& state, const StepInput& in, double overshoot) c
     if (share >= 1) break;
     if (round >= kMostRounds || share < 1e-6) {
       throw Instability("", "position", -1,
-                        "what is held or prescribed leaves no room for the body between it; a smaller dt or "
+                        "fixed and prescribed nodes leave no room for the body between them; a smaller dt or "
                         "another motion would help");
     }
   }

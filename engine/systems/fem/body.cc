@@ -214,7 +214,7 @@ void set_holds(const FemDef& def, Body& b) {
           if (t == 0 && !other) held[3 * p + c] = want[c];
           if (t == 0 && other && std::abs(held[3 * p + c] - want[c]) > 1e-9 * (1 + std::abs(want[c]))) {
             refuse(pointer, "contradiction",
-                   "node " + std::to_string(p) + " is held at another place by an earlier hold",
+                   "node " + std::to_string(p) + " is fixed at another position by an earlier hold",
                    '"' + d.on + '"');
           }
         }

@@ -23,9 +23,9 @@ ChosenMethod settle(const FemDef& def, const BuildContext& context, const FemFie
   if (!choice.name.empty()) return {choose_integrator(choice, "", field), "named by the scene"};
   if (context.meets_bodies) {
     return {choose_integrator(choice, kMeetsBodies, field),
-            "the default where nodes touch bodies, to which each answers for itself"};
+            "the default for contact with bodies: every node responds on its own"};
   }
-  return {choose_integrator(choice, kUsual, field), "the default, which holds steps of any length"};
+  return {choose_integrator(choice, kUsual, field), "the default, stable for any step"};
 }
 
 void remember(State& s, const StepInput& in) {
@@ -69,8 +69,8 @@ void Fem::add_barrier(const FemDef& def) {
   const double widest = kWidest * surface.shortest_edge();
   const double reach = def.contact_distance.value_or(std::min(kUsualReach * body().mesh.diagonal(), widest));
   if (reach > widest) {
-    refuse("/contact_distance", "a barrier reaches no further than half the shortest edge of the surface, " +
-                                    short_number(widest) + " m");
+    refuse("/contact_distance",
+           "a barrier reaches at most half the shortest edge of the surface, " + short_number(widest) + " m");
   }
   const State start = elements_.initial_state();
   if (const auto what = surface.entangled(start.f64(Columns::position), 0))
@@ -93,15 +93,14 @@ void Fem::plan_stages(const FemDef& def, const std::string& why) {
                            short_number(angles[1] / kDegree, 4) + " degrees");
   }
   if (motion_ == Motion::quasi_static) {
-    add_stage("equilibrium",
-              "displacements at which nothing is out of balance, by Newton's method with line search",
+    add_stage("equilibrium", "displacements in equilibrium, by Newton's method with line search",
               [this](State& s, const StepInput& in) { equilibrium(s, in); });
     skip_stage("integrate", "motion is quasi-static");
   } else {
     add_dynamic_stages(def, why);
     if (!(def.damping > 0)) skip_stage("damping", "damping is 0");
   }
-  add_stage("hands", "ends pushes whose time is over",
+  add_stage("hands", "ends pushes whose duration is over",
             [](State& s, const StepInput& in) { Columns::kHands.count_down(s, in.h); });
   if (def.holds.empty()) skip_stage("holds", "no displacement is prescribed");
 }
@@ -112,9 +111,9 @@ void Fem::add_dynamic_stages(const FemDef& def, const std::string& why) {
               [this](State& s, const StepInput& in) { begin_holds(s, in.t, in.h); });
   }
   if (barrier_) {
-    add_stage("barrier", "implicit Euler in which the surface never touches anything, by Newton's method",
+    add_stage("barrier", "implicit Euler with a barrier against contact, by Newton's method",
               [this](State& s, const StepInput& in) { barrier_->step(s, in); });
-    skip_stage("contacts", "the barrier keeps all apart");
+    skip_stage("contacts", "the barrier prevents them");
   } else if (colliders_.empty()) {
     add_integration_stage(why);
     skip_stage("contacts", "there are no colliders");
@@ -122,7 +121,7 @@ void Fem::add_dynamic_stages(const FemDef& def, const std::string& why) {
     add_contact_stages(why);
   }
   if (!def.holds.empty()) {
-    add_stage("velocities of holds", "components that are prescribed move as their expressions do",
+    add_stage("velocities of holds", "prescribed components take the velocities of their expressions",
               [this](State& s, const StepInput& in) { end_holds(s, in.t, in.h); });
   }
 }
@@ -138,7 +137,7 @@ void Fem::add_contact_stages(const std::string& why) {
               [this](State& s, const StepInput& in) { step_on_surfaces(s, in); });
     return;
   }
-  add_stage("remember", "contacts need where every node came from", remember);
+  add_stage("remember", "contacts need the previous position of every node", remember);
   add_integration_stage(why);
   add_stage("contacts", count + " colliders keep the nodes out",
             [this](State& s, const StepInput& in) { resolve_contacts(s, in); });
@@ -249,18 +248,19 @@ void Fem::check(StateCheck& check, double) const {
       .together({Columns::push_row, Columns::push_force, Columns::push_remaining});
   for (const auto column : {Columns::drag_row, Columns::push_row}) {
     for (const uint32_t row : check.state().span<uint32_t>(column))
-      check.require(row < points, "a hand's row");
+      check.require(row < points, "the row of a push or drag");
   }
   check.require(check.state().f64(Columns::parameters)[0] > 0, "Young's modulus");
 }
 
 std::vector<std::string> Fem::remedies() const {
   if (motion_ == Motion::quasi_static) {
-    return {"a longer load_time or a smaller dt, so that a step brings less load",
+    return {"a longer load_time or a smaller dt, so that a step adds less load",
             "a material that resists collapse (neo_hookean)",
-            "motion dynamic with damping, where the body snaps from one shape to another"};
+            "motion dynamic with damping, if the body snaps from one shape to another"};
   }
-  return {"a smaller dt", "integrator implicit_euler, which damps what it cannot follow", "a smaller load"};
+  return {"a smaller dt", "integrator implicit_euler, which damps motion too fast for the step",
+          "a smaller load"};
 }
 
 std::unique_ptr<const Fem> Fem::make(const FemDef& def, const BuildContext& context) {

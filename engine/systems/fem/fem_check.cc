@@ -28,14 +28,14 @@ Form form_of(const Element& kind) {
 
 void check_sheet(const FemDef& d, const Report& report) {
   if (d.plane == Plane::shell && cell_of(d) != Cell::tri6)
-    report("/element", "a shell is made of tri6: a membrane may be of others");
+    report("/element", "a shell needs tri6; a membrane takes other elements too");
   if (d.plane == Plane::membrane && !d.clamped.empty())
-    report("/clamped", "a membrane has no direction to be held: take plane shell, or pinned");
+    report("/clamped", "a membrane has no edge direction to clamp: use plane shell, or pinned");
   if (d.material == Law::linear)
-    report("/material", "a sheet turns in space: take corotated, the same for small strains");
+    report("/material", "a sheet rotates in space: use corotated, which is the same for small strains");
   if (d.volume == Volume::mean)
-    report("/volume", "a sheet gets thinner as it is stretched and nothing locks: leave it pointwise");
-  if (d.contact == Meeting::barrier) report("/contact", "sheets have no barrier");
+    report("/volume", "a sheet thins when stretched and does not lock: leave it pointwise");
+  if (d.contact == Meeting::barrier) report("/contact", "sheets cannot use a barrier");
 }
 
 void check_element(const FemDef& d, const Report& report) {
@@ -45,7 +45,7 @@ void check_element(const FemDef& d, const Report& report) {
     report("/element", "a region is filled with tet4 or tet10");
   if (d.quad && kind.dimension == 3) report("/element", "a quad is made of tri3, tri6, quad4 or quad9");
   if (d.mesh && d.mesh->form == Form::as_element && d.element == Cell::automatic)
-    report("/element", "name the element that a mesh is made of: " + listed(cell_names()));
+    report("/element", "give the element of the mesh: " + listed(cell_names()));
   if (d.mesh && d.mesh->form != Form::as_element && form_of(kind) != d.mesh->form)
     report("/element", std::string("the mesh is made of ") + kForms[static_cast<size_t>(d.mesh->form)]);
   if (kind.dimension == 3 && d.plane != Plane::strain)
@@ -54,22 +54,22 @@ void check_element(const FemDef& d, const Report& report) {
   if (d.incompatible_modes == Incompatible::wilson) {
     const bool first = !kind.simplex && kind.size() == kind.corners;
     if (!first || is_sheet(d))
-      report("/incompatible_modes", "those of hex8 and of plane quad4: other elements bend without them");
+      report("/incompatible_modes", "only for hex8 and plane quad4: other elements bend without them");
     if (d.volume == Volume::mean)
-      report("/incompatible_modes", "with volume mean there are none: leave volume pointwise");
+      report("/incompatible_modes", "not available with volume mean: leave volume pointwise");
   }
   if (d.volume != Volume::mean) return;
   if (kind.points.size() == 1) {
-    report("/volume", "an element with one point has no other mean: take tri6, quad4, tet10, hex8 ...");
+    report("/volume", "no effect on an element with one quadrature point: use tri6, quad4, tet10, hex8 ...");
   }
   if (kind.dimension == 2 && d.plane == Plane::stress) {
-    report("/volume", "in plane stress the thickness gives way and nothing locks: leave it pointwise");
+    report("/volume", "in plane stress the thickness adapts and nothing locks: leave it pointwise");
   }
 }
 
 void check_material(const FemDef& d, const Report& report) {
   if (d.second_share > 0 && d.material != Law::mooney_rivlin) {
-    return report("/second_share", "only the material mooney_rivlin has one");
+    return report("/second_share", "only for material mooney_rivlin");
   }
   const Material m = material_of(d.material, d.youngs_modulus, d.poisson_ratio, d.second_share);
   if (d.material == Law::mooney_rivlin && m.lambda < 2 * m.mu * d.second_share) {
@@ -112,20 +112,20 @@ void check_cells(const FemDef& d, const Report& report) {
   const Element& kind = element_of(kind_of(cell_of(d)));
   if (d.mesh->cells.size() % kind.corners != 0) {
     return report("/mesh/cells", std::string(kind.name) + " has " + std::to_string(kind.corners) +
-                                     " corners: their number is no multiple of that");
+                                     " corners: the number of indices is not a multiple of that");
   }
   if (in_plane(d)) {
     for (size_t i = 0; i < d.mesh->vertices.size(); ++i) {
       if (d.mesh->vertices[i].z == 0) continue;
-      return report("/mesh/vertices/" + std::to_string(i), "a plane body lies in z = 0");
+      return report("/mesh/vertices/" + std::to_string(i), "a plane body must lie in z = 0");
     }
   }
   const Mesh mesh = build_mesh(d);
   const size_t bad = first_bad_cell(mesh);
   if (bad != static_cast<size_t>(-1)) {
-    report(
-        "/mesh/cells/" + std::to_string(bad * kind.corners),
-        "element " + std::to_string(bad) + " is flat or turned inside out: number its corners as VTK does");
+    report("/mesh/cells/" + std::to_string(bad * kind.corners),
+           "element " + std::to_string(bad) +
+               " is flat or turned inside out: number its corners in VTK's order");
   }
   if (const auto crowded = first_crowded_face(mesh)) {
     return report("/mesh/cells/" + std::to_string((*crowded)[2] * kind.corners),
@@ -136,7 +136,7 @@ void check_cells(const FemDef& d, const Report& report) {
   if (const auto fold = d.plane == Plane::shell ? first_fold(mesh) : std::nullopt) {
     return report("/mesh/cells/" + std::to_string((*fold)[1] * kind.corners),
                   "elements " + std::to_string((*fold)[0]) + " and " + std::to_string((*fold)[1]) +
-                      " lie on each other: a shell may be bent at an edge, not folded flat");
+                      " coincide: a shell may be bent at an edge, not folded flat");
   }
   std::vector<uint8_t> used(mesh.x.size(), 0);
   for (const uint32_t p : mesh.nodes) used[p] = 1;
@@ -176,7 +176,7 @@ void check_names(const FemDef& d, const Report& report) {
   }
   for (size_t k = 0; k < d.holds.size(); ++k) {
     if (in_plane(d) && d.holds[k].z)
-      report("/holds/" + std::to_string(k) + "/z", "a plane body stays in z = 0");
+      report("/holds/" + std::to_string(k) + "/z", "a plane body must stay in z = 0");
   }
 }
 
@@ -199,25 +199,27 @@ void check_copies(const FemDef& d, const Report& report) {
   for (size_t k = 0; k < d.copies.size() && in_plane(d); ++k) {
     const CopyDef& c = d.copies[k];
     const std::string at = "/copies/" + std::to_string(k);
-    if (c.position.z != 0) report(at + "/position", "a plane body lies in z = 0");
+    if (c.position.z != 0) report(at + "/position", "a plane body must lie in z = 0");
     if (c.axis.x != 0 || c.axis.y != 0) report(at + "/axis", "a plane body turns about z");
-    if (c.velocity.z != 0) report(at + "/velocity", "a plane body stays in z = 0");
+    if (c.velocity.z != 0) report(at + "/velocity", "a plane body must stay in z = 0");
   }
 }
 
 void check_barrier(const FemDef& d, const Report& report) {
   if (d.contact != Meeting::barrier) return;
-  if (in_plane(d)) report("/contact", "plane bodies have no barrier");
-  if (d.motion == Motion::quasi_static) report("/contact", "a barrier is part of a dynamic step");
+  if (in_plane(d)) report("/contact", "plane bodies cannot use a barrier");
+  if (d.motion == Motion::quasi_static) report("/contact", "a barrier needs motion dynamic");
   if (!d.integrator.empty())
-    report("/integrator", "with contact barrier the step is one of implicit Euler: leave it out");
-  if (d.restitution > 0) report("/restitution", "a barrier gives back what the body does: leave it out");
+    report("/integrator", "contact barrier always uses implicit Euler: leave it out");
+  if (d.restitution > 0)
+    report("/restitution", "with a barrier the rebound follows from the elastic body: leave it out");
   if (d.contact_distance && !(*d.contact_distance > 0))
-    report("/contact_distance", "a barrier begins at some distance: above 0");
+    report("/contact_distance", "a barrier needs a distance above 0");
   for (size_t k = 0; k < d.loads.size(); ++k) {
     if (d.loads[k].pressure)
       report("/loads/" + std::to_string(k) + "/pressure",
-             "a pressure has no potential, which a barrier needs: take a force or a traction");
+             "a barrier needs loads with a potential, which a pressure does not have: use a force or a "
+             "traction");
   }
   for (size_t k = 0; k < d.holds.size(); ++k) {
     const HoldDef& h = d.holds[k];
@@ -228,7 +230,7 @@ void check_barrier(const FemDef& d, const Report& report) {
     for (const auto& [name, text] : parts) {
       if (given == 3 || !*text || **text == "0") continue;
       report("/holds/" + std::to_string(k) + name,
-             "with contact barrier a hold prescribes x, y and z together, or keeps single ones at 0");
+             "with contact barrier a hold must prescribe x, y and z together, or fix single ones at 0");
     }
   }
 }
@@ -251,19 +253,18 @@ void check_fem(const FemDef& d, const Report& report) {
   const bool known = d.mesh && (d.element != Cell::automatic || d.mesh->form != Form::as_element);
   if (known) check_cells(d, report);
   if (d.fill && build_mesh(d).cells() == 0)
-    return report("/fill/spacing", "the region is finer than this: nothing of the lattice is left inside");
+    return report("/fill/spacing", "too large for this region: no element of the lattice is left inside");
   check_names(d, report);
   check_copies(d, report);
   check_barrier(d, report);
-  if (in_plane(d) && !d.colliders.empty()) report("/colliders", "plane bodies meet no colliders");
-  if (in_plane(d) && d.velocity.z != 0) report("/velocity", "a plane body stays in z = 0");
+  if (in_plane(d) && !d.colliders.empty()) report("/colliders", "plane bodies cannot meet colliders");
+  if (in_plane(d) && d.velocity.z != 0) report("/velocity", "a plane body must stay in z = 0");
   if (d.motion == Motion::quasi_static) {
-    if (!d.integrator.empty())
-      report("/integrator", "a quasi-static body is in equilibrium: it has no integrator");
+    if (!d.integrator.empty()) report("/integrator", "quasi-static motion uses no integrator: leave it out");
     if (d.pins.empty() && d.pinned.empty() && d.clamped.empty() && d.holds.empty()) {
       report("/motion", "nothing holds the body: quasi-static motion needs pins, pinned or holds");
     }
-    if (!d.colliders.empty()) report("/colliders", "quasi-static bodies meet no colliders");
+    if (!d.colliders.empty()) report("/colliders", "quasi-static bodies cannot meet colliders");
     if (d.damping > 0) report("/damping", "a quasi-static body has no velocity");
   }
 }

@@ -12,16 +12,16 @@ using Columns = FemColumns;
 namespace {
 
 constexpr PointCommands kNodes({Columns::velocity, Columns::inverse_mass, Columns::kHands}, "node",
-                               "a body of elements keeps its nodes");
+                               "nodes of a finite-element body cannot be added or removed");
 
 }  // namespace
 
 void Fem::apply(State& s, const Command& given) const {
   Command c = given;
   if (body().plane && c.vector.z != 0)
-    refuse_command("vector", "out_of_range", "a plane body stays in z = 0");
+    refuse_command("vector", "out_of_range", "a plane body must stay in z = 0");
   if (c.kind == CommandKind::unpin && body().axes[kNodes.row(s, c)] == 7) {
-    refuse_command("index", "held", "the scene's holds keep this node");
+    refuse_command("index", "held", "this node is fixed by the scene's holds");
   }
   if (c.kind == CommandKind::impulse) {
     const uint8_t held = body().axes[kNodes.row(s, c)];
@@ -38,7 +38,7 @@ void Fem::apply(State& s, const Command& given) const {
   if (c.name == "damping") {
     if (elements_.dependence() == Dependence::position) {
       refuse_command("name", "unknown_parameter",
-                     "this scene began without damping, which its method relies on");
+                     "this scene started without damping, and its method relies on that");
     }
     s.f64(Columns::parameters)[1] = c.value;
     return;

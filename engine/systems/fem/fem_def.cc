@@ -91,27 +91,27 @@ const DefTable& fem_table() {
         .object("block", &D::block, soft_block_shape_table(),
                 "a box; its sides are the sets x0, x1, y0, y1, z0, z1")
         .object("quad", &D::quad, quad_table(), "a plane body with four corners; sides x0, x1, y0, y1")
-        .object("mesh", &D::mesh, cells_table(), "elements of any form")
+        .object("mesh", &D::mesh, cells_table(), "elements of any kind")
         .object("fill", &D::fill, fill_table(),
-                "a ball, a cylinder or what a surface holds, filled with tetrahedra")
+                "a ball, a cylinder or the inside of a surface, filled with tetrahedra")
         .objects("copies", &D::copies, copy_table(), {0, 10000},
-                 "bodies of this shape: each is turned and moved; absent: one as the shape says")
+                 "copies of the shape, each rotated and translated; absent: one as given")
         .choice("element", &D::element, cell_names(),
-                "kind of the elements; auto: hex8 of a block, quad4 of a quad; of second order: tri6, quad9, "
-                "tet10, hex27")
+                "kind of the elements; auto: hex8 for a block, quad4 for a quad; of second order: tri6, "
+                "quad9, tet10, hex27")
         .choice("plane", &D::plane, {"strain", "stress", "membrane", "shell"},
-                "what a plane body keeps across its plane: its thickness (strain), or no stress; membrane: a "
-                "sheet in space that resists stretching; shell: and bending, of tri6")
+                "plane strain (constant thickness) or plane stress; membrane: a sheet in space that resists "
+                "stretching; shell: also bending, with tri6")
         .number("plane_thickness", &D::plane_thickness, "m", above(0), "of a plane body or a sheet")
         .objects("sets", &D::sets, set_table(), {0, 1000},
-                 "further sets of nodes, beside the sides, border and all")
+                 "sets of nodes, in addition to the sides, border and all")
         .choice("material", &D::material,
                 {"linear", "corotated", "st_venant_kirchhoff", "neo_hookean", "stable_neo_hookean",
                  "mooney_rivlin"},
                 "elastic law; linear: small strains and small rotations only")
         .number("youngs_modulus", &D::youngs_modulus, "Pa", above(0), "E")
         .number("poisson_ratio", &D::poisson_ratio, "1", {.min = -1, .max = 0.5, .ends = Limits::Ends::open},
-                "nu; near 1/2 take volume mean")
+                "nu; near 1/2 use volume mean")
         .number("density", &D::density, "kg/m^3", above(0), "at rest")
         .number("second_share", &D::second_share, "1", between(0, 1), "mooney_rivlin: c2 / (c1 + c2)")
         .choice("volume", &D::volume, {"pointwise", "mean"},
@@ -119,32 +119,31 @@ const DefTable& fem_table() {
                 "bodies "
                 "do not lock")
         .choice("incompatible_modes", &D::incompatible_modes, {"none", "wilson"},
-                "wilson: hex8 and quad4 bend within themselves, so that they are not too stiff in bending")
+                "wilson: bending modes within hex8 and quad4, so that they are not too stiff in bending")
         .number("damping", &D::damping, "1/s", at_least(0), "force -damping * mass * v")
-        .vector("velocity", &D::velocity, "m/s", any(), "initial, of every node that is not held")
-        .integers("pins", &D::pins, at_least(0), {}, "indices of nodes that are held")
-        .texts("pinned", &D::pinned, {}, "sets that are held: x0, bottom, border ...")
+        .vector("velocity", &D::velocity, "m/s", any(), "initial, of every node that is not fixed")
+        .integers("pins", &D::pins, at_least(0), {}, "indices of fixed nodes")
+        .texts("pinned", &D::pinned, {}, "sets of fixed nodes: x0, bottom, border ...")
         .texts("clamped", &D::clamped, {},
-               "sets of a shell that are held, and whose edges along its rim keep their direction")
+               "sets of a shell that are fixed and whose edges along the rim keep their direction")
         .objects("holds", &D::holds, hold_table(), {0, 1000},
-                 "displacements that are prescribed, also moving ones")
+                 "prescribed displacements, which may vary in time")
         .objects("loads", &D::loads, load_table(), {0, 1000},
                  "forces, tractions and pressures on the surface")
         .number("load_time", &D::load_time, "s", at_least(0),
-                "loads, and gravity in quasi-static motion, grow evenly from 0 for so long")
+                "over which loads, and gravity in quasi-static motion, grow linearly from 0")
         .choice("motion", &D::motion, {"dynamic", "quasi_static"},
                 "quasi_static: every step ends in equilibrium, found by Newton's method with line search")
         .integer("modes", &D::modes, between(0, 64),
                  "natural frequencies of the body at rest to observe, lowest first")
-        .choice(
-            "contact", &D::contact, {"nodes", "barrier"},
-            "nodes: colliders keep the nodes out; barrier: no part of the surface ever touches a collider "
-            "or the surface itself, which every step of implicit Euler makes sure of")
+        .choice("contact", &D::contact, {"nodes", "barrier"},
+                "nodes: colliders keep the nodes out; barrier: every step of implicit Euler keeps the "
+                "surface from touching colliders or itself")
         .number("contact_distance", &D::contact_distance, "m", at_least(0),
-                "kept from every obstacle, default 0; of a barrier where it begins to push, default a "
+                "kept from every obstacle, default 0; with a barrier where it begins to push, default a "
                 "thousandth of the body's size")
         .number("restitution", &D::restitution, "1", between(0, 1),
-                "on any collider, in place of the collider's own")
+                "on any collider, instead of the collider's own")
         .number("friction", &D::friction, "1", at_least(0),
                 "Coulomb's coefficient on colliders; absent: each collider's own");
     add_collider_rows(table, &D::colliders);

@@ -125,8 +125,7 @@ void Fem::equilibrium(State& s, const StepInput& in) const {
       copy(start, x);
       throw Instability(
           "", "position", -1,
-          std::string("no equilibrium was found, not even for a 256th of what the step brings: ") +
-              failure.what());
+          std::string("no equilibrium was found, not even for 1/256 of the step's load: ") + failure.what());
     }
     for (size_t k = 0; k < n; ++k) x[k] += scale * u[k];
     copy(x, reached);

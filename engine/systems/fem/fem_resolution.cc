@@ -18,10 +18,10 @@ bool divided(int& count, double factor) {
 
 std::optional<std::string> divide(void* def, double factor) {
   auto& d = *static_cast<FemDef*>(def);
-  if (d.mesh) return "a mesh of given cells has no count that divides it";
-  if (!d.pins.empty()) return "pins by number are other nodes when there are more: name them (pinned)";
+  if (d.mesh) return "a mesh of given cells cannot be refined";
+  if (!d.pins.empty()) return "pins by index mean other nodes at another resolution: give names (pinned)";
   for (const SetDef& s : d.sets) {
-    if (!s.points.empty()) return "points by number are other nodes when there are more: give the set a box";
+    if (!s.points.empty()) return "point indices mean other nodes at another resolution: give the set a box";
   }
   if (d.fill) {
     d.fill->spacing /= factor;
@@ -30,7 +30,7 @@ std::optional<std::string> divide(void* def, double factor) {
   const bool whole = d.block ? divided(d.block->cells_x, factor) && divided(d.block->cells_y, factor) &&
                                    divided(d.block->cells_z, factor)
                              : divided(d.quad->cells_x, factor) && divided(d.quad->cells_y, factor);
-  if (!whole) return "cells are whole numbers";
+  if (!whole) return "numbers of cells must be whole";
   return std::nullopt;
 }
 

@@ -49,7 +49,7 @@ Flocking::Flocking(const FlockingDef& def, const BuildContext& context)
            def.space == Space::plane},
       colliders_(build_colliders(def.colliders)) {
   if (!colliders_.empty()) {
-    add_stage("remember", "where everybody was, for contacts",
+    add_stage("remember", "previous positions, for contacts",
               [this](State& s, const StepInput& in) { remember(s, in); });
   }
   switch (def.rule) {
@@ -62,9 +62,10 @@ Flocking::Flocking(const FlockingDef& def, const BuildContext& context)
                 [this](State& s, const StepInput& in) { align(s, in); });
       break;
     case Rule::cucker_smale:
-      add_stage("approach",
-                def.decay > 0 ? "all pairs, four times a step" : "all count alike: their mean does",
-                [this](State& s, const StepInput& in) { approach(s, in); });
+      add_stage(
+          "approach",
+          def.decay > 0 ? "all pairs, four times a step" : "all pairs weigh the same: their mean is enough",
+          [this](State& s, const StepInput& in) { approach(s, in); });
   }
   if (def.predators > 0) {
     add_stage("chase", std::to_string(def.predators) + " predators",
@@ -188,7 +189,8 @@ void Flocking::touch(State& s, const StepInput& in) const {
 void Flocking::apply(State& s, const Command& c) const {
   check_command_numbers(c);
   if (c.kind != CommandKind::set_parameter) {
-    refuse_command("kind", "not_possible", "nobody in a flock has a mass to push", "set_parameter");
+    refuse_command("kind", "not_possible", "members of a flock have no mass and cannot be pushed",
+                   "set_parameter");
   }
   if (c.name == "goal") {
     if (!def_.goal)
@@ -204,7 +206,7 @@ void Flocking::apply(State& s, const Command& c) const {
   }
   if (c.value < 0) refuse_command("value", "out_of_range", "the value must be at least 0");
   if (c.name == "noise" && c.value > kTurn) {
-    refuse_command("value", "out_of_range", "no angle is wider than a turn", "0 to 6.283185307179586");
+    refuse_command("value", "out_of_range", "an angle is at most a full turn", "0 to 6.283185307179586");
   }
   s.f64(Columns::weights)[static_cast<size_t>(at - std::begin(kWeightNames))] = c.value;
 }

@@ -12,28 +12,29 @@ constexpr double kTurn = 6.283185307179586;
 
 void check_box(const FlockingDef& d, const DefTable::Report& report) {
   if (d.sides == Sides::open) return;
-  if (d.rule == Rule::cucker_smale) report("/sides", "the rule cucker_smale takes all pairs: sides are open");
+  if (d.rule == Rule::cucker_smale)
+    report("/sides", "the rule cucker_smale takes all pairs and needs open sides");
   const bool flat = d.space == Space::plane;
   const Vec3 e = d.half_extents;
   if (!(e.x > 0) || !(e.y > 0) || (!flat && !(e.z > 0))) {
-    report("/half_extents", "the box has an extent along every direction");
+    report("/half_extents", "the box needs an extent along every direction");
   }
   const double least = flat ? std::min(e.x, e.y) : std::min({e.x, e.y, e.z});
   if (d.sides == Sides::periodic && least < reach_of(d)) {
-    report("/half_extents", "a periodic box has half extents of at least the largest radius, " +
-                                short_number(reach_of(d)) + " m: else a neighbour is met twice");
+    report("/half_extents", "a periodic box needs half extents of at least the largest radius, " +
+                                short_number(reach_of(d)) + " m, or neighbours would count twice");
   }
 }
 
 void check(const FlockingDef& d, const DefTable::Report& report) {
   if (!d.velocities.empty() && d.velocities.size() != d.positions.size()) {
-    report("/velocities", "as many velocities as positions, or none");
+    report("/velocities", "needs as many velocities as positions, or none");
   }
   if (d.heading && !(norm(*d.heading) > 0)) report("/heading", "the heading must not be zero");
-  if (d.min_speed > d.max_speed) report("/min_speed", "is at most max_speed");
-  if (d.predators > 0 && d.rule != Rule::reynolds) report("/predators", "only the rule reynolds has any");
+  if (d.min_speed > d.max_speed) report("/min_speed", "must be at most max_speed");
+  if (d.predators > 0 && d.rule != Rule::reynolds) report("/predators", "only for rule reynolds");
   if (d.predators > 0 && d.sides == Sides::periodic) {
-    report("/predators", "chase in a straight line: sides are open or walls");
+    report("/predators", "predators chase in a straight line and need sides open or walls");
   }
   if (d.rule == Rule::cucker_smale && d.decay > 0 && boid_count(d) > static_cast<size_t>(kMostAllPairs)) {
     report("/count", "all pairs of more than " + std::to_string(kMostAllPairs) + " take too long");
@@ -56,14 +57,14 @@ const DefTable& flocking_table() {
   using D = FlockingDef;
   static const DefTable t = [] {
     auto table =
-        TableOf<D>("flocks, schools and herds: many that steer by their neighbours")
+        TableOf<D>("flocks, schools and herds: members that steer by their neighbours")
             .choice(
                 "rule", &D::rule, {"reynolds", "vicsek", "cucker_smale"},
                 "separation, alignment and cohesion; constant speed along the neighbours' mean heading with "
                 "noise, once a step; or velocities that approach each other by distance")
-            .choice("space", &D::space, {"plane", "solid"}, "z = 0 alone, or three directions")
+            .choice("space", &D::space, {"plane", "solid"}, "the plane z = 0, or space")
             .choice("sides", &D::sides, {"open", "walls", "periodic"},
-                    "no box; a box that holds them; or one whose opposite sides are one")
+                    "no box; a box with walls; or a periodic box")
             .integer("count", &D::count, between(1, kMost), "members, spread at random over the box")
             .vectors("positions", &D::positions, "m", any(), {0, kMost}, "of every member, instead of count")
             .vectors("velocities", &D::velocities, "m/s", any(), {0, kMost},
@@ -71,49 +72,47 @@ const DefTable& flocking_table() {
             .vector("center", &D::center, "m", any(), "of the box")
             .vector("half_extents", &D::half_extents, "m", at_least(0), "half edges of the box")
             .vector("start_center", &D::start_center, "m", any(),
-                    "where they start; absent: in the whole box")
-            .vector("start_half_extents", &D::start_half_extents, "m", at_least(0),
-                    "of the region where they start")
-            .number("speed", &D::speed, "m/s", at_least(0), "at the start; of vicsek always")
-            .vector("heading", &D::heading, "1", any(),
-                    "of all at the start; absent: each its own, at random")
+                    "centre of the starting region; absent: the whole box")
+            .vector("start_half_extents", &D::start_half_extents, "m", at_least(0), "of the starting region")
+            .number("speed", &D::speed, "m/s", at_least(0), "at the start; with vicsek always")
+            .vector("heading", &D::heading, "1", any(), "of all at the start; absent: random for each")
             .number("separation_radius", &D::separation_radius, "m", above(0),
-                    "nearer ones are kept away from")
+                    "within which neighbours are avoided")
             .number("alignment_radius", &D::alignment_radius, "m", above(0),
-                    "nearer ones are flown along with")
-            .number("cohesion_radius", &D::cohesion_radius, "m", above(0), "nearer ones are joined")
-            .number("separation", &D::separation, "m/s^2", at_least(0), "away from one that is met")
+                    "within which velocities are matched")
+            .number("cohesion_radius", &D::cohesion_radius, "m", above(0), "within which neighbours attract")
+            .number("separation", &D::separation, "m/s^2", at_least(0), "away from a neighbour at contact")
             .number("alignment", &D::alignment, "1/s", at_least(0),
                     "times the difference to the mean velocity")
-            .number("cohesion", &D::cohesion, "1/s^2", at_least(0), "times the way to the mean place")
+            .number("cohesion", &D::cohesion, "1/s^2", at_least(0), "times the distance to the mean position")
             .number("view_angle", &D::view_angle, "rad", between(0, kTurn),
                     "full angle about the heading within which neighbours are seen")
-            .number("min_speed", &D::min_speed, "m/s", at_least(0), "nobody is slower")
-            .number("max_speed", &D::max_speed, "m/s", above(0), "nobody is faster")
+            .number("min_speed", &D::min_speed, "m/s", at_least(0), "lower limit")
+            .number("max_speed", &D::max_speed, "m/s", above(0), "upper limit")
             .number("max_acceleration", &D::max_acceleration, "m/s^2", above(0), "of all steering together")
             .number("max_turn_rate", &D::max_turn_rate, "rad/s", above(0), "of the heading")
             .number("wall_margin", &D::wall_margin, "m", above(0),
-                    "distance from which walls and colliders are avoided")
+                    "within which walls and colliders are avoided")
             .number("wall_strength", &D::wall_strength, "m/s^2", at_least(0),
-                    "away from a wall or a collider that is met")
-            .vector("goal", &D::goal, "m", any(), "place that all make for; absent: none")
+                    "away from a wall or a collider at contact")
+            .vector("goal", &D::goal, "m", any(), "point that all steer towards; absent: none")
             .number("goal_strength", &D::goal_strength, "m/s^2", at_least(0), "towards the goal")
             .integer("predators", &D::predators, between(0, 100),
-                     "that chase whoever is nearest; a part of their own")
+                     "that chase the nearest member; a part of their own")
             .number("predator_speed", &D::predator_speed, "m/s", above(0), "always")
             .number("predator_turn_rate", &D::predator_turn_rate, "rad/s", above(0),
                     "of a predator's heading")
-            .number("flight_radius", &D::flight_radius, "m", above(0), "nearer predators are fled from")
+            .number("flight_radius", &D::flight_radius, "m", above(0), "within which predators are fled from")
             .number("flight_strength", &D::flight_strength, "m/s^2", at_least(0),
-                    "away from a predator that is met")
+                    "away from a predator at contact")
             .number("radius", &D::radius, "m", above(0),
                     "vicsek: of the neighbours whose headings are averaged")
             .number("noise", &D::noise, "rad", between(0, kTurn),
-                    "vicsek: full angle over which the heading is disturbed every step")
+                    "vicsek: full angle of the random change of the heading every step")
             .number("coupling", &D::coupling, "1/s", at_least(0), "cucker_smale: K")
             .number("influence_range", &D::influence_range, "m", above(0),
                     "cucker_smale: sigma of (1 + r^2 / sigma^2)^-decay")
-            .number("decay", &D::decay, "1", between(0, 10), "cucker_smale: beta; 0: all count alike")
+            .number("decay", &D::decay, "1", between(0, 10), "cucker_smale: beta; 0: all weigh the same")
             .number("draw_radius", &D::draw_radius, "m", at_least(0), "size in pictures")
             .vector("color", &D::color, "1", between(0, 1), "linear red, green, blue")
             .check(check);
@@ -125,20 +124,20 @@ const DefTable& flocking_table() {
 
 const Outputs& flocking_outputs() {
   static const Outputs kOutputs{
-      .rows = "a member; of part predators, one of them",
+      .rows = "a member; in part predators, a predator",
       .fields = {{"position", "m", 3, ""},
                  {"velocity", "m/s", 3, ""},
                  {"speed", "m/s", 1, "magnitude of the velocity"},
                  {"predators.position", "m", 3,
                   "of part predators, where there are any; velocity and speed too"}},
-      .observables = {{"polarisation", "1", "|mean of the unit headings|: 1 all alike, 0 none"},
-                      {"speed.mean", "m/s", "without predators, as all of these"},
+      .observables = {{"polarisation", "1", "|mean of the unit headings|: 1 all aligned, 0 none"},
+                      {"speed.mean", "m/s", "without predators, like all of these"},
                       {"velocity.mean.x", "m/s", ""},
                       {"velocity.mean.y", "m/s", ""},
                       {"velocity.mean.z", "m/s", ""},
                       {"velocity.spread", "m/s", "root mean square of the differences to the mean velocity"},
-                      {"distance.nearest", "m", "of the two that are nearest, if within a radius"},
-                      {"groups", "1", "that are joined by distances of at most the largest radius"}}};
+                      {"distance.nearest", "m", "between the nearest two, if within a radius"},
+                      {"groups", "1", "groups connected by distances of at most the largest radius"}}};
   return kOutputs;
 }
 

@@ -20,15 +20,15 @@ const DefTable& heat_table() {
 
 const Outputs& heat_outputs() {
   static const Outputs kOutputs{
-      .rows = "a node of the lattice, x running fastest",
+      .rows = "a node of the lattice, x fastest",
       .fields = {{"value", "K", 1, "temperature"}},
       .observables = {
           {"energy.thermal", "J", "heat capacity times the integral of the temperature"},
           {"value.min", "K", "lowest temperature"},
           {"value.max", "K", "highest temperature"},
-          {"error.exact", "K", "distance from the scene's exact solution, root mean square over the box"},
+          {"error.exact", "K", "difference from the scene's exact solution, root mean square over the box"},
           {"integrator.steps", "1", "internal steps taken since the start"},
-          {"integrator.rejected", "1", "internal steps tried again with a smaller one"},
+          {"integrator.rejected", "1", "rejected internal steps"},
           {"integrator.rates", "1", "evaluations of the right-hand side"},
           {"integrator.jacobians", "1", "evaluations of its derivatives"}}};
   return kOutputs;

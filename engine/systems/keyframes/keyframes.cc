@@ -141,7 +141,7 @@ void Keyframes::add_shape(const MovedShapeDef& d, size_t number) {
     }
     for (const Shape& other : shapes_) {
       if (other.def.id != d.id) continue;
-      driver_.fault({at + "/id", "duplicate_name", "there is a shape of this name", d.id, "", "", ""});
+      driver_.fault({at + "/id", "duplicate_name", "another shape has this name", d.id, "", "", ""});
     }
     s.first_vertex = vertices_;
     for (auto t : triangles) {
@@ -227,7 +227,7 @@ FieldView Keyframes::field(const State& s, size_t part, size_t which, std::vecto
 void Keyframes::apply(State& s, const Command& c) const {
   check_command_numbers(c);
   if (c.kind != CommandKind::set_parameter) {
-    refuse_command("kind", "bad_command", "shapes of keyframes move as they are told", "set_parameter");
+    refuse_command("kind", "bad_command", "shapes of keyframes move as prescribed", "set_parameter");
   }
   if (driver_.apply(s, kControl, c)) return;
   std::string all;

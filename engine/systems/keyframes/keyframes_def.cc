@@ -8,7 +8,7 @@ const DefTable& shape_table() {
   using D = MovedShapeDef;
   static const DefTable t =
       TableOf<D>("a shape whose pose is given as expressions")
-          .text("id", &D::id, "its name; of a shape with a scale also that of its part")
+          .text("id", &D::id, "its name; with scale also the name of its part")
           .choice("shape", &D::shape, {"sphere", "box", "capsule", "cylinder"}, "axes are y")
           .number("radius", &D::radius, "m", above(0), "of sphere, capsule and cylinder")
           .number("half_length", &D::half_length, "m", above(0),
@@ -17,18 +17,18 @@ const DefTable& shape_table() {
           .texts("position", &D::position, {0, 3}, "x, y and z (m) as expressions; a missing one is 0")
           .texts("rotation", &D::rotation, {0, 3}, "angles (rad) about x, y and z as expressions")
           .choice("order", &D::order, animation::kEulerOrders,
-                  "of the angles, each about its axis as already turned")
+                  "of the angles, each about its axis as rotated so far")
           .text("turn", &D::turn, "name of one of turns; instead of rotation")
           .texts("scale", &D::scale, {0, 3},
                  "factors along its own axes as expressions, of spheres and boxes; a missing one is 1")
           .vector("color", &D::color, "1", between(0, 1), "linear red, green, blue")
           .check([](const D& d, const DefTable::Report& report) {
-            if (!d.turn.empty() && !d.rotation.empty()) report("/turn", "either turn or rotation, not both");
+            if (!d.turn.empty() && !d.rotation.empty()) report("/turn", "give turn or rotation, not both");
             if (d.scale.empty()) return;
             if (d.shape != ShapeType::sphere && d.shape != ShapeType::box) {
-              report("/scale", "only spheres and boxes are stretched");
+              report("/scale", "only spheres and boxes can have a scale");
             }
-            if (d.id.empty()) report("/id", "a shape with a scale is a part and needs a name");
+            if (d.id.empty()) report("/id", "a shape with a scale is a part of its own and needs a name");
           })
           .build();
   return t;
@@ -39,7 +39,7 @@ const DefTable& shape_table() {
 const DefTable& keyframes_table() {
   using D = KeyframesDef;
   static const DefTable t = [] {
-    TableOf<D> table("shapes that move as curves and expressions tell them, and that others collide with");
+    TableOf<D> table("shapes that move along curves and expressions, and that others collide with");
     table.objects("shapes", &D::shapes, shape_table(), {0, 10'000}, "what moves");
     animation::add_driver_rows(table);
     return table
@@ -55,14 +55,14 @@ const DefTable& keyframes_table() {
 
 const Outputs& keyframes_outputs() {
   static const Outputs kOutputs{
-      .rows = "a shape; of a part that is named after a shape, a vertex of it; of part controls a control",
+      .rows = "a shape; in a part named after a shape, one of its vertices; in part controls a control",
       .fields = {{"position", "m", 3, "of the centre, or of a vertex"},
                  {"velocity", "m/s", 3, "mean over the last step"},
                  {"orientation", "1", 4, "w, x, y, z"},
                  {"angular_velocity", "rad/s", 3, "mean over the last step, in the world"},
-                 {"controls.value", "1", 1, "of part controls, a row per control: its value"}},
+                 {"controls.value", "1", 1, "of part controls, one row per control: its value"}},
       .observables = {{"control.<name>", "1", "value of a control"},
-                      {"shape.<id>.x", "m", "where a shape is"},
+                      {"shape.<id>.x", "m", "position of a shape"},
                       {"shape.<id>.y", "m", ""},
                       {"shape.<id>.z", "m", ""}}};
   return kOutputs;

@@ -25,15 +25,15 @@ ChosenMethod settle(const MassSpringDef& def, const BuildContext& context, const
   if (!choice.name.empty()) return {choose_integrator(choice, "", field), "named by the scene"};
   if (context.meets_bodies) {
     return {choose_integrator(choice, kMeetsBodies, field),
-            "the default where points touch bodies, to which each answers for itself"};
+            "the default for contact with bodies: every point responds on its own"};
   }
   const double omega = field.stiffness(field.initial_state())->omega;
   if (!(omega * context.dt > kMostLinear)) {
-    return {choose_integrator(choice, kUsual, field), "the default, which holds springs of this stiffness"};
+    return {choose_integrator(choice, kUsual, field), "the default, stable for springs of this stiffness"};
   }
-  return {choose_integrator(choice, kStiff, field), "springs turn within a step, and their fastest motion, " +
-                                                        std::to_string(omega) +
-                                                        " 1/s, is too stiff to take them as straight"};
+  return {choose_integrator(choice, kStiff, field),
+          "springs rotate within a step, and their fastest motion, " + std::to_string(omega) +
+              " 1/s, is too stiff to linearise them"};
 }
 
 constexpr std::string_view kOldPosition = "mass_spring.x_old", kOldVelocity = "mass_spring.v_old";
@@ -75,7 +75,7 @@ MassSpring::MassSpring(std::unique_ptr<const MassSpringField> field, const Chose
               [this](State& s, const StepInput& in) { integrate(s, in); });
   } else {
     if (!colliders_.empty()) {
-      add_stage("remember", "contacts need where every point came from", remember);
+      add_stage("remember", "contacts need the previous position of every point", remember);
     }
     add_integration_stage(method.why);
   }
@@ -85,14 +85,13 @@ MassSpring::MassSpring(std::unique_ptr<const MassSpringField> field, const Chose
   } else if (!solves_contacts()) {
     add_contact_stage();
   }
-  add_stage("hands", "ends pushes whose time is over",
+  add_stage("hands", "ends pushes whose duration is over",
             [](State& s, const StepInput& in) { Columns::kHands.count_down(s, in.h); });
-  if (!def.wind) skip_stage("air", "no wind is given; set_parameter wind brings it");
+  if (!def.wind) skip_stage("air", "no wind is given; set_parameter wind adds it");
   if (!(def.damping > 0)) skip_stage("viscous damping", "damping is 0");
   if (const auto crowded = def.mesh ? crowded_edge(*def.mesh) : std::nullopt) {
-    skip_stage(
-        "bending at crowded edges",
-        crowded->what + ": cloth is joined there and folds freely; to let it bend, split the mesh there");
+    skip_stage("bending at crowded edges",
+               crowded->what + ": cloth is joined there and folds freely; for bending, split the mesh there");
   }
   if (!(def.internal_damping > 0)) skip_stage("internal damping", "internal_damping is 0");
 

@@ -10,7 +10,7 @@ void MassSpring::check(StateCheck& check, double) const {
       .together({C::push_row, C::push_force, C::push_remaining});
   for (const auto column : {C::drag_row, C::push_row}) {
     for (const uint32_t row : check.state().span<uint32_t>(column))
-      check.require(row < points, "a hand's row");
+      check.require(row < points, "the row of a push or drag");
   }
 }
 

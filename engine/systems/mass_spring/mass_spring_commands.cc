@@ -12,7 +12,7 @@ using Columns = MassSpringColumns;
 namespace {
 
 constexpr PointCommands kPoints({Columns::velocity, Columns::inverse_mass, Columns::kHands}, "point",
-                                "a network of springs keeps its points");
+                                "points of a spring network cannot be added or removed");
 
 }  // namespace
 

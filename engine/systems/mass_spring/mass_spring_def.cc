@@ -24,7 +24,7 @@ const DefTable& free_spring_table() {
 const DefTable& free_table() {
   static const DefTable t =
       TableOf<FreeShape>("any points and springs")
-          .vectors("points", &FreeShape::points, "m", any(), {1, 1'000'000}, "where the points are")
+          .vectors("points", &FreeShape::points, "m", any(), {1, 1'000'000}, "positions of the points")
           .required()
           .vectors("velocities", &FreeShape::velocities, "m/s", any(), {0, 1'000'000},
                    "one per point, or none")
@@ -59,8 +59,7 @@ void check_mesh(const MassSpringDef& d, const DefTable::Report& report) {
   if (const auto flat = flat_triangle(*d.mesh)) return fault(*flat, "");
   if (!(d.bending_stiffness > 0)) return;
   if (const auto crowded = crowded_edge(*d.mesh)) {
-    fault(*crowded,
-          ", so that what bends there is not known: split the mesh there or leave bending_stiffness out");
+    fault(*crowded, ", where bending is undefined: split the mesh there or leave bending_stiffness out");
   }
 }
 
@@ -72,11 +71,11 @@ void check_def(const MassSpringDef& d, const DefTable::Report& report) {
                   "give exactly one of rope, hair, cloth_grid, mesh and free, not " + std::to_string(shapes));
   }
   if (d.bending_rigidity > 0 && !d.rope && !d.hair) {
-    report("/bending_rigidity", "only ropes and hair have one; of a cloth grid it is flexural_rigidity");
+    report("/bending_rigidity", "only for ropes and hair; for a cloth grid give flexural_rigidity");
   }
   if (d.flexural_rigidity > 0) {
     if (!d.cloth_grid) {
-      report("/flexural_rigidity", "only a cloth grid has one; of ropes and hair it is bending_rigidity");
+      report("/flexural_rigidity", "only for a cloth grid; for ropes and hair give bending_rigidity");
     } else if (const char* fault = plate_fault(*d.cloth_grid)) {
       report("/flexural_rigidity", fault);
     }
@@ -147,11 +146,10 @@ const DefTable& mass_spring_table() {
                 "kg per metre of rope or hair, per square metre of cloth; instead of mass")
         .number("stiffness", &D::stiffness, "N/m", at_least(0), "of a structural spring")
         .number("shear_stiffness", &D::shear_stiffness, "N/m", at_least(0),
-                "of a diagonal spring of a cloth grid; 0: there are none")
-        .number(
-            "bending_stiffness", &D::bending_stiffness, "N/m", at_least(0),
-            "of a spring that skips a point or crosses an edge; 0: there are none. It resists sharp bends, a "
-            "slight one hardly: for a stiffness against curvature take one of the next two")
+                "of a diagonal spring of a cloth grid; 0: no diagonal springs")
+        .number("bending_stiffness", &D::bending_stiffness, "N/m", at_least(0),
+                "of a spring that skips a point or crosses an edge; 0: none. It resists sharp bends but "
+                "hardly slight ones: for a stiffness against curvature use one of the next two")
         .number("bending_rigidity", &D::bending_rigidity, "N m^2", at_least(0),
                 "of a rope or hair: E I, moment per curvature; straight at rest")
         .number("flexural_rigidity", &D::flexural_rigidity, "N m", at_least(0),
@@ -164,19 +162,18 @@ const DefTable& mass_spring_table() {
         .number("internal_damping", &D::internal_damping, "N s/m", at_least(0),
                 "along the springs only: it slows stretching, not swinging")
         .vector("velocity", &D::velocity, "m/s", any(), "initial, of every point that is not pinned")
-        .integers("pins", &D::pins, at_least(0), {}, "indices of points that are held")
-        .texts("pinned", &D::pinned, {},
-               "named points that are held: first, last, corners, edge_v1, roots ...")
-        .vector("wind", &D::wind, "m/s", any(), "velocity of the air; absent: no air at all")
-        .number("gust", &D::gust, "1", between(0, 1), "part of the wind that comes and goes")
-        .number("gust_period", &D::gust_period, "s", above(0), "time from gust to gust")
-        .number("air_density", &D::air_density, "kg/m^3", at_least(0), "of the air, where there is wind")
+        .integers("pins", &D::pins, at_least(0), {}, "indices of pinned points")
+        .texts("pinned", &D::pinned, {}, "names of pinned points: first, last, corners, edge_v1, roots ...")
+        .vector("wind", &D::wind, "m/s", any(), "velocity of the air; absent: no air")
+        .number("gust", &D::gust, "1", between(0, 1), "amplitude of gusts, as a fraction of the wind")
+        .number("gust_period", &D::gust_period, "s", above(0), "period of gusts")
+        .number("air_density", &D::air_density, "kg/m^3", at_least(0), "of the air, if there is wind")
         .number("drag_coefficient", &D::drag_coefficient, "1", at_least(0),
                 "of the cloth's faces or the rope's cross-section")
         .number("thickness", &D::thickness, "m", at_least(0),
-                "diameter of the rope for the wind; half of it is kept from every obstacle")
+                "diameter of the rope for the wind; points stay half of it away from obstacles")
         .number("restitution", &D::restitution, "1", between(0, 1),
-                "of these points on any collider, in place of the collider's own")
+                "of these points on any collider, instead of the collider's own")
         .number("friction", &D::friction, "1", at_least(0),
                 "Coulomb's coefficient on colliders; absent: each collider's own");
     add_collider_rows(table, &D::colliders);

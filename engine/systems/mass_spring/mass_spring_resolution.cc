@@ -21,22 +21,23 @@ bool divided(int& count, double factor, int least) {
 
 Why divide(void* def, double factor) {
   auto& d = *static_cast<MassSpringDef*>(def);
-  if (d.mesh || d.free) return "a mesh and a free network have no count that divides them";
-  if (!d.density) return "points of a given mass are another object when there are more: give a density";
+  if (d.mesh || d.free) return "a mesh or a free network cannot be refined";
+  if (!d.density)
+    return "with a given mass per point the total mass depends on the resolution: give a density";
   if (d.bending_stiffness > 0) {
-    return "springs that skip a point resist bending by their number: give bending_rigidity or "
+    return "the effect of springs that skip a point depends on the resolution: give bending_rigidity or "
            "flexural_rigidity";
   }
-  if (!d.pins.empty()) return "pins by number are other points when there are more: name them (pinned)";
+  if (!d.pins.empty()) return "pins by index mean other points at another resolution: give names (pinned)";
   if (d.rope || d.hair) {
-    if (!divided(d.rope ? d.rope->links : d.hair->links, factor, 2)) return "links are whole numbers";
+    if (!divided(d.rope ? d.rope->links : d.hair->links, factor, 2)) return "numbers of links must be whole";
     d.stiffness *= factor, d.internal_damping *= factor, d.damping /= factor;
     return std::nullopt;
   }
   // Points along a side; refinement divides the links between them.
   auto& g = *d.cloth_grid;
   int u = g.nx - 1, v = g.ny - 1;
-  if (!divided(u, factor, 2) || !divided(v, factor, 2)) return "nx - 1 and ny - 1 are whole numbers";
+  if (!divided(u, factor, 2) || !divided(v, factor, 2)) return "nx - 1 and ny - 1 must be whole numbers";
   g.nx = u + 1, g.ny = v + 1;
   d.damping /= factor * factor;
   return std::nullopt;

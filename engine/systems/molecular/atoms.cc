@@ -191,7 +191,7 @@ bool check_sources(const MolecularDef& d, const DefTable::Report& report) {
   if (d.lattice) {
     const LatticeDef& l = *d.lattice;
     if (l.number_density.has_value() == l.lattice_constant.has_value()) {
-      fault("/lattice", "either number_density or lattice_constant");
+      fault("/lattice", "give either number_density or lattice_constant");
     }
     check_names(d, l.kinds, "/lattice/kinds", fault);
   }
@@ -202,7 +202,7 @@ bool check_sources(const MolecularDef& d, const DefTable::Report& report) {
     }
   }
   if (d.position_kinds.size() > 1 && d.position_kinds.size() != d.positions.size()) {
-    fault("/position_kinds", "one for all, or as many as positions");
+    fault("/position_kinds", "give one for all, or as many as positions");
   }
   check_names(d, d.position_kinds, "/position_kinds", fault);
   if (!d.xyz.empty()) {
@@ -263,20 +263,20 @@ void check_atoms(const MolecularDef& d, const DefTable::Report& report) {
   constexpr size_t kMost = 4'000'000;
   if (!check_sources(d, report)) return;
   const size_t n = atom_count(d);
-  if (n == 0) return report("", "there are no atoms: lattice, positions, xyz or water");
+  if (n == 0) return report("", "there are no atoms: give lattice, positions, xyz or water");
   if (n > kMost) return report("/lattice/cells", "there are more than " + std::to_string(kMost) + " atoms");
   if (!d.velocities.empty() && d.velocities.size() != d.positions.size()) {
-    return report("/velocities", "as many velocities as positions, or none");
+    return report("/velocities", "needs as many velocities as positions, or none");
   }
   if (d.sides == Sides::periodic) {
-    if (!d.box && !d.lattice) return report("/box", "a periodic box has edges");
+    if (!d.box && !d.lattice) return report("/box", "a periodic box needs edges");
     const Vec3 e = cell_of(d).edges;
     const double least = std::min({e.x, e.y, e.z});
     if (!(least >= 2 * d.cutoff)) {
-      return report("/box", "every edge is at least two cut-offs, " + short_number(2 * d.cutoff) +
-                                " m: else an atom meets two images of another");
+      return report("/box", "every edge must be at least two cut-offs, " + short_number(2 * d.cutoff) +
+                                " m, or an atom would meet two images of another");
     }
-    if (!(least >= d.cutoff + d.skin)) return report("/skin", "an edge is at least cut-off + skin");
+    if (!(least >= d.cutoff + d.skin)) return report("/skin", "an edge must be at least cut-off + skin");
   }
   check_places(d, report);
 }

@@ -88,7 +88,7 @@ void Molecular::change_box(State& s, const StepInput& in) const {
   const double factor = trig::exp(change / 3);
   const Vec3 edges = cell.edges * factor, center = cell.low + cell.edges * 0.5;
   if (!(std::min({edges.x, edges.y, edges.z}) >= 2 * d.cutoff)) {
-    throw Instability("", "box", -1, "the pressure makes the box smaller than two cut-offs");
+    throw Instability("", "box", -1, "the pressure would make the box smaller than two cut-offs");
   }
   store3(s.f64(Columns::box).data(), 0, edges);
   for (const auto column : {Columns::position, Columns::start}) {

@@ -31,7 +31,7 @@ void Molecular::plan_stages(const std::string& why) {
   const auto holds = [&](Method m) { return d.thermostat && d.thermostat->method == m; };
   const auto chain = [this](State& s, const StepInput& in) { half_chain(s, in); };
   add_stage(
-      "neighbours", "a new list where somebody may have moved half a skin",
+      "neighbours", "a new list when an atom may have moved half a skin",
       [this](State& s, const StepInput& in) { atoms_.renew_reference(s, in.h, in.arena, in.workspace); });
   if (holds(Method::nose_hoover)) add_stage("chain before", "half a step of the thermostat", chain);
   if (has_own_step()) {
@@ -48,13 +48,13 @@ void Molecular::plan_stages(const std::string& why) {
     add_stage("thermostat", "the kinetic energy follows the canonical distribution",
               [this](State& s, const StepInput& in) { rescale(s, in); });
   }
-  if (!d.thermostat) skip_stage("thermostat", "none given: the energy stays");
+  if (!d.thermostat) skip_stage("thermostat", "none given: the energy is conserved");
   if (d.barostat) {
     add_stage("barostat",
               "the box follows the pressure, every " + std::to_string(d.barostat->every) + " steps",
               [this](State& s, const StepInput& in) { change_box(s, in); });
   } else {
-    skip_stage("barostat", "none given: the box stays");
+    skip_stage("barostat", "none given: the box is fixed");
   }
 }
 
@@ -82,14 +82,14 @@ std::unique_ptr<const Molecular> Molecular::make(const MolecularDef& def, const 
 void Molecular::apply(State& s, const Command& c) const {
   check_command_numbers(c);
   if (c.kind != CommandKind::set_parameter) {
-    refuse_command("kind", "not_possible", "atoms take no commands but this one", "set_parameter");
+    refuse_command("kind", "not_possible", "atoms take no other command", "set_parameter");
   }
   const MolecularDef& d = atoms_.def();
   const bool temperature = c.name == "temperature" && d.thermostat,
              pressure = c.name == "pressure" && d.barostat;
   if (!temperature && !pressure) {
     refuse_command("name", "unknown_parameter", "there is no parameter \"" + c.name + "\" to set",
-                   "temperature of a thermostat, pressure of a barostat");
+                   "temperature (with a thermostat), pressure (with a barostat)");
   }
   if (temperature && !(c.value > 0)) refuse_command("value", "out_of_range", "the value must be above 0");
   s.f64(Columns::bath)[static_cast<size_t>(temperature ? Bath::temperature : Bath::pressure)] = c.value;

@@ -12,8 +12,8 @@ namespace {
 const DefTable& kind_table() {
   using D = KindDef;
   static const DefTable t =
-      TableOf<D>("a kind of atom; two kinds mix by Lorentz and Berthelot")
-          .text("name", &D::name, "as in positions and texts")
+      TableOf<D>("a kind of atom; two kinds mix by the Lorentz-Berthelot rules")
+          .text("name", &D::name, "name used by positions and texts")
           .required()
           .number("mass", &D::mass, "kg", above(0), "of an atom; default argon")
           .number("sigma", &D::sigma, "m", at_least(0), "distance at which the Lennard-Jones potential is 0")
@@ -28,10 +28,10 @@ const DefTable& kind_table() {
 const DefTable& lattice_table() {
   using D = LatticeDef;
   static const DefTable t =
-      TableOf<D>("atoms on a crystal; its extent is the periodic box unless that is given")
+      TableOf<D>("atoms on a crystal lattice; its extent is the periodic box unless edges are given")
           .choice("arrangement", &D::arrangement, {"fcc", "sc"},
-                  "face-centred cubic (4 a cell) or simple cubic")
-          .texts("kinds", &D::kinds, {0, 64}, "of the sites in turn; absent: the first kind")
+                  "face-centred cubic (4 per cell) or simple cubic")
+          .texts("kinds", &D::kinds, {0, 64}, "of successive sites; absent: the first kind")
           .integers("cells", &D::cells, between(1, 1000), {3, 3}, "along x, y, z")
           .number("number_density", &D::number_density, "1/m^3", above(0),
                   "atoms per volume, or lattice_constant")
@@ -45,14 +45,14 @@ const DefTable& lattice_table() {
 const DefTable& water_table() {
   using D = WaterDef;
   static const DefTable t =
-      TableOf<D>("rigid molecules of water on a cubic lattice, turned at random; SPC/E by default")
+      TableOf<D>("rigid molecules of water on a cubic lattice, randomly oriented; SPC/E by default")
           .integers("cells", &D::cells, between(1, 1000), {3, 3}, "molecules along x, y, z")
           .number("radius", &D::radius, "m", above(0), "only those within a ball of this radius")
           .number("spacing", &D::spacing, "m", above(0), "of the lattice")
           .vector("center", &D::center, "m", any(), "of the lattice and the ball")
           .text("oxygen", &D::oxygen, "its kind")
           .text("hydrogen", &D::hydrogen, "its kind")
-          .number("length", &D::length, "m", above(0), "of the side from oxygen to hydrogen")
+          .number("length", &D::length, "m", above(0), "of the bond from oxygen to hydrogen")
           .number("angle", &D::angle, "rad", between(0.1, 3), "at the oxygen")
           .build();
   return t;
@@ -73,7 +73,7 @@ const DefTable& angle_table() {
   using D = AngleDef;
   static const DefTable t = TableOf<D>("k/2 (theta - theta0)^2 at b between a and c")
                                 .integer("a", &D::a, at_least(0), "an atom")
-                                .integer("b", &D::b, at_least(0), "the one at the angle")
+                                .integer("b", &D::b, at_least(0), "atom at the apex")
                                 .integer("c", &D::c, at_least(0), "the other end")
                                 .number("angle", &D::angle, "rad", between(0, 3.141592653589793), "theta0")
                                 .number("stiffness", &D::stiffness, "J", at_least(0), "k, per rad^2")
@@ -84,7 +84,8 @@ const DefTable& angle_table() {
 const DefTable& dihedral_table() {
   using D = DihedralDef;
   static const DefTable t =
-      TableOf<D>("k (1 + cos(n phi - delta)) of the planes a b c and b c d; phi = 0: a and d on one side")
+      TableOf<D>(
+          "k (1 + cos(n phi - delta)) of the planes a b c and b c d; phi = 0: a and d on the same side")
           .integer("a", &D::a, at_least(0), "an end")
           .integer("b", &D::b, at_least(0), "an atom of the axis")
           .integer("c", &D::c, at_least(0), "the other one")
@@ -99,13 +100,13 @@ const DefTable& dihedral_table() {
 const DefTable& thermostat_table() {
   using D = ThermostatDef;
   static const DefTable t =
-      TableOf<D>("what holds the temperature")
+      TableOf<D>("controls the temperature")
           .choice("method", &D::method, {"velocity_rescaling", "langevin", "nose_hoover"},
-                  "all velocities by one random factor; friction and noise on every atom; or a chain of "
-                  "Nose and Hoover, without random numbers")
-          .number("temperature", &D::temperature, "K", above(0), "that is held")
+                  "one random factor for all velocities; friction and noise on every atom; or a Nose-Hoover "
+                  "chain, without random numbers")
+          .number("temperature", &D::temperature, "K", above(0), "target value")
           .number("time", &D::time, "s", above(0),
-                  "relaxation time; of langevin 1 / friction, of nose_hoover that of the chain's masses")
+                  "relaxation time; for langevin 1 / friction, for nose_hoover that of the chain's masses")
           .integer("chain", &D::chain, between(1, 10), "links of nose_hoover")
           .build();
   return t;
@@ -114,11 +115,11 @@ const DefTable& thermostat_table() {
 const DefTable& barostat_table() {
   using D = BarostatDef;
   static const DefTable t =
-      TableOf<D>("what holds the pressure of a periodic box: its size, by stochastic cell rescaling")
-          .number("pressure", &D::pressure, "Pa", any(), "that is held")
+      TableOf<D>("controls the pressure of a periodic box by stochastic cell rescaling")
+          .number("pressure", &D::pressure, "Pa", any(), "target value")
           .number("time", &D::time, "s", above(0), "relaxation time")
           .number("compressibility", &D::compressibility, "1/Pa", above(0),
-                  "of the substance, roughly: only the relaxation time depends on it")
+                  "of the substance, roughly: it affects only the relaxation time")
           .integer("every", &D::every, between(1, 1000), "steps between two changes of the box")
           .build();
   return t;
@@ -126,12 +127,12 @@ const DefTable& barostat_table() {
 
 void check_baths(const MolecularDef& d, const DefTable::Report& report) {
   if (d.barostat && d.sides == Sides::open) report("/barostat", "only a periodic box has a pressure");
-  if (d.barostat && !d.thermostat) report("/barostat", "needs a thermostat, whose temperature its noise has");
-  if (d.barostat && d.water) report("/barostat", "would stretch rigid molecules: not possible yet");
+  if (d.barostat && !d.thermostat)
+    report("/barostat", "needs a thermostat, which sets the temperature of its noise");
+  if (d.barostat && d.water) report("/barostat", "would stretch rigid molecules: not supported");
   const bool langevin = d.thermostat && d.thermostat->method == ThermostatDef::Method::langevin;
   if ((langevin || d.water) && !d.integrator.empty() && d.integrator != "velocity_verlet") {
-    report("/integrator",
-           "langevin and rigid molecules have a step of their own, which is a velocity_verlet");
+    report("/integrator", "langevin and rigid molecules use their own velocity_verlet: leave it out");
   }
 }
 
@@ -163,15 +164,15 @@ double mesh_seconds(const MolecularDef& d) {
 
 void check_charges(const MolecularDef& d, const DefTable::Report& report) {
   if (d.coulomb == Coulomb::ewald && d.sides == Sides::open) {
-    report("/coulomb", "Ewald's sum is one over images: sides are periodic");
+    report("/coulomb", "Ewald's sum needs periodic sides");
   }
   constexpr double kMostTerms = 2e9;
   if (!by_mesh(d) && ewald_waves(d) * static_cast<double>(atom_count(d)) > kMostTerms) {
-    report("/ewald_method",
-           "Ewald's sum has " + short_number(ewald_waves(d)) + " waves here, too many for so many atoms");
+    report("/ewald_method", "Ewald's sum would have " + short_number(ewald_waves(d)) +
+                                " waves here, too many for this number of atoms");
   }
   if (d.dielectric && d.coulomb != Coulomb::reaction_field) {
-    report("/dielectric", "only a reaction field has one");
+    report("/dielectric", "only for a reaction field");
   }
 }
 
@@ -180,7 +181,7 @@ void check(const MolecularDef& d, const DefTable::Report& report) {
   check_charges(d, report);
   if (d.switch_from && !(*d.switch_from < d.cutoff)) report("/switch_from", "is below the cut-off");
   if (d.switch_from && d.truncation != Truncation::switched) {
-    report("/switch_from", "only a switched potential has one");
+    report("/switch_from", "only for a switched potential");
   }
   check_atoms(d, report);
 }
@@ -203,39 +204,38 @@ const DefTable& molecular_table() {
         .texts("position_kinds", &D::position_kinds, {0, 4'000'000},
                "one per position, or one for all; absent: the first kind")
         .vectors("velocities", &D::velocities, "m/s", any(), {0, 4'000'000}, "one per position, or none")
-        .text("xyz", &D::xyz, "atoms in the text format XYZ: their number, a comment, then name x y z a line")
-        .number("xyz_unit", &D::xyz_unit, "m", above(0), "length that is 1 in the text; default an angstrom")
+        .text("xyz", &D::xyz,
+              "atoms in the text format XYZ: their number, a comment, then name x y z per line")
+        .number("xyz_unit", &D::xyz_unit, "m", above(0), "unit of length in the text; default one angstrom")
         .object("water", &D::water, water_table(), "rigid molecules of water")
         .objects("bonds", &D::bonds, bond_table(), {0, 1'000'000},
-                 "atoms joined by springs; they and second neighbours along bonds have no other force")
+                 "atoms joined by springs; they and second neighbours along bonds exert no other force")
         .objects("angles", &D::angles, angle_table(), {0, 1'000'000}, "springs of angles")
-        .objects("dihedrals", &D::dihedrals, dihedral_table(), {0, 1'000'000}, "turns about bonds")
-        .choice("sides", &D::sides, {"open", "periodic"}, "no box, or one whose opposite sides are one")
+        .objects("dihedrals", &D::dihedrals, dihedral_table(), {0, 1'000'000}, "rotation about bonds")
+        .choice("sides", &D::sides, {"open", "periodic"}, "no box, or a periodic box")
         .vector("box", &D::box, "m", above(0), "edges; absent: the lattice's extent")
-        .vector("center", &D::center, "m", any(), "of the box, where that is given")
-        .number("cutoff", &D::cutoff, "m", above(0), "no force between pairs beyond")
+        .vector("center", &D::center, "m", any(), "of the box, if edges are given")
+        .number("cutoff", &D::cutoff, "m", above(0), "distance beyond which pairs exert no force")
         .number("skin", &D::skin, "m", above(0), "neighbours are listed up to cutoff + skin")
         .choice("truncation", &D::truncation, {"truncated", "shifted", "switched"},
-                "how Lennard-Jones ends: as it is, shifted to 0, or switched to 0 with its force from "
+                "Lennard-Jones at the cut-off: truncated, shifted to 0, or switched to 0 with its force from "
                 "switch_from on")
         .number("switch_from", &D::switch_from, "m", at_least(0), "absent: 0.9 of the cut-off")
         .choice("coulomb", &D::coulomb, {"shifted", "reaction_field", "ewald", "truncated"},
                 "charges: with a force that falls to 0 at the cut-off, with a polarised surrounding beyond "
-                "it, with "
-                "all periodic images, or as they are up to the cut-off (clusters smaller than that)")
+                "it, with all periodic images, or unchanged up to the cut-off (for smaller clusters)")
         .number("coulomb_constant", &D::coulomb_constant, "N m^2/C^2", above(0), "1 / (4 pi epsilon0)")
         .number("dielectric", &D::dielectric, "1", at_least(1),
                 "of the surrounding of a reaction field; absent: a conductor")
         .number("ewald_accuracy", &D::ewald_accuracy, "1", between(1e-14, 1e-2),
-                "where both of Ewald's sums end")
-        .choice(
-            "ewald_method", &D::ewald_method, {"auto", "waves", "mesh"},
-            "of Ewald's smooth part: wave by wave; through a mesh, for many atoms; auto: whatever is faster")
+                "truncation error of both Ewald sums")
+        .choice("ewald_method", &D::ewald_method, {"auto", "waves", "mesh"},
+                "of Ewald's smooth part: wave by wave; on a mesh, for many atoms; auto: the faster one")
         .number("temperature", &D::temperature, "K", at_least(0),
-                "of the start: random velocities without momentum; absent: at rest")
+                "initial: random velocities without total momentum; absent: at rest")
         .number("boltzmann", &D::boltzmann, "J/K", above(0), "Boltzmann's constant; 1 in reduced units")
-        .object("thermostat", &D::thermostat, thermostat_table(), "absent: the energy stays")
-        .object("barostat", &D::barostat, barostat_table(), "absent: the box stays")
+        .object("thermostat", &D::thermostat, thermostat_table(), "absent: the energy is conserved")
+        .object("barostat", &D::barostat, barostat_table(), "absent: the box is fixed")
         .integer("distribution_bins", &D::distribution_bins, between(1, 100'000), "rows of part distribution")
         .number("distribution_range", &D::distribution_range, "m", above(0),
                 "of part distribution, at most half an edge; absent: the cut-off")
@@ -252,21 +252,21 @@ const Outputs& molecular_outputs() {
       .fields = {{"position", "m", 3, "within the box"},
                  {"velocity", "m/s", 3, ""},
                  {"speed", "m/s", 1, "magnitude of the velocity"},
-                 {"orientation", "1", 4, "1 0 0 0, where kinds are drawn in sizes or colours of their own"},
+                 {"orientation", "1", 4, "1 0 0 0, if kinds are drawn in their own sizes or colours"},
                  {"distribution.distance", "m", 1,
-                  "of part distribution, in a periodic box: middle of a shell"},
-                 {"distribution.density", "1", 1, "g(r): density about an atom over the mean one"}},
+                  "of part distribution, in a periodic box: mean radius of a shell"},
+                 {"distribution.density", "1", 1, "g(r): density around an atom over the mean density"}},
       .observables = {{"energy.kinetic", "J", ""},
                       {"energy.potential", "J", "of pairs within the cut-off, molecules and Ewald's sum"},
                       {"energy.bonds", "J", "part of energy.potential: bonds, angles, dihedrals"},
                       {"energy.total", "J", ""},
                       {"energy.conserved", "J",
-                       "energy.total without what the thermostat gave; of nose_hoover with its chain's"},
-                      {"energy.tail", "J", "of what is beyond the cut-off, were it spread evenly"},
+                       "energy.total minus the thermostat's input; with nose_hoover plus that of its chain"},
+                      {"energy.tail", "J", "beyond the cut-off, for an even distribution"},
                       {"temperature", "K", ""},
                       {"virial", "J", "sum over pairs of r . f"},
                       {"pressure", "Pa",
-                       "(2 energy.kinetic + virial) / 3 V, of a periodic box; of rigid molecules with those "
+                       "(2 energy.kinetic + virial) / 3 V, of a periodic box; for rigid molecules with those "
                        "of their centres"},
                       {"pressure.tail", "Pa", "as energy.tail"},
                       {"volume", "m^3", "of a periodic box"},

@@ -38,9 +38,9 @@ bool read_number(std::string_view word, T& out) {
 XyzAtoms read_xyz(std::string_view text) {
   std::string_view line = take_line(text);
   size_t count = 0;
-  if (!read_number(take_word(line), count)) throw XyzFault(1, "the number of atoms is expected");
+  if (!read_number(take_word(line), count)) throw XyzFault(1, "expected the number of atoms");
   if (count == 0 || count > kMostXyzAtoms) {
-    throw XyzFault(1, "the number of atoms is from 1 to " + std::to_string(kMostXyzAtoms));
+    throw XyzFault(1, "the number of atoms must be from 1 to " + std::to_string(kMostXyzAtoms));
   }
   take_line(text);
   XyzAtoms out;
@@ -52,11 +52,11 @@ XyzAtoms read_xyz(std::string_view text) {
     }
     line = take_line(text);
     const std::string_view name = take_word(line);
-    if (name.empty()) throw XyzFault(number, "a name and three coordinates are expected");
+    if (name.empty()) throw XyzFault(number, "expected a name and three coordinates");
     double at[3];
     for (double& c : at) {
       if (!read_number(take_word(line), c) || !std::isfinite(c)) {
-        throw XyzFault(number, "three finite coordinates are expected after the name");
+        throw XyzFault(number, "expected three finite coordinates after the name");
       }
     }
     out.names.emplace_back(name);

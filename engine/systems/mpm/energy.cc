@@ -110,15 +110,15 @@ EnergyLaw::EnergyLaw(const std::string& text, int dimension, const Material& mat
   const std::array<double, 7> rest = at(1, 1, 1);
   for (int k = 0; k < 1 + 2 * d; ++k) {
     if (!std::isfinite(rest[static_cast<size_t>(k)]))
-      refuse("the energy or a derivative of it is no number at rest");
+      refuse("the energy or one of its derivatives is no number at rest");
   }
   const auto slope = [&](int k) { return rest[static_cast<size_t>(1 + k)]; };
   const auto bend = [&](int k) { return rest[static_cast<size_t>(1 + d + k)]; };
   for (int k = 0; k < d; ++k) {
-    if (!(bend(k) > 0)) refuse("there is no stiffness at rest: the second derivative is not positive");
+    if (!(bend(k) > 0)) refuse("no stiffness at rest: the second derivative is not positive");
     // Rounding of constants that should cancel, no more.
     if (std::abs(slope(k)) > 1e-9 * bend(k))
-      refuse("the energy must be least at rest: there is a stress there");
+      refuse("the energy must have its minimum at rest, but there is a stress there");
   }
   // Two exchanges generate all permutations; two points, in case one is special.
   const double places[2][3] = {{1.1, 0.85, 1.02}, {0.93, 1.21, 0.78}};
@@ -126,7 +126,7 @@ EnergyLaw::EnergyLaw(const std::string& text, int dimension, const Material& mat
     const double here = at(p[0], p[1], p[2])[0], scale = std::abs(here) + bend(0) * 1e-6;
     const auto same = [&](double other) { return std::abs(other - here) <= 1e-9 * scale; };
     if (!same(at(p[1], p[0], p[2])[0]) || (d == 3 && !same(at(p[0], p[2], p[1])[0])))
-      refuse("the energy must be isotropic: it changes when singular values change places");
+      refuse("the energy must be isotropic: it changes when singular values are swapped");
   }
 }
 

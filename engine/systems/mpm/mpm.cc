@@ -59,13 +59,13 @@ Mpm::Mpm(const MpmDef& def, const BuildContext& context)
   if (def.dimension == 2) gravity_.z = 0;
   add_stage("substeps",
             def.is_implicit()
-                ? "implicit, as many as the fastest particle asks for: particles to grid and back"
-                : "explicit, as many as the fastest particle or wave asks for: particles to grid and back",
+                ? "implicit, as many as the fastest particle requires: particles to grid and back"
+                : "explicit, as many as the fastest particle or wave requires: particles to grid and back",
             [this](State& s, const StepInput& in) { solver_->step(s, in); });
   if (def.emitters.empty()) {
     skip_stage("births", "no emitters given");
   } else {
-    add_stage("births", "layers that nozzles pour out",
+    add_stage("births", "layers of material from nozzles",
               [this](State& s, const StepInput& in) { pour(*setting_, s, in.t + in.h, in.workspace); });
   }
   if (def.any_regions()) {
@@ -75,8 +75,8 @@ Mpm::Mpm(const MpmDef& def, const BuildContext& context)
     skip_stage("removal", "no kill regions given");
   }
   if (def.colliders.empty()) skip_stage("colliders", "none given");
-  if (setting_->fields == 1) skip_stage("contact of fields", "everything moves in one field of velocities");
-  if (def.force.empty()) skip_stage("force", "no acceleration by place");
+  if (setting_->fields == 1) skip_stage("contact of fields", "all material moves in one velocity field");
+  if (def.force.empty()) skip_stage("force", "no acceleration is given");
   const Scalar real = def.precision == Precision::f32 ? Scalar::f32 : Scalar::f64;
   PartInfo points;
   points.fields = {{"position", "m", real, 3, Meaning::position},
@@ -193,7 +193,7 @@ void Mpm::check(StateCheck& check, double t) const {
   check.require(next.size() == set.inlets.size(), "emitters");
   for (size_t k = 0; k < set.inlets.size() && k < next.size(); ++k) {
     const bool near = next[k] <= UINT64_MAX / 2 && set.inlets[k].birth(next[k] + kMostBehind) >= t;
-    check.require(near, "an emitter is far behind the clock");
+    check.require(near, "an emitter is far behind the simulated time");
   }
 }
 
@@ -203,7 +203,7 @@ void Mpm::apply(State& s, const Command& c) const {
     refuse_place(c, "particle");
     const size_t row = checked_command_row(c, s.rows(columns::position), "particle");
     if (setting_->def.dimension == 2 && c.vector.z != 0) {
-      refuse_command("vector", "out_of_range", "a plane body stays in z = 0");
+      refuse_command("vector", "out_of_range", "a plane body must stay in z = 0");
     }
     RealColumn<double> v(s, columns::velocity);
     const Piece& piece = setting_->pieces[setting_->piece_of(row, setting_->pieces_of(s))];
@@ -211,7 +211,7 @@ void Mpm::apply(State& s, const Command& c) const {
     return;
   }
   if (c.kind != CommandKind::set_parameter) {
-    refuse_command("kind", "not_supported", "particles of a grid take impulses and parameters alone",
+    refuse_command("kind", "not_supported", "material particles take only impulses and parameters",
                    "impulse, set_parameter");
   }
   if (c.name != "gravity") {

@@ -43,21 +43,20 @@ TableOf<D>& add_material_rows(TableOf<D>& table) {
       .number("critical_stretch", number(&M::critical_stretch), "1", between(0, 0.5), "theta_s of snow")
       .number("friction_angle", number(&M::friction_angle), "rad", between(0, 1.4), "of sand")
       .number("yield_stress", number(&M::yield_stress), "Pa", above(0), "of foam, in tension (von Mises)")
-      .integer(
-          "velocity_field", static_cast<int D::*>(&M::velocity_field), between(0, kMostFields - 1),
-          "number of the field of velocities in which it moves: what has one number sticks together where "
-          "it shares nodes; two numbers touch where their surfaces do, part and slide with field_friction");
+      .integer("velocity_field", static_cast<int D::*>(&M::velocity_field), between(0, kMostFields - 1),
+               "number of its velocity field: bodies of the same number stick where they share nodes; bodies "
+               "of different numbers touch at their surfaces, separate and slide with field_friction");
 }
 
 const DefTable& body_table() {
   using D = BodyDef;
   static const DefTable t = [] {
     TableOf<D> table("a piece of one material");
-    table.choice("shape", &D::shape, {"box", "ball"}, "what it fills")
+    table.choice("shape", &D::shape, {"box", "ball"}, "region to fill")
         .vector("center", &D::center, "m", any(), "of the shape")
         .vector("half_extents", &D::half_extents, "m", above(0), "of a box")
         .number("radius", &D::radius, "m", above(0), "of a ball")
-        .number("inner_radius", &D::inner_radius, "m", at_least(0), "of a ball that is hollow")
+        .number("inner_radius", &D::inner_radius, "m", at_least(0), "of a hollow ball")
         .vector("velocity", &D::velocity, "m/s", any(), "initial, of its centre")
         .vector("spin", &D::spin, "rad/s", any(), "initial, about its centre");
     return add_material_rows(table).build();
@@ -67,11 +66,11 @@ const DefTable& body_table() {
 
 const DefTable& inlet_table() {
   static const DefTable t = [] {
-    TableOf<InletDef> table("a nozzle: a disk, in the plane a line, that material leaves in layers");
+    TableOf<InletDef> table("a nozzle: a disk, or in the plane a line, that emits material in layers");
     return add_material_rows(add_source_rows(table))
         .check([](const InletDef& d, const DefTable::Report& report) {
           check_source(d, report);
-          if (!(d.speed > 0)) report("/speed", "a nozzle pours only at a speed above 0");
+          if (!(d.speed > 0)) report("/speed", "a nozzle needs a speed above 0");
         })
         .build();
   }();
@@ -101,14 +100,14 @@ void check_inlet(const MpmDef& d, const InletDef& def, const std::string& at,
 void check_material(const MpmDef& d, const MaterialDef& m, const std::string& at,
                     const DefTable::Report& report) {
   if (d.is_implicit() && !has_stiffness(m.material))
-    report(at + "/material", "the implicit step takes corotated and neo_hookean alone; others are explicit");
+    report(at + "/material",
+           "the implicit step takes only corotated and neo_hookean: use explicit for others");
   if (d.is_implicit() && m.velocity_field != velocity_fields(d).front())
-    report(at + "/velocity_field",
-           "the implicit step moves everything in one field of velocities; several are explicit");
+    report(at + "/velocity_field", "the implicit step has a single velocity field: use explicit for several");
   if (m.material == Law::elastic && m.energy.empty())
     report(at + "/energy",
            "material elastic needs an energy, as \"mu/2*(I1-3)-mu*log(J)+lambda/2*log(J)^2\"");
-  if (m.material != Law::elastic && !m.energy.empty()) report(at + "/energy", "only of material elastic");
+  if (m.material != Law::elastic && !m.energy.empty()) report(at + "/energy", "only for material elastic");
 }
 
 /// Points along every axis of the lattice that fills a body; 1 across the plane.
@@ -130,7 +129,7 @@ void check_def(const MpmDef& d, const DefTable::Report& report) {
   const double least = plane ? std::min(size.x, size.y) : std::min({size.x, size.y, size.z});
   const auto components = [&](const std::vector<std::string>& texts, const char* pointer) {
     if (!texts.empty() && texts.size() != static_cast<size_t>(d.dimension))
-      report(pointer, "as many components as there are dimensions");
+      report(pointer, "needs as many components as there are dimensions");
   };
   components(d.force, "/force"), components(d.exact, "/exact");
   if (!(least >= 4 * d.cell)) return report("/high", "the box must be at least four cells wide");
@@ -145,9 +144,9 @@ void check_def(const MpmDef& d, const DefTable::Report& report) {
   if (d.max_particles && static_cast<double>(*d.max_particles) < expected_particles(d))
     report("/max_particles", "fewer than the particles at t = 0");
   if (d.is_implicit() && d.precision == Precision::f32)
-    report("/precision", "the implicit step solves in f64: floats do not hold what is stiff");
+    report("/precision", "the implicit step needs f64: single precision is too coarse for stiff material");
   if (d.changes() && !d.exact.empty())
-    report("/exact", "places are known only where no particles come or go (emitters, kill regions)");
+    report("/exact", "exact positions need a fixed set of particles: no emitters, no kill regions");
   for (size_t k = 0; k < d.bodies.size(); ++k) {
     const BodyDef& b = d.bodies[k];
     const std::string at = "/bodies/" + std::to_string(k);
@@ -159,7 +158,7 @@ void check_def(const MpmDef& d, const DefTable::Report& report) {
     const bool inside = std::min({from.x, from.y, from.z, to.x, to.y, to.z}) >= slack;
     if (!inside) report(at, "reaches out of the box from low to high");
     if (plane && (b.velocity.z != 0 || b.spin.x != 0 || b.spin.y != 0)) {
-      report(at + (b.velocity.z != 0 ? "/velocity" : "/spin"), "a plane body moves in the plane z = 0");
+      report(at + (b.velocity.z != 0 ? "/velocity" : "/spin"), "a plane body must move in the plane z = 0");
     }
     if (b.shape == Shape::ball && b.inner_radius >= b.radius) {
       report(at + "/inner_radius", "must be less than the radius");
@@ -260,42 +259,42 @@ const DefTable& mpm_table() {
     const std::vector<std::string> kinds = {"sticky", "slip", "separate"};
     table
         .integer("dimension", &D::dimension, between(2, 3),
-                 "2: plane strain in z = 0, a metre thick; 3: space")
-        .vector("low", &D::low, "m", any(), "corner of the box that holds everything")
-        .vector("high", &D::high, "m", any(), "opposite corner; z does not count in the plane")
+                 "2: plane strain in z = 0, one metre thick; 3: space")
+        .vector("low", &D::low, "m", any(), "corner of the box that contains everything")
+        .vector("high", &D::high, "m", any(), "opposite corner; z is ignored in the plane")
         .number("cell", &D::cell, "m", above(0), "width of the grid's cells")
         .integer("particles_per_axis", &D::particles_per_axis, between(1, 8),
-                 "particles of a cell along each axis: 2 makes 4 in the plane, 8 in space")
-        .objects("bodies", &D::bodies, body_table(), {0, 1000}, "what there is at the start")
+                 "particles per cell along each axis: 2 gives 4 in the plane, 8 in space")
+        .objects("bodies", &D::bodies, body_table(), {0, 1000}, "bodies at the start")
         .objects("emitters", &D::emitters, inlet_table(), {0, 64}, "nozzles")
         .integer("max_particles", &D::max_particles, between(1, kMostParticles),
-                 "most particles at once; absent: what the emitters pour out, 100,000 where that has no end")
-        .choice("splines", &D::splines, {"quadratic", "cubic"}, "how far a particle reaches")
+                 "most particles at once; absent: enough for the emitters, 100,000 if they never end")
+        .choice("splines", &D::splines, {"quadratic", "cubic"}, "kernel between particles and grid")
         .choice("transfer", &D::transfer, {"apic", "flip"},
-                "what particles keep from step to step: their own affine velocity (apic, which conserves "
-                "momentum and angular momentum) or what is left of their velocity (flip)")
+                "velocity that particles keep from step to step: an affine field from the grid (apic, which "
+                "conserves momentum and angular momentum) or their own plus the grid's change (flip)")
         .number("flip", &D::flip, "1", between(0, 1), "of transfer flip: 1 is FLIP, 0 is PIC")
-        .choice(
-            "integration", &D::integration, {"explicit", "implicit"},
-            "explicit: substeps as short as waves ask for; implicit: backward Euler for stiff corotated and "
-            "neo_hookean solids, whose waves may cross any number of cells (precision f64)")
+        .choice("integration", &D::integration, {"explicit", "implicit"},
+                "explicit: substeps as short as waves require; implicit: backward Euler for stiff corotated "
+                "and neo_hookean solids, whose waves may cross any number of cells (precision f64)")
         .number("courant", &D::courant, "1", {.min = 0.01, .max = 0.8},
-                "cells that a particle, of the explicit step also a wave, may cross in a substep")
-        .integer("max_substeps", &D::max_substeps, between(1, 1e6), "of a step, beyond which it is refused")
-        .choice("walls", &D::walls, kinds, "what the sides of the box do to velocities at them")
+                "cells that a particle, and in the explicit step a wave, may cross per substep")
+        .integer("max_substeps", &D::max_substeps, between(1, 1e6), "of a step; a step that needs more fails")
+        .choice("walls", &D::walls, kinds, "boundary condition at the sides of the box")
         .choice("floor", &D::floor, {"sticky", "slip", "separate", "as_walls"},
-                "the same of the lower side in y")
+                "the same for the lower side in y")
         .number("wall_friction", &D::wall_friction, "1", at_least(0),
-                "Coulomb's coefficient of walls that let go")
+                "Coulomb's coefficient of walls that separate")
         .choice("contact", &D::contact, kinds,
-                "what colliders and bodies in the material do; friction is each collider's own")
+                "boundary condition at colliders and immersed bodies; friction is each collider's own")
         .number("body_friction", &D::body_friction, "1", at_least(0),
                 "Coulomb's coefficient of bodies in the material (coupling immersion)")
         .number("field_friction", &D::field_friction, "1", at_least(0),
                 "Coulomb's coefficient between bodies whose velocity_field differs")
         .texts("force", &D::force, {0, 3}, "m/s^2, acceleration: expressions of x, y, z and t")
         .texts("exact", &D::exact, {0, 3},
-               "m, place that is known at t of what starts at x, y, z: expressions; observed as error.exact")
+               "m, exact position at t of a particle that starts at x, y, z: expressions; observed as "
+               "error.exact")
         .choice("precision", &D::precision, {"f32", "f64"}, "of particles and grid");
     add_kill_rows(table);
     add_collider_rows(table, &D::colliders);

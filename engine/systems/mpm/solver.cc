@@ -121,7 +121,8 @@ class SolverOf final : public Solver {
       left = h < left ? left - h : 0;
       return drift + speed * h / cell;
     }
-    throw Instability(set_.id, "velocity", -1, "no substep keeps nodes from crossing a cell, or is solved");
+    throw Instability(set_.id, "velocity", -1,
+                      "no substep is short enough: nodes cross a cell or the solver does not converge");
   }
 
   size_t field_of(const Grid<D, Nodes, T>& grid, size_t row) const {

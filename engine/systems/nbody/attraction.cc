@@ -98,7 +98,7 @@ double Attraction::potential(const State& s, std::span<const double> x, Workspac
 std::string Attraction::reason(size_t n) const {
   const std::string bodies = std::to_string(n) + " bodies";
   const Method method = chosen_method(def_, n);
-  if (method == Method::mixed) return bodies + ", every pair, most in floats";
+  if (method == Method::mixed) return bodies + ", all pairs, most in single precision";
   if (method != Method::direct) {
     return bodies + (method == Method::tree ? " by a tree" : " by the fast multipole method") + ", error " +
            short_number(def_.force_error) + " of an acceleration";

@@ -49,7 +49,7 @@ class Encounter final : public RightHandSide, public SecondOrder {
   bool autonomous() const override { return true; }
   bool depends_on_velocity() const override { return false; }
   std::string name_of(size_t i) const override {
-    return "coordinate " + std::to_string(i) + " of those who meet";
+    return "coordinate " + std::to_string(i) + " in a close encounter";
   }
   void rate(double t, const double* y, double* dydt) const override {
     const size_t half = size() / 2;

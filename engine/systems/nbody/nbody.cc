@@ -49,18 +49,17 @@ void check_sun(std::string_view integrator, const NbodyField& field) {
 void check_mercurius(const NbodyDef& def, const NbodyField& field) {
   check_sun(kMercuriusName, field);
   if (def.softening_kind == gravity::SofteningKind::spline && def.softening > 0)
-    refuse(kMercuriusName, "it serves Plummer's softening, not the spline's");
+    refuse(kMercuriusName, "it supports Plummer's softening, not the spline's");
   if (def.method != Method::automatic && def.method != Method::direct)
     refuse(kMercuriusName, "it sums over all pairs: method direct or auto");
   if (def.collisions) {
-    refuse(kMercuriusName,
-           "collisions are looked for on straight lines between steps, and its paths are none");
+    refuse(kMercuriusName, "it does not support collisions, which need straight paths within a step");
   }
 }
 
 const Integrator& checked_hermite(const NbodyDef& def) {
   if (def.softening_kind == gravity::SofteningKind::spline && def.softening > 0)
-    refuse(kHermiteName, "it serves Plummer's softening, not the spline's");
+    refuse(kHermiteName, "it supports Plummer's softening, not the spline's");
   if (def.method != Method::automatic && def.method != Method::direct)
     refuse(kHermiteName, "it sums over all pairs: method direct or auto");
   return hermite();
@@ -115,7 +114,7 @@ void Nbody::plan_stages(const std::string& why_this_method) {
   const NbodyDef& d = bodies_.def();
   const std::string sums = bodies_.attraction().reason(main_part().max_rows);
   if (d.collisions) {
-    add_stage("remember", "collisions need the step's start", [](State& s, const StepInput& in) {
+    add_stage("remember", "collisions need the start of the step", [](State& s, const StepInput& in) {
       const auto x = s.f64(Columns::position);
       std::copy(x.begin(), x.end(), in.workspace.doubles(kBefore, x.size()).begin());
     });
@@ -129,7 +128,7 @@ void Nbody::plan_stages(const std::string& why_this_method) {
   } else {
     skip_stage("collisions", "none given: bodies pass through each other");
   }
-  add_stage("hands", "pushes whose time is over", [](State& s, const StepInput& in) {
+  add_stage("hands", "ends pushes whose duration is over", [](State& s, const StepInput& in) {
     Columns::kHands.count_down(s, in.h, [&](uint64_t id) { return row_of(s, id).has_value(); });
   });
 }
@@ -160,8 +159,8 @@ void Nbody::draw(const State&, double, Wish wishes, Drawing& out) const {
 }
 
 std::vector<std::string> Nbody::remedies() const {
-  std::vector<std::string> out{"a shorter step, or ias15, which finds its own"};
-  if (bodies_.def().softening == 0) out.push_back("softening, if the bodies stand for many");
+  std::vector<std::string> out{"a shorter step, or ias15, which adapts its own"};
+  if (bodies_.def().softening == 0) out.push_back("softening, if each body represents many");
   return out;
 }
 

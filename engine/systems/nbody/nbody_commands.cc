@@ -13,8 +13,7 @@ namespace {
 size_t massive_row(const State& s, const Command& c) {
   const size_t i = checked_command_row(c, s.rows(Columns::position), "body");
   if (!(s.f64(Columns::mass)[i] > 0)) {
-    refuse_command("index", "massless",
-                   "body " + std::to_string(i) + " has no mass, so that no force moves it",
+    refuse_command("index", "massless", "body " + std::to_string(i) + " has no mass: no force moves it",
                    "a body with a mass");
   }
   return i;
@@ -44,7 +43,7 @@ void Nbody::apply(State& s, const Command& c) const {
   if ((method == kHermiteName || method == kMercuriusName) &&
       (c.kind == CommandKind::push || c.kind == CommandKind::drag)) {
     refuse_command("kind", "unsupported_command",
-                   "the integrator " + method + " serves no forces but gravity",
+                   "the integrator " + method + " supports no forces but gravity",
                    "impulse, release, set_parameter");
   }
   switch (c.kind) {
@@ -60,7 +59,7 @@ void Nbody::apply(State& s, const Command& c) const {
       if (c.value < 0) refuse_command("value", "out_of_range", "the stiffness must be at least 0");
       if (c.value == 0) {
         // The natural time scale here cannot be known from outside.
-        refuse_command("value", "missing", "a drag of a body needs its stiffness", "N/m, above 0");
+        refuse_command("value", "missing", "a drag of a body needs a stiffness", "N/m, above 0");
       }
       return Columns::kHands.set_drag(s, id_of(s, i), c.vector, c.value, std::nullopt);
     }
@@ -72,7 +71,7 @@ void Nbody::apply(State& s, const Command& c) const {
     default:
       break;
   }
-  refuse_command("kind", "unsupported_command", "bodies can be pushed, hit, dragged and released",
+  refuse_command("kind", "unsupported_command", "bodies take push, impulse, drag and release",
                  "push, impulse, drag, release, set_parameter");
 }
 

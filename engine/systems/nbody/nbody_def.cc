@@ -14,7 +14,7 @@ template <class D>
 TableOf<D>& add_place(TableOf<D>& table) {
   Vec3 D::*center = &Placed::center;
   Vec3 D::*velocity = &Placed::velocity;
-  return table.vector("center", center, "m", any(), "where its middle is")
+  return table.vector("center", center, "m", any(), "position of its centre")
       .vector("velocity", velocity, "m/s", any(), "of the whole");
 }
 
@@ -23,9 +23,9 @@ const DefTable& plummer_table() {
   static const DefTable t = [] {
     TableOf<D> table("Plummer's sphere in equilibrium, the usual model of a star cluster");
     table.integer("count", &D::count, between(1, kMostBodies), "bodies")
-        .number("mass", &D::mass, "kg", above(0), "of all together")
+        .number("mass", &D::mass, "kg", above(0), "of all bodies together")
         .number("radius", &D::radius, "m", above(0), "Plummer's a: half the mass is within 1.305 of it")
-        .number("cut", &D::cut, "1", above(1), "radii beyond which no body is put");
+        .number("cut", &D::cut, "1", above(1), "largest distance of a body, in radii");
     return add_place(table).build();
   }();
   return t;
@@ -34,12 +34,12 @@ const DefTable& plummer_table() {
 const DefTable& sphere_table() {
   using D = SphereDef;
   static const DefTable t = [] {
-    TableOf<D> table("a ball of even density; at rest it falls into itself");
+    TableOf<D> table("a ball of uniform density; at rest it collapses");
     table.integer("count", &D::count, between(1, kMostBodies), "bodies")
-        .number("mass", &D::mass, "kg", above(0), "of all together")
+        .number("mass", &D::mass, "kg", above(0), "of all bodies together")
         .number("radius", &D::radius, "m", above(0), "of the ball")
         .number("virial_ratio", &D::virial_ratio, "1", between(0, 10),
-                "twice the kinetic energy of random motion over the potential energy; 1 is balance");
+                "twice the kinetic energy of random motion over the potential energy; 1: virial equilibrium");
     return add_place(table).build();
   }();
   return t;
@@ -48,21 +48,22 @@ const DefTable& sphere_table() {
 const DefTable& galaxy_table() {
   using D = GalaxyDef;
   static const DefTable t = [] {
-    TableOf<D> table("an exponential disk that turns, with a body in the middle and a halo if wanted");
+    TableOf<D> table("a rotating exponential disk, optionally with a central body and a halo");
     table.integer("count", &D::count, between(1, kMostBodies), "bodies of the disk")
         .number("mass", &D::mass, "kg", above(0), "of the disk")
-        .number("scale_length", &D::scale_length, "m", above(0), "over which the density falls by e")
+        .number("scale_length", &D::scale_length, "m", above(0), "over which the density falls by a factor e")
         .number("height", &D::height, "m", at_least(0), "the density goes as 1/cosh^2 (z / height)")
-        .number("dispersion", &D::dispersion, "1", between(0, 1), "random speeds over the speed on a circle")
-        .number("central_mass", &D::central_mass, "kg", at_least(0), "of a body in the middle; 0: none")
-        .integer("halo_count", &D::halo_count, between(0, kMostBodies), "bodies of a Plummer sphere around")
+        .number("dispersion", &D::dispersion, "1", between(0, 1), "random speeds over the circular speed")
+        .number("central_mass", &D::central_mass, "kg", at_least(0), "of a central body; 0: none")
+        .integer("halo_count", &D::halo_count, between(0, kMostBodies),
+                 "bodies of a Plummer sphere around the disk")
         .number("halo_mass", &D::halo_mass, "kg", at_least(0), "of that sphere")
         .number("halo_radius", &D::halo_radius, "m", above(0), "Plummer's a")
-        .vector("axis", &D::axis, "1", any(), "about which the disk turns")
+        .vector("axis", &D::axis, "1", any(), "axis of the disk's rotation")
         .check([](const D& d, const DefTable::Report& report) {
           if (!(norm(d.axis) > 0)) report("/axis", "the axis must not be zero");
           if ((d.halo_count > 0) != (d.halo_mass > 0)) {
-            report("/halo_mass", "a halo has both bodies (halo_count) and a mass");
+            report("/halo_mass", "a halo needs both bodies (halo_count) and a mass");
           }
         });
     return add_place(table).build();
@@ -73,18 +74,19 @@ const DefTable& galaxy_table() {
 const DefTable& ring_table() {
   using D = RingDef;
   static const DefTable t =
-      TableOf<D>("bodies on circles around one of the bodies")
+      TableOf<D>("bodies on circular orbits around another body")
           .integer("count", &D::count, between(1, kMostBodies), "bodies")
-          .integer("around", &D::around, at_least(0), "row of the body in the middle")
-          .number("mass", &D::mass, "kg", at_least(0), "of all together; 0: they attract nobody")
-          .number("inner_radius", &D::inner_radius, "m", above(0), "of the smallest circle")
-          .number("outer_radius", &D::outer_radius, "m", above(0), "of the largest")
+          .integer("around", &D::around, at_least(0), "row of the central body")
+          .number("mass", &D::mass, "kg", at_least(0), "of all bodies together; 0: they attract nothing")
+          .number("inner_radius", &D::inner_radius, "m", above(0), "of the smallest orbit")
+          .number("outer_radius", &D::outer_radius, "m", above(0), "of the largest orbit")
           .number("thickness", &D::thickness, "m", at_least(0), "from the lowest to the highest")
           .number("body_radius", &D::body_radius, "m", at_least(0), "of a body")
-          .vector("axis", &D::axis, "1", any(), "about which they turn")
+          .vector("axis", &D::axis, "1", any(), "axis of the orbits")
           .check([](const D& d, const DefTable::Report& report) {
             if (!(norm(d.axis) > 0)) report("/axis", "the axis must not be zero");
-            if (!(d.outer_radius >= d.inner_radius)) report("/outer_radius", "at least the inner radius");
+            if (!(d.outer_radius >= d.inner_radius))
+              report("/outer_radius", "must be at least the inner radius");
           })
           .build();
   return t;
@@ -93,16 +95,17 @@ const DefTable& ring_table() {
 const DefTable& orbit_table() {
   using D = OrbitDef;
   static const DefTable t =
-      TableOf<D>("a body on a Kepler ellipse around another, by its elements")
-          .integer("around", &D::around, at_least(0), "row of the body in the focus")
+      TableOf<D>("a body on a Kepler ellipse around another, given by orbital elements")
+          .integer("around", &D::around, at_least(0), "row of the body at the focus")
           .number("mass", &D::mass, "kg", at_least(0), "its mass")
           .number("radius", &D::radius, "m", at_least(0), "its radius")
           .number("semi_major_axis", &D::semi_major_axis, "m", above(0), "half the longer axis")
           .number("eccentricity", &D::eccentricity, "1", between(0, 0.999), "0: a circle")
-          .number("inclination", &D::inclination, "rad", any(), "against the x-y plane")
+          .number("inclination", &D::inclination, "rad", any(), "to the x-y plane")
           .number("ascending_node", &D::ascending_node, "rad", any(),
-                  "from x to where it rises through the plane")
-          .number("periapsis", &D::periapsis, "rad", any(), "argument: from the node to the nearest point")
+                  "from x to where the orbit rises through the plane")
+          .number("periapsis", &D::periapsis, "rad", any(),
+                  "argument of periapsis: from the node to the nearest point")
           .number("mean_anomaly", &D::mean_anomaly, "rad", any(), "at t = 0")
           .build();
   return t;
@@ -111,9 +114,9 @@ const DefTable& orbit_table() {
 const DefTable& collisions_table() {
   using D = CollisionsDef;
   static const DefTable t =
-      TableOf<D>("what bodies do whose balls touch")
+      TableOf<D>("response of bodies whose spheres touch")
           .choice("response", &D::response, {"merge", "bounce", "stop"},
-                  "become one body, bounce off each other, or lose their relative velocity")
+                  "merge into one body, bounce, or lose the relative velocity")
           .number("restitution", &D::restitution, "1", between(0, 1), "for bounce: of the normal velocity")
           .build();
   return t;
@@ -139,7 +142,7 @@ void check(const NbodyDef& d, const DefTable::Report& report) {
       if (static_cast<size_t>(row) < before) return;
       report("/groups/" + std::to_string(k) + "/around",
              before == 0 ? "there is no body before this group"
-                         : "one of the bodies before this group: 0 to " + std::to_string(before - 1));
+                         : "a body before this group: 0 to " + std::to_string(before - 1));
     };
     if (const auto* ring = std::get_if<RingDef>(&d.groups[k])) known(ring->around);
     if (const auto* orbit = std::get_if<OrbitDef>(&d.groups[k])) known(orbit->around);
@@ -161,7 +164,7 @@ const DefTable& nbody_table() {
         .vectors("positions", &D::positions, "m", any(), {0, kMost}, "bodies at t = 0")
         .vectors("velocities", &D::velocities, "m/s", any(), {0, kMost}, "one per position; absent: at rest")
         .numbers("masses", &D::masses, "kg", at_least(0), {0, kMost},
-                 "one per position; 0: attracts nobody; absent: the system's mass")
+                 "one per position; 0: attracts nothing; absent: the system's mass")
         .numbers("radii", &D::radii, "m", at_least(0), {0, kMost},
                  "one per position; absent: the system's radius")
         .number("mass", &D::mass, "kg", at_least(0), "of each body at positions")
@@ -172,20 +175,19 @@ const DefTable& nbody_table() {
                    {"galaxy", &galaxy_table()},
                    {"ring", &ring_table()},
                    {"orbit", &orbit_table()}},
-                  {0, 10'000},
-                  "bodies by rules; rows are counted through positions and groups in their order")
+                  {0, 10'000}, "generated bodies; rows count through positions, then groups in their order")
         .choice("softening_kind", &D::softening_kind, {"plummer", "spline"},
-                "how attraction weakens near a body: everywhere a little, or within 2.8 softenings only")
+                "how attraction weakens near a body: Plummer, at all distances, or spline, within 2.8 "
+                "softenings only")
         .number("softening", &D::softening, "m", at_least(0), "length below which attraction weakens")
         .choice("method", &D::method, {"auto", "direct", "mixed", "tree", "fmm"},
-                "all pairs, exact; all pairs, most in floats, error some 1e-7; a tree of bodies, for many; "
-                "the fast "
-                "multipole method, for very many; auto: whatever is fastest for force_error")
+                "all pairs, exact; all pairs, most in single precision, error about 1e-7; a tree, for many "
+                "bodies; the fast multipole method, for very many; auto: the fastest for force_error")
         .number("force_error", &D::force_error, "1", between(1e-6, 0.05),
-                "of tree and fmm: error of an acceleration over its size, root mean square over the bodies")
+                "of tree and fmm: relative error of the acceleration, root mean square over the bodies")
         .object("collisions", &D::collisions, collisions_table(), "absent: bodies pass through each other")
         .number("draw_radius", &D::draw_radius, "m", at_least(0),
-                "size in pictures; absent: by the scene's size")
+                "size in pictures; absent: from the scene's size")
         .vector("color", &D::color, "1", between(0, 1), "linear red, green, blue");
     return add_integrator_rows(table).check(check).build();
   }();

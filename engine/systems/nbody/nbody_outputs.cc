@@ -6,9 +6,8 @@ namespace truestep::nbody {
 const Outputs& nbody_outputs() {
   static const Outputs kOutputs{
       .rows =
-          "a body, those of positions first, then those of the groups; rows of bodies that merge with others "
-          "are closed up (id "
-          "tells them apart)",
+          "a body, first those of positions, then those of groups; rows of bodies that merged into others "
+          "are closed up (id identifies them)",
       .fields = {{"position", "m", 3, ""},
                  {"velocity", "m/s", 3, ""},
                  {"speed", "m/s", 1, "magnitude of the velocity"},
@@ -28,8 +27,8 @@ const Outputs& nbody_outputs() {
                       {"center.z", "m", ""},
                       {"virial_ratio", "1", "2 K / |W|: 1 in balance"},
                       {"half_mass_radius", "m", "around the centre of mass"},
-                      {"count", "1", "bodies that there are"},
-                      {"collisions", "1", "touches so far"}}};
+                      {"count", "1", "present bodies"},
+                      {"collisions", "1", "collisions so far"}}};
   return kOutputs;
 }
 

@@ -92,7 +92,7 @@ void Ode::plan_stages() {
   }
   if (model_.bodies > 0 && !def_.tracers) {
     add_stage("path",
-              "what is drawn: " + std::to_string(model_.bodies) + " points and " + std::to_string(trail_) +
+              "drawn: " + std::to_string(model_.bodies) + " points and " + std::to_string(trail_) +
                   " past ones of each",
               [this](State& s, const StepInput& in) {
                 draw_path(s, static_cast<double>(in.step + 1) * in.h, in.workspace);

@@ -57,13 +57,13 @@ void OdeCompiler::each_element(const std::string& pointer, const std::string& le
   if (target.indices.size() != (array ? 1u : 0u)) {
     return issue(pointer, "bad_target",
                  array ? "\"" + n.name + "\" is an array: write " + n.name + "[i]"
-                       : "\"" + n.name + "\" is one number and takes no index",
+                       : "\"" + n.name + "\" is a single number and takes no index",
                  left);
   }
   if (!array) return use(n.places[0], ExpressionNames::Bindings{});
   const std::string& i = target.indices[0];
   if (i[0] < '0' || i[0] > '9') {
-    if (!good_expression_name(i)) return issue(pointer, "bad_target", "this is no name for an index", i);
+    if (!good_expression_name(i)) return issue(pointer, "bad_target", "not a valid name for an index", i);
     for (size_t k = 0; k < n.places.size(); ++k) {
       use(n.places[k], ExpressionNames::Bindings{{i, static_cast<int64_t>(k)}});
     }

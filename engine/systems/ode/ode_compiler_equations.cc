@@ -19,7 +19,7 @@ void OdeCompiler::equations() {
       const Node node = graph_.variable(first_state_ + static_cast<int32_t>(v->places[k]));
       if (root != ExpressionGraph::kNone && root != node) {
         issue("/second/" + pointer_token(e.name), "duplicate",
-              "this state has an equation of first order too", e.name);
+              "this state also has an equation of first order", e.name);
       }
       root = node;
     }
@@ -30,7 +30,7 @@ void OdeCompiler::equations() {
     if (missing.size() < 200) missing += (missing.empty() ? "" : ", ") + model_.labels[k];
     roots_[k] = graph_.constant(0);
   }
-  if (!missing.empty()) issue("/equations", "missing", "no equation says how these change: " + missing);
+  if (!missing.empty()) issue("/equations", "missing", "no equation for: " + missing);
 }
 
 void OdeCompiler::equation(const std::string& list, const NamedText& e, const std::string& suffix) {

@@ -80,7 +80,7 @@ void OdeCompiler::tracers() {
   if (!def_.tracers) return;
   if (model_.variables() > kMaxTracerVariables) {
     issue("/tracers", "too_many",
-          "a field for tracers depends on at most " + std::to_string(kMaxTracerVariables) +
+          "a field for tracers may depend on at most " + std::to_string(kMaxTracerVariables) +
               " parameters and states");
     return;
   }
@@ -88,7 +88,7 @@ void OdeCompiler::tracers() {
   for (const char* axis : {"x", "y", "z"}) {
     if (!names_.add_value(axis, graph_.variable(next++))) {
       issue("/tracers", "bad_name",
-            "x, y and z are the tracers' own here; name states and parameters otherwise", axis);
+            "x, y and z are the tracers' coordinates here; use other names for states and parameters", axis);
     }
   }
   for (const char* axis : {"x", "y", "z"}) {

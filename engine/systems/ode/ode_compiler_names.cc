@@ -64,7 +64,7 @@ void OdeCompiler::add_state(const std::string& pointer, const NamedNumbers& s) {
     return issue(pointer, "too_many", "too many states", "", "at most " + std::to_string(kMaxStates));
   }
   if (s.name == "position")
-    issue(pointer, "bad_name", "\"position\" is what is drawn; name the state otherwise");
+    issue(pointer, "bad_name", "\"position\" is reserved for drawing; use another name for the state");
   OdeModel::Named named{s.name, {}, s.form};
   for (size_t k = 0; k < s.values.size(); ++k) {
     const auto declared = static_cast<uint32_t>(model_.initial.size());
@@ -108,7 +108,7 @@ void OdeCompiler::definitions() {
       } else {
         ExpressionNames::Bindings zero;
         for (const std::string& i : target.indices) {
-          if (!good_expression_name(i)) throw ExpressionFault{0, "the indices of a definition are names", ""};
+          if (!good_expression_name(i)) throw ExpressionFault{0, "indices of a definition must be names", ""};
           zero.emplace_back(i, 0);
         }
         try {

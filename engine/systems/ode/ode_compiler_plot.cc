@@ -13,8 +13,8 @@ void OdeCompiler::plot() {
     const size_t n = elements(axes[k]);
     if (n == 0) continue;
     if (model_.bodies != 1 && model_.bodies != n) {
-      issue("/plot/" + std::to_string(k), "inconsistent", "arrays that are drawn together are equally long",
-            axes[k]);
+      issue("/plot/" + std::to_string(k), "inconsistent",
+            "arrays that are drawn together must be equally long", axes[k]);
     }
     model_.bodies = std::max(model_.bodies, n);
   }

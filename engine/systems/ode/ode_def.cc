@@ -10,13 +10,14 @@ namespace {
 const DefTable& tracers_table() {
   using D = TracersDef;
   static const DefTable kTable =
-      TableOf<D>("points without mass that a velocity field carries; it may depend on the states")
+      TableOf<D>("massless points carried by a velocity field, which may depend on the states")
           .named_texts("velocity", &D::velocity, {1, 3},
                        "dx/dt, dy/dt, dz/dt as expressions of x, y, z, t ...")
           .required()
           .integer("count", &D::count, between(0, 5e6), "points drawn at random inside the box")
-          .integers("grid", &D::grid, between(1, 5e6), {3, 3}, "nx, ny, nz points evenly over the box")
-          .vectors("points", &D::points, "m", any(), {0, 5'000'000}, "where each point starts")
+          .integers("grid", &D::grid, between(1, 5e6), {3, 3},
+                    "nx, ny, nz points, spaced evenly over the box")
+          .vectors("points", &D::points, "m", any(), {0, 5'000'000}, "initial position of each point")
           .vector("box_min", &D::box_min, "m", any(), "lower corner of the box")
           .vector("box_max", &D::box_max, "m", any(), "upper corner of the box")
           .choice("method", &D::method, {"euler", "midpoint", "heun", "rk4"},
@@ -30,7 +31,7 @@ const DefTable& tracers_table() {
                 report("/velocity/" + n, "only x, y and z have a velocity");
             }
             if (!(d.box_min.x <= d.box_max.x && d.box_min.y <= d.box_max.y && d.box_min.z <= d.box_max.z)) {
-              report("/box_max", "the box is upside down");
+              report("/box_max", "the upper corner is below the lower one");
             }
           })
           .build();
@@ -41,15 +42,16 @@ const DefTable& event_table() {
   using D = OdeEventDef;
   static const DefTable kTable =
       TableOf<D>("something that happens at a time, periodically, or when an expression crosses zero")
-          .text("name", &D::name, "its count is observed as events.<name>; default: its number")
+          .text("name", &D::name, "its count is observed as events.<name>; default: its index")
           .number("at", &D::at, "s", at_least(0), "once, at this time")
-          .number("every", &D::every, "s", above(0), "at every multiple of this time, 0 left out")
+          .number("every", &D::every, "s", above(0), "at every positive multiple of this time")
           .text("when", &D::when,
                 "expression whose zero crossings count, located on the method's interpolant")
-          .choice("direction", &D::direction, {"any", "rising", "falling"}, "crossings that count")
+          .choice("direction", &D::direction, {"any", "rising", "falling"},
+                  "direction of the crossings that count")
           .named_texts("set", &D::set, {0, 1000},
                        "new values of states and parameters; all are evaluated before any is set")
-          .choice("then", &D::then, {"go_on", "stop"}, "stop: the system stands still from then on")
+          .choice("then", &D::then, {"go_on", "stop"}, "stop: the system does not change from then on")
           .check([](const D& d, const DefTable::Report& report) {
             const int kinds = d.at.has_value() + d.every.has_value() + !d.when.empty();
             if (kinds != 1) report("", "give exactly one of at, every and when");
@@ -77,9 +79,9 @@ const DefTable& ode_table() {
         .named_numbers("velocities", &D::velocities, any(), names,
                        "initial values of x' for states with an equation of second order; 0 when absent")
         .named_numbers("parameters", &D::parameters, any(), names,
-                       "numbers and arrays that equations name; a command may change them")
+                       "numbers and arrays used in equations; set_parameter may change them")
         .named_texts("let", &D::let, names,
-                     "definitions in their order: \"r\": \"sqrt(x^2 + y^2)\", \"d[i, j]\": \"x[i] - x[j]\"")
+                     "definitions, in order: \"r\": \"sqrt(x^2 + y^2)\", \"d[i, j]\": \"x[i] - x[j]\"")
         .named_texts(
             "equations", &D::equations, names,
             "dx/dt of every state; \"x[i]\": ... for all elements of an array, \"x[0]\": ... for one. "
@@ -87,20 +89,19 @@ const DefTable& ode_table() {
             "asin acos atan atan2 pow min max, pi, t, sum(j != i, m[j] * x[j]), len(x)")
         .named_texts("second", &D::second, names, "d2x/dt2; the velocity is named x'")
         .named_texts("invariants", &D::invariants, names, "conserved quantities to observe with their drift")
-        .objects("events", &D::events, event_table(), {0, 64}, "what happens on the way")
+        .objects("events", &D::events, event_table(), {0, 64}, "events during the run")
         .object("tracers", &D::tracers, tracers_table(), "points carried by a velocity field")
         .named_numbers("absolute_tolerances", &D::absolute_tolerances, above(0), names,
                        "absolute tolerance of single states")
         .texts("plot", &D::plot, {1, 3},
-               "what is drawn as x, y, z: states, arrays (one point per element) or expressions; [i] is the "
-               "point's "
-               "own element")
-        .integer("trail", &D::trail, between(0, 100000), "steps that the drawn path reaches back")
-        .number("draw_radius", &D::draw_radius, "m", at_least(0), "of the points that are drawn")
+               "drawn coordinates x, y, z: states, arrays (one point per element) or expressions; [i] is the "
+               "point's own element")
+        .integer("trail", &D::trail, between(0, 100000), "past steps shown by the drawn path")
+        .number("draw_radius", &D::draw_radius, "m", at_least(0), "of the drawn points")
         .vector("color", &D::color, "1", between(0, 1), "red, green, blue of the points");
     add_integrator_rows(t);
     t.check([](const D& d, const DefTable::Report& report) {
-      if (d.states.empty() && !d.tracers) report("/states", "a system has states, or tracers");
+      if (d.states.empty() && !d.tracers) report("/states", "a system needs states or tracers");
     });
     return t.build();
   }();

@@ -137,13 +137,13 @@ std::optional<double> Ode::limit(Limit which, const State& s, double h) const {
 
 std::vector<std::string> Ode::remedies() const {
   return {
-      "a look at the equations: where their solution ends at a finite time or jumps, no method goes on "
-      "(an event can stop before, or set states)"};
+      "a look at the equations: no method continues past a time where the solution blows up or jumps (an "
+      "event can stop before it, or set states)"};
 }
 
 void Ode::apply(State& s, const Command& c) const {
   if (c.kind != CommandKind::set_parameter) {
-    refuse("/kind", "unsupported_command", "an ode system knows no such command", "set_parameter");
+    refuse("/kind", "unsupported_command", "an ode system takes no such command", "set_parameter");
   }
   const auto target = model_.find(c.name);
   if (!target) {

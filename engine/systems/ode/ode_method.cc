@@ -71,7 +71,7 @@ OdeMethod choose_ode_method(const OdeDef& def, const OdeModel& model, double dt)
   if (!def.integrator.empty()) {
     const Integrator* row = find_integrator(def.integrator);
     const std::string why = !row            ? "no integrator has this name"
-                            : !row->advance ? "this method serves force laws only"
+                            : !row->advance ? "this method supports only force laws"
                                             : refusal(*row, f).value_or("");
     if (why.empty()) return {row, "named by the scene"};
     std::string allowed;

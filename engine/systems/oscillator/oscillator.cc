@@ -13,7 +13,7 @@ namespace truestep::oscillator {
 const DefTable& oscillator_table() {
   using D = OscillatorDef;
   static const DefTable kTable = [] {
-    TableOf<D> t("a mass on a spring along the first axis, damped and driven at will");
+    TableOf<D> t("a mass on a spring along the first axis, optionally damped and driven");
     t.number("mass", &D::mass, "kg", above(0), "mass of the point")
         .number("stiffness", &D::stiffness, "N/m", at_least(0), "spring constant")
         .number("damping", &D::damping, "N s/m", at_least(0), "damping force per velocity")
@@ -41,7 +41,7 @@ class Oscillator : public ForceSystem {
       : ForceSystem(std::move(field), method.row, def.choice().options), def_(def) {
     add_integration_stage(method.why);
     bound_speed();
-    add_stage("push", "ends a push command when its time is over", end_push);
+    add_stage("push", "ends a push command when its duration is over", end_push);
     if (def.drive_force == 0) skip_stage("drive", "the driving force is zero");
     if (def.damping == 0) skip_stage("damping", "the damping is zero");
   }
@@ -61,7 +61,7 @@ class Oscillator : public ForceSystem {
 
   void apply(State& state, const Command& c) const override {
     refuse_place(c, "mass");
-    if (c.index > 0 || c.index < -1) refuse("/index", "an oscillator has one point", "0");
+    if (c.index > 0 || c.index < -1) refuse("/index", "an oscillator has a single point", "0");
     switch (c.kind) {
       case CommandKind::impulse:
         state.f64(C::kVelocity)[0] += c.vector.x * state.f64(C::kInverseMass)[0];
@@ -74,7 +74,7 @@ class Oscillator : public ForceSystem {
         set_parameter(state, c);
         break;
       default:
-        refuse("/kind", "an oscillator knows no such command", "push, impulse, set_parameter");
+        refuse("/kind", "an oscillator takes no such command", "push, impulse, set_parameter");
     }
     state.f64(C::kDisturbed)[0] = 1;
   }
@@ -104,7 +104,7 @@ class Oscillator : public ForceSystem {
       if (c.name != name) continue;
       // Without damping the scene was planned for position-dependent forces only.
       if (column == C::kDamping && def_.damping == 0) {
-        refuse("/name", "damping can change only in a scene that starts with some",
+        refuse("/name", "damping can change only in a scene that starts with damping",
                "a scene with damping > 0");
       }
       const bool positive = column == C::kInverseMass, any_sign = column == C::kDriveForce;

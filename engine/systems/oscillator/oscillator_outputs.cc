@@ -6,15 +6,15 @@ namespace truestep::oscillator {
 
 const Outputs& oscillator_outputs() {
   static const Outputs kOutputs{
-      .rows = "the mass: there is row 0 alone",
-      .fields = {{"position", "m", 3, "place; x alone moves"}, {"velocity", "m/s", 3, ""}},
+      .rows = "the mass: only row 0",
+      .fields = {{"position", "m", 3, "only x changes"}, {"velocity", "m/s", 3, ""}},
       .observables = {
           {"energy.kinetic", "J", "of motion"},
-          {"energy.potential", "J", "of all forces that have one"},
+          {"energy.potential", "J", "of all conservative forces"},
           {"energy.total", "J", "their sum"},
-          {"integrator.held_steps", "1", "implicit_euler: steps whose damping was taken at the step's start"},
+          {"integrator.held_steps", "1", "implicit_euler: steps that used the damping of the step's start"},
           {"error.exact", "m",
-           "distance from the exact solution, while no command has disturbed it and nothing drives it"}}};
+           "difference from the exact solution, until a command disturbs it and while it is not driven"}}};
   return kOutputs;
 }
 

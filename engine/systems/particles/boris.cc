@@ -91,7 +91,7 @@ std::optional<std::string> boris_refusal(const ParticlesDef& d) {
   if (d.charge == 0 && d.charges.empty()) return "the particles have no charge";
   if (d.linear_drag > 0 || d.quadratic_drag > 0) return "drag depends on the velocity";
   if (d.propulsion && d.propulsion->along == PropulsionDef::Along::velocity) {
-    return "thrust along the velocity depends on it";
+    return "thrust along the velocity depends on the velocity";
   }
   if (std::any_of(d.springs.begin(), d.springs.end(), [](const auto& s) { return s.damping > 0; })) {
     return "damped springs depend on the velocity";

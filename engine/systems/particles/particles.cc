@@ -72,12 +72,12 @@ std::unique_ptr<const Particles> Particles::make(const ParticlesDef& def, const 
 void Particles::plan_stages(const std::string& why_this_method) {
   const ParticlesDef& d = particles_.def();
   if (!d.colliders.empty()) {
-    add_stage("remember", "contacts need the step's start",
+    add_stage("remember", "contacts need the start of the step",
               [this](State& s, const StepInput& in) { remember(s, in); });
   }
   if (integrator().name == kDefaultIntegrator && each_alone(d)) {
     add_stage("integrate",
-              "advances position and velocity with leapfrog in one pass, particles being each alone" +
+              "advances position and velocity with leapfrog in one pass, each particle on its own" +
                   (why_this_method.empty() ? "" : ": " + why_this_method),
               [this](State& s, const StepInput& in) {
                 // Pushed or dragged particles need the general step.
@@ -101,10 +101,11 @@ void Particles::plan_stages(const std::string& why_this_method) {
   } else {
     skip_stage("removal", "no lifetimes and no kill regions given");
   }
-  add_stage("clock", "the state's time, and pushes whose time is over", [](State& s, const StepInput& in) {
-    s.f64(columns::time)[0] = in.t + in.h;
-    columns::kHands.count_down(s, in.h, [&](uint64_t id) { return row_of(s, id).has_value(); });
-  });
+  add_stage("clock", "advances the state's time and ends pushes whose duration is over",
+            [](State& s, const StepInput& in) {
+              s.f64(columns::time)[0] = in.t + in.h;
+              columns::kHands.count_down(s, in.h, [&](uint64_t id) { return row_of(s, id).has_value(); });
+            });
   if (!d.emitters.empty()) {
     add_stage("births", std::to_string(d.emitters.size()) + " emitters",
               [this](State& s, const StepInput& in) { emit(s, in); });

@@ -21,7 +21,7 @@ void Particles::check(StateCheck& check, double t) const {
   check.require(next.size() == emitters.size(), "emitters");
   for (size_t k = 0; k < emitters.size(); ++k) {
     const bool near = next[k] <= UINT64_MAX / 2 && birth_time(emitters[k], next[k] + kMostBehind) >= t;
-    check.require(near, "an emitter is far behind the clock");
+    check.require(near, "an emitter is far behind the simulated time");
   }
 }
 

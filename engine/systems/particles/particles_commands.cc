@@ -60,7 +60,7 @@ void Particles::apply(State& s, const Command& c) const {
           s, c.index == -1 ? std::nullopt : std::optional(id_of(s, checked_row(s, c))));
     case CommandKind::spawn: {
       if (s.rows(columns::position) >= particles_.capacity()) {
-        refuse_command("kind", "full", "the system holds its largest number of particles",
+        refuse_command("kind", "full", "the system has reached its largest number of particles",
                        std::to_string(particles_.capacity()));
       }
       append_particle(s, {c.vector, c.velocity, particles_.def().mass, s.f64(columns::time)[0],
@@ -93,7 +93,7 @@ void Particles::set_parameter(State& s, const Command& c) const {
     if (p.name != c.name) continue;
     const bool drag = p.place == Parameter::linear_drag || p.place == Parameter::quadratic_drag;
     if (drag && c.value != 0 && integrator().name == kBorisName) {
-      refuse_command("value", "out_of_range", "the integrator boris serves no drag", "0");
+      refuse_command("value", "out_of_range", "the integrator boris does not support drag", "0");
     }
     double* place = s.f64(columns::parameters).data() + static_cast<size_t>(p.place);
     if (p.kind == Settable::Kind::vector) return store3(place, 0, c.vector);

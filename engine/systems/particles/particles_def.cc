@@ -10,7 +10,7 @@ constexpr size_t kMostParticles = 10'000'000, kMostCharges = 100'000;
 const DefTable& fill_table() {
   using D = FillDef;
   static const DefTable t =
-      TableOf<D>("particles that are there at t = 0, spread over a box or a ball")
+      TableOf<D>("particles at t = 0, spread over a box or a ball")
           .choice("shape", &D::shape, {"box", "sphere"}, "region to fill")
           .choice("arrangement", &D::arrangement, {"lattice", "random"}, "regular or uniformly random")
           .vector("center", &D::center, "m", any(), "centre of the region")
@@ -29,24 +29,27 @@ const DefTable& emitter_table() {
   using D = EmitterDef;
   static const DefTable t = [] {
     TableOf<D> table("a source of particles, born at exact times between steps");
-    table.choice("shape", &D::shape, {"point", "disk", "box", "sphere", "line"}, "where they are born");
+    table.choice("shape", &D::shape, {"point", "disk", "box", "sphere", "line"},
+                 "region where particles are born");
     return add_source_rows(table)
         .vector("half_extents", &D::half_extents, "m", at_least(0), "half edges of the box")
         .vector("end", &D::end, "m", any(), "other end of the line")
         .number("rate", &D::rate, "1/s", between(0, 1e7),
                 "particles per second; either rate or bursts, not both")
         .numbers("bursts", &D::bursts, "s", at_least(0), {0, 10000},
-                 "times at which burst_count are born at once, ascending; either bursts or rate, not both")
+                 "times at which burst_count particles are born at once, ascending; either bursts or rate, "
+                 "not both")
         .integer("burst_count", &D::burst_count, between(1, kMostParticles), "particles per burst")
-        .number("speed_spread", &D::speed_spread, "m/s", at_least(0), "uniform in speed +- this")
+        .number("speed_spread", &D::speed_spread, "m/s", at_least(0), "speeds are uniform within +- this")
         .number("cone", &D::cone, "rad", between(0, 3.141592653589793),
                 "half angle about the direction, uniform in solid angle")
-        .number("lifetime", &D::lifetime, "s", above(0), "mean lifetime; absent: for ever")
-        .number("lifetime_spread", &D::lifetime_spread, "s", at_least(0), "uniform in lifetime +- this")
+        .number("lifetime", &D::lifetime, "s", above(0), "mean lifetime; absent: unlimited")
+        .number("lifetime_spread", &D::lifetime_spread, "s", at_least(0),
+                "lifetimes are uniform within +- this")
         .number("mass", &D::mass, "kg", above(0), "of each particle; absent: the system's mass")
         .check([](const D& d, const DefTable::Report& report) {
           check_source(d, report);
-          if (d.rate > 0 && !d.bursts.empty()) report("/bursts", "an emitter has a rate or bursts, not both");
+          if (d.rate > 0 && !d.bursts.empty()) report("/bursts", "give rate or bursts, not both");
           if (static_cast<double>(d.bursts.size()) * static_cast<double>(d.burst_count) > kMostParticles) {
             report("/burst_count", "all bursts together are more than ten million particles");
           }
@@ -68,7 +71,7 @@ const DefTable& attractor_table() {
       TableOf<D>("acceleration mu r / (r^2 + softening^2)^(3/2) towards a point")
           .vector("position", &D::position, "m", any(), "the point")
           .number("mu", &D::mu, "m^3/s^2", any(), "G M; negative repels")
-          .number("softening", &D::softening, "m", at_least(0), "length below which the pull weakens")
+          .number("softening", &D::softening, "m", at_least(0), "length below which the attraction weakens")
           .build();
   return t;
 }
@@ -80,7 +83,7 @@ const DefTable& power_law_table() {
           .number("strength", &D::strength, "1", any(), "N m^exponent; positive attracts, negative repels")
           .integer("exponent", &D::exponent, between(1, 12), "power of the distance")
           .number("softening", &D::softening, "m", at_least(0), "length below which the force weakens")
-          .number("cutoff", &D::cutoff, "m", above(0), "no force beyond")
+          .number("cutoff", &D::cutoff, "m", above(0), "no force beyond this distance")
           .build();
   return t;
 }
@@ -89,7 +92,7 @@ const DefTable& soft_repulsion_table() {
   using D = SoftRepulsionDef;
   static const DefTable t = TableOf<D>("force stiffness (cutoff - r) that keeps particles apart")
                                 .number("stiffness", &D::stiffness, "N/m", at_least(0), "slope of the force")
-                                .number("cutoff", &D::cutoff, "m", above(0), "no force beyond")
+                                .number("cutoff", &D::cutoff, "m", above(0), "no force beyond this distance")
                                 .build();
   return t;
 }
@@ -97,9 +100,10 @@ const DefTable& soft_repulsion_table() {
 const DefTable& viscosity_table() {
   using D = ViscosityDef;
   static const DefTable t =
-      TableOf<D>("force coefficient (1 - r / cutoff)^2 (v_j - v_i) that evens out neighbours' velocities")
+      TableOf<D>(
+          "force coefficient (1 - r / cutoff)^2 (v_j - v_i) that equalises the velocities of neighbours")
           .number("coefficient", &D::coefficient, "N s/m", at_least(0), "strength at r = 0")
-          .number("cutoff", &D::cutoff, "m", above(0), "no force beyond")
+          .number("cutoff", &D::cutoff, "m", above(0), "no force beyond this distance")
           .build();
   return t;
 }
@@ -107,7 +111,7 @@ const DefTable& viscosity_table() {
 const DefTable& spring_table() {
   using D = PairSpringDef;
   static const DefTable t =
-      TableOf<D>("spring between two particles of those there are at t = 0")
+      TableOf<D>("spring between two particles that exist at t = 0")
           .integer("a", &D::a, at_least(0), "one end: positions first, then fills, in order")
           .integer("b", &D::b, at_least(0), "the other end")
           .number("stiffness", &D::stiffness, "N/m", at_least(0), "spring constant")
@@ -123,7 +127,7 @@ const DefTable& propulsion_table() {
       TableOf<D>("a motor in every particle")
           .number("thrust", &D::thrust, "N", any(), "force")
           .choice("along", &D::along, {"velocity", "direction"}, "direction of the thrust")
-          .vector("direction", &D::direction, "1", any(), "for along: direction; any length")
+          .vector("direction", &D::direction, "1", any(), "for along direction; any length")
           .build();
   return t;
 }
@@ -132,14 +136,14 @@ const DefTable& coulomb_table() {
   using D = CoulombDef;
   static const DefTable t =
       TableOf<D>("force constant q_i q_j / r^2 between all particles")
-          .number("constant", &D::constant, "N m^2/C^2", any(), "1/(4 pi eps_0); negative: likes attract")
-          .number("softening", &D::softening, "m", at_least(0), "r^2 + softening^2 in place of r^2")
+          .number("constant", &D::constant, "N m^2/C^2", any(),
+                  "1/(4 pi eps_0); negative: like charges attract")
+          .number("softening", &D::softening, "m", at_least(0), "replaces r^2 by r^2 + softening^2")
           .choice("method", &D::method, {"auto", "direct", "tree"},
-                  "every pair; a tree of the charges of either sign; auto: pairs to 5,000 particles")
-          .number(
-              "force_error", &D::force_error, "1", between(1e-6, 0.05),
-              "by the tree: error of what the charges of one sign do to a particle over its size, root mean "
-              "square")
+                  "all pairs; a tree for the charges of either sign; auto: pairs up to 5,000 particles")
+          .number("force_error", &D::force_error, "1", between(1e-6, 0.05),
+                  "with the tree: relative error of the force of the charges of one sign on a particle, root "
+                  "mean square")
           .build();
   return t;
 }
@@ -171,20 +175,20 @@ const DefTable& expression_table() {
 
 void check(const ParticlesDef& d, const DefTable::Report& report) {
   if (!d.velocities.empty() && d.velocities.size() != d.positions.size()) {
-    report("/velocities", "as many velocities as positions, or none");
+    report("/velocities", "needs as many velocities as positions, or none");
   }
   if (!d.masses.empty() && d.masses.size() != d.positions.size()) {
-    report("/masses", "as many masses as positions, or none");
+    report("/masses", "needs as many masses as positions, or none");
   }
   if (!d.charges.empty() && d.charges.size() != d.positions.size()) {
-    report("/charges", "as many charges as positions, or none");
+    report("/charges", "needs as many charges as positions, or none");
   }
   const size_t n = initial_count(d);
   if (d.coulomb && d.charge == 0 && d.charges.empty()) {
     report("/coulomb", "particles without a charge do not act on each other");
   }
   if (d.coulomb && d.coulomb->method == CoulombMethod::direct && largest_count(d) > kMostCharges) {
-    report("/coulomb/method", "every pair is summed: at most 100,000 particles");
+    report("/coulomb/method", "all pairs are summed: at most 100,000 particles");
   }
   for (size_t i = 0; i < d.springs.size(); ++i) {
     const PairSpringDef& s = d.springs[i];
@@ -215,7 +219,7 @@ const DefTable& particles_table() {
         .objects("fill", &D::fill, fill_table(), {0, 100}, "regions filled with particles at t = 0")
         .objects("emitters", &D::emitters, emitter_table(), {0, 256}, "sources of particles")
         .integer("max_particles", &D::max_particles, between(1, kMostParticles),
-                 "most particles at once; absent: what the emitters need")
+                 "most particles at once; absent: enough for the emitters")
         .number("mass", &D::mass, "kg", above(0), "of each particle")
         .number("radius", &D::radius, "m", at_least(0), "distance kept from colliders")
         .number("charge", &D::charge, "C", any(), "of each particle")
@@ -226,20 +230,19 @@ const DefTable& particles_table() {
         .vector("wind", &D::wind, "m/s", any(), "velocity of the air")
         .vector("electric_field", &D::electric_field, "V/m", any(), "force charge E")
         .vector("magnetic_field", &D::magnetic_field, "T", any(),
-                "force charge v x B; integrator \"boris\" turns about it exactly, at any step")
+                "force charge v x B; integrator \"boris\" is exact in its rotation at any step")
         .objects("attractors", &D::attractors, attractor_table(), {0, 256}, "point gravity")
         .variants("pair_forces", &D::pair_forces,
                   {{"power_law", &power_law_table()},
                    {"soft_repulsion", &soft_repulsion_table()},
                    {"viscosity", &viscosity_table()}},
-                  {0, 16}, "forces between near particles")
+                  {0, 16}, "forces between neighbouring particles")
         .objects("springs", &D::springs, spring_table(), {0, 1'000'000}, "springs between particles")
         .object("coulomb", &D::coulomb, coulomb_table(), "electrostatics between all particles")
         .object("propulsion", &D::propulsion, propulsion_table(), "a motor in every particle")
-        .object("expression", &D::expression, expression_table(), "a force of your own");
+        .object("expression", &D::expression, expression_table(), "a user-defined force");
     add_kill_rows(table)
-        .number("draw_radius", &D::draw_radius, "m", at_least(0),
-                "size in pictures; radius when that is larger")
+        .number("draw_radius", &D::draw_radius, "m", at_least(0), "size in pictures, but at least radius")
         .vector("color", &D::color, "1", between(0, 1), "linear red, green, blue");
     add_collider_rows(table, &D::colliders);
     return add_integrator_rows(table).check(check).build();

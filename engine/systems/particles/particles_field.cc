@@ -37,7 +37,7 @@ ExpressionRows compile_expressions(const ExpressionDef& d) {
   const std::pair<const char*, const std::string*> parts[] = {{"fx", &d.fx}, {"fy", &d.fy}, {"fz", &d.fz}};
   const auto report = [&issues](const char* name, const std::string& text, const ExpressionFault& fault) {
     issues.push_back({std::string("/expression/") + name, "bad_expression", describe(fault, text),
-                      '"' + text.substr(0, 80) + '"', "see the sentence of \"expression\"",
+                      '"' + text.substr(0, 80) + '"', "see the description of \"expression\"",
                       fault.did_you_mean, "N"});
   };
   for (const auto& [name, text] : parts) {

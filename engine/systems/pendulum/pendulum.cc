@@ -21,7 +21,7 @@ const DefTable& pendulum_table() {
         .number("mass", &D::mass, "kg", above(0), "mass at the end of every rod")
         .number("angle", &D::angle, "rad", any(), "initial angle of every rod from the direction of gravity")
         .number("damping", &D::damping, "N s/m", at_least(0), "drag force per velocity of every mass")
-        .vector("anchor", &D::anchor, "m", any(), "where the first rod hangs")
+        .vector("anchor", &D::anchor, "m", any(), "point where the first rod hangs")
         .numbers("lengths", &D::lengths, "m", above(0), per_link, "length of each rod, instead of length")
         .numbers("masses", &D::masses, "kg", above(0), per_link, "each mass, instead of mass")
         .numbers("angles", &D::angles, "rad", any(), per_link, "initial angle of each rod, instead of angle")
@@ -58,7 +58,7 @@ class Pendulum final : public ForceSystem {
         chain_(static_cast<const PendulumField&>(force_field())) {
     add_integration_stage(method.why);
     bound_speed();
-    add_stage("push", "ends a push command when its time is over", end_push);
+    add_stage("push", "ends a push command when its duration is over", end_push);
     if (def.damping == 0) skip_stage("damping", "the damping is zero");
     const size_t n = chain_.links();
     set_parts({{PartInfo::Kind::points,
@@ -109,7 +109,7 @@ class Pendulum final : public ForceSystem {
       case CommandKind::set_parameter:
         return set_parameter(s, c);
       default:
-        refuse("/kind", "a pendulum knows no such command", "push, impulse, set_parameter");
+        refuse("/kind", "a pendulum takes no such command", "push, impulse, set_parameter");
     }
   }
 
@@ -139,7 +139,8 @@ class Pendulum final : public ForceSystem {
       refuse("/name", "no parameter " + c.name + " to set", "damping, gravity");
     // Otherwise the scene was planned for position-dependent forces only.
     if (damping && chain_.dependence() == Dependence::position) {
-      refuse("/name", "damping can change only in a scene that starts with some", "a scene with damping > 0");
+      refuse("/name", "damping can change only in a scene that starts with damping",
+             "a scene with damping > 0");
     }
     if (!(c.value >= 0) || !std::isfinite(c.value)) refuse("/value", c.name + " is out of range", ">= 0");
     s.f64(damping ? C::kDamping : C::kGravity)[0] = c.value;

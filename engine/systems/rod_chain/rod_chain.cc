@@ -33,9 +33,9 @@ class RodChain final : public StagedSystem {
     }
     const std::string times = std::to_string(substeps_) + (substeps_ == 1 ? " step" : " steps");
     const std::string how[] = {std::string("exact joint forces, ") +
-                                   (adaptive() ? "dop853 in steps of its own" : "RK4 in " + times) +
-                                   ", then places and velocities are projected",
-                               "free flight, then the nearest places without gaps, in " + times,
+                                   (adaptive() ? "dop853 with its own steps" : "RK4 in " + times) +
+                                   ", then positions and velocities are projected",
+                               "free flight, then the nearest positions without gaps, in " + times,
                                "springs at the joints, in " + times + " of semi-implicit Euler"};
     const char* names[] = {"lagrange", "projection", "penalty"};
     const auto chosen = static_cast<size_t>(def.constraints);
@@ -107,7 +107,7 @@ class RodChain final : public StagedSystem {
                        "gravity");
       return store3(s.f64(kGravity).data(), 0, c.vector);
     }
-    refuse_command("kind", "unsupported_command", "a chain of rods knows no such command",
+    refuse_command("kind", "unsupported_command", "a chain of rods takes no such command",
                    "impulse, set_parameter");
   }
 
@@ -191,7 +191,7 @@ class RodChain final : public StagedSystem {
   // A step from which projection finds no way back to a closed chain is split in two.
   void project(const Chain& c, double h, int halvings, rod_chain::Scratch& scratch) const {
     if (rod_chain::step_projection(c, scratch.rods, h, def_.tolerance * def_.length, scratch)) return;
-    if (halvings == 0) throw Instability("", "joints.gap", 0, "no places without gaps were found");
+    if (halvings == 0) throw Instability("", "joints.gap", 0, "no positions without gaps were found");
     for (int half = 0; half < 2; ++half) project(c, 0.5 * h, halvings - 1, scratch);
   }
   void choose_steps(State& s, const Chain& c, const StepInput& in, rod_chain::Scratch& scratch) const {
@@ -229,21 +229,21 @@ class RodChain final : public StagedSystem {
 const DefTable& rod_chain_table() {
   using D = RodChainDef;
   static const DefTable t =
-      TableOf<D>("thin rigid rods joined end to end, their joints kept by one of three treatments")
-          .choice(
-              "constraints", &D::constraints, {"lagrange", "projection", "penalty"},
-              "how joints are kept: exact forces from the KKT system; places projected after free flight; "
-              "stiff springs")
+      TableOf<D>("thin rigid rods joined end to end, with one of three treatments of the joints")
+          .choice("constraints", &D::constraints, {"lagrange", "projection", "penalty"},
+                  "treatment of joints: exact forces from the KKT system; positions projected after free "
+                  "flight; stiff springs")
           .integer("links", &D::links, between(1, 100'000), "number of rods")
           .number("length", &D::length, "m", above(0), "of each rod")
           .number("mass", &D::mass, "kg", above(0), "of each rod")
           .number("radius", &D::radius, "m", above(0), "of the drawing")
-          .vector("anchor", &D::anchor, "m", any(), "where the first rod hangs")
-          .vector("direction", &D::direction, "1", any(), "of all rods at t = 0, when they rest; any length")
+          .vector("anchor", &D::anchor, "m", any(), "point where the first rod hangs")
+          .vector("direction", &D::direction, "1", any(),
+                  "of all rods at t = 0, when they are at rest; any length")
           .number("stiffness", &D::stiffness, "N/m", above(0), "penalty: of the joints' springs")
           .number("damping", &D::damping, "N s/m", at_least(0), "penalty: of the joints' springs")
           .number("tolerance", &D::tolerance, "1", between(1e-15, 0.1),
-                  "projection and lagrange: widest gap left, in lengths of a rod")
+                  "projection and lagrange: largest gap left, over the length of a rod")
           .number("error_tolerance", &D::error_tolerance, "1", between(1e-14, 0.1),
                   "lagrange without substeps: bound on the local error of every internal step")
           .integer("substeps", &D::substeps, between(1, 100'000),

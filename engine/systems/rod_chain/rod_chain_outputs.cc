@@ -6,15 +6,15 @@ namespace truestep::rod_chain {
 
 const Outputs& rod_chain_outputs() {
   static const Outputs kOutputs{
-      .rows = "a rod, from the anchor on",
+      .rows = "a rod, starting at the anchor",
       .fields = {{"position", "m", 3, "centre"},
                  {"velocity", "m/s", 3, "of the centre"},
                  {"direction", "1", 3, "unit vector along the rod"},
                  {"angular_velocity", "rad/s", 3, ""}},
       .observables = {{"energy.kinetic", "J", "of motion"},
-                      {"energy.potential", "J", "of all forces that have one"},
+                      {"energy.potential", "J", "of all conservative forces"},
                       {"energy.total", "J", "their sum"},
-                      {"joints.gap", "m", "widest gap between ends that a joint joins"}}};
+                      {"joints.gap", "m", "largest gap between the ends at a joint"}}};
   return kOutputs;
 }
 

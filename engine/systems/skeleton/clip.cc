@@ -124,7 +124,7 @@ Clip::Clip(const MotionDef& def, const Recording& file, const Model& model, Driv
   }
   if (tracks_.empty()) {
     driver.fault({where + "/names", "unknown_name",
-                  "no joint of the file is mapped to a ball of this skeleton", "",
+                  "no joint of the file is mapped to a ball joint of this skeleton", "",
                   "\"names\": {\"joint of the file\": \"joint of this skeleton\"}", "", ""});
     return;
   }

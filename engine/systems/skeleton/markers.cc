@@ -74,7 +74,7 @@ MarkerTracks triangulated(const MarkersDef& def, const std::string& where, Marke
     out.frames = std::max<size_t>(out.frames, s.frame + 1);
     all.push_back(s);
   }
-  if (all.empty()) refuse(where + "/images", "there are no pictures");
+  if (all.empty()) refuse(where + "/images", "there are no images");
   std::ranges::stable_sort(all, [](const Seen& a, const Seen& b) {
     return a.frame != b.frame ? a.frame < b.frame : a.marker < b.marker;
   });
@@ -233,7 +233,7 @@ Recording recording_of(const MarkersDef& def, double scale, const Model& model, 
     }
     all_known.insert(all_known.end(), known.begin(), known.end());
   }
-  if (!started) refuse(where, "no frame has three markers in sight");
+  if (!started) refuse(where, "no frame shows three markers");
   fill(out, all_known);
   report.error = count_all > 0 ? std::sqrt(squares / count_all) : 0;
   report.seen = markers_seen / (static_cast<double>(count) * static_cast<double>(out.frames));

@@ -32,7 +32,7 @@ size_t joint_of(const Model& m, const std::string& pointer, const std::string& i
 void add_joint(const JointDef& d, const std::string& at, Model& m, Driver& driver) {
   Joint j;
   if (m.find(d.id)) {
-    driver.fault({at + "/id", "duplicate_name", "there is a joint of this name", d.id, "", "", ""});
+    driver.fault({at + "/id", "duplicate_name", "another joint has this name", d.id, "", "", ""});
   }
   if (!d.parent.empty()) {
     const auto parent = m.find(d.parent);
@@ -92,7 +92,7 @@ void add_goal(const SkeletonDef& def, size_t k, Model& m, Driver& driver) {
     g.goal.base = static_cast<uint32_t>(joint_of(m, at + "/base", d.base, driver));
     if (std::ranges::find(way, g.goal.base) == way.end()) {
       driver.fault({at + "/base", "unsuitable_joint",
-                    "\"" + d.base + "\" is not on the way to \"" + d.joint + "\"", d.base, "", "", ""});
+                    "\"" + d.base + "\" is not on the path to \"" + d.joint + "\"", d.base, "", "", ""});
     }
   }
   if (d.point) {
@@ -107,7 +107,7 @@ void add_goal(const SkeletonDef& def, size_t k, Model& m, Driver& driver) {
   g.pole = driver.add_vector(at + "/pole", d.pole);
   if (def.solver == IkMethod::two_link && g.goal.base == g.goal.joint) {
     driver.fault(
-        {at + "/base", "unsuitable_joint", "two_link turns a base and a joint after it", "", "", "", ""});
+        {at + "/base", "unsuitable_joint", "two_link needs a base and one joint after it", "", "", "", ""});
   }
   m.goals.push_back(std::move(g));
 }

@@ -132,7 +132,7 @@ Recording recording_of(const GltfModel& m, const std::string& name, double rate)
     const double frames = std::round((last - first) * rate) + 1;
     if (frames > kMostFrames || frames * static_cast<double>(nodes.size()) > kMostTurns) {
       throw GltfFault("/animations: it lasts " + std::to_string(last - first) +
-                      " s, which are too many frames");
+                      " s, which gives too many frames");
     }
     out.frames = static_cast<size_t>(frames);
   }

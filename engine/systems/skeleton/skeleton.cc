@@ -67,8 +67,7 @@ void Skeleton::learn(const PriorDef& def) {
   std::vector<JointMotion> poses(n * clip.frames());
   for (size_t f = 0; f < clip.frames(); ++f) clip.frame(f, std::span(poses).subspan(f * n, n));
   if (clip.frames() < 2) {
-    driver_.fault(
-        {"/prior/motion", "too_short", "a prior is learnt from two frames at least", "", "", "", ""});
+    driver_.fault({"/prior/motion", "too_short", "a prior needs at least two frames", "", "", "", ""});
     return;
   }
   prior_ = PosePrior(model_.joints, poses, known, static_cast<size_t>(def.components), def.variation);
@@ -90,7 +89,7 @@ void Skeleton::plan_stages(const SkeletonDef& def) {
                 (file_ ? ", recorded motion of " + std::to_string(clip_.frames()) + " frames" : ""),
             stage([this](State& s, const StepInput& in, Scratch& w) { drive(s, in.t + in.h, w); }));
   if (clip_.feet() > 0) {
-    add_stage("foot lock", "feet that stand are held",
+    add_stage("foot lock", "standing feet are kept in place",
               stage([this](State& s, const StepInput& in, Scratch& w) { hold_feet(s, in.t + in.h, w); }));
   } else {
     skip_stage("foot lock", "no feet are named");

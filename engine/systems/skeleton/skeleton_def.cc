@@ -11,27 +11,26 @@ namespace {
 const DefTable& joint_table() {
   using D = JointDef;
   static const DefTable t =
-      TableOf<D>("a joint, and the bones that leave it")
+      TableOf<D>("a joint and the bones that start at it")
           .text("id", &D::id, "its name")
           .required()
           .text("parent", &D::parent, "an earlier joint; absent: the root")
-          .choice("type", &D::type, {"fixed", "revolute", "prismatic", "ball"}, "how it moves")
+          .choice("type", &D::type, {"fixed", "revolute", "prismatic", "ball"}, "kind of motion")
           .vector("offset", &D::offset, "m", any(), "in the parent's frame")
           .vector("rest_rotation", &D::rest_rotation, "rad", any(),
                   "rotation vector of its frame in the parent's, at rest")
-          .vector(
-              "axis", &D::axis, "1", any(),
-              "of revolute and prismatic joints, in its own frame; of a ball that of its twist; any length")
+          .vector("axis", &D::axis, "1", any(),
+                  "of revolute and prismatic joints, in its own frame; twist axis of a ball; any length")
           .number("min", &D::min, "", any(), "rad or m, smallest value; of a ball smallest twist")
           .number("max", &D::max, "", any(), "rad or m, largest value; of a ball largest twist")
           .number("cone", &D::cone, "rad", between(0, 3.141592653589793),
                   "of a ball: largest swing of the axis")
-          .vector("end", &D::end, "m", any(), "tip of its bone where no joint follows, in its own frame")
+          .vector("end", &D::end, "m", any(), "tip of its bone if no joint follows, in its own frame")
           .number("radius", &D::radius, "m", above(0), "of its bones; absent: bone_radius")
           .expression("value", &D::value, "rad or m, of revolute and prismatic joints")
           .texts("rotation", &D::rotation, {0, 3}, "angles (rad) about x, y and z of a ball, as expressions")
           .choice("order", &D::order, animation::kEulerOrders,
-                  "of the angles, each about its axis as already turned")
+                  "of the angles, each about its axis as rotated so far")
           .text("turn", &D::turn, "of a ball: name of one of turns; instead of rotation")
           .check([](const D& d, const DefTable::Report& report) {
             using animation::JointKind;
@@ -39,11 +38,11 @@ const DefTable& joint_table() {
             if (d.min && d.max && *d.min > *d.max) report("/max", "the largest value is below the smallest");
             const bool ball = d.type == JointKind::ball, fixed = d.type == JointKind::fixed;
             if (!d.value.empty() && (ball || fixed))
-              report("/value", "a revolute or prismatic joint has a value");
+              report("/value", "only a revolute or prismatic joint has a value");
             if (!d.rotation.empty() && !ball)
               report("/rotation", "a ball has a rotation, other joints a value");
-            if (!d.turn.empty() && !ball) report("/turn", "a ball has a turn, other joints a value");
-            if (!d.turn.empty() && !d.rotation.empty()) report("/turn", "either turn or rotation, not both");
+            if (!d.turn.empty() && !ball) report("/turn", "only a ball has a turn, other joints a value");
+            if (!d.turn.empty() && !d.rotation.empty()) report("/turn", "give turn or rotation, not both");
             if (d.cone && !ball) report("/cone", "a ball has a cone, other joints min and max");
           })
           .build();
@@ -53,21 +52,23 @@ const DefTable& joint_table() {
 const DefTable& goal_table() {
   using D = GoalDef;
   static const DefTable t =
-      TableOf<D>("where a place of a joint should be")
+      TableOf<D>("target position for a point of a joint")
           .text("id", &D::id, "its name in observables; absent: its number")
           .text("joint", &D::joint, "the joint")
           .required()
-          .text("base", &D::base, "first joint on the way to it that may move; absent: the first of all")
+          .text("base", &D::base, "first joint of the chain that may move; absent: the first of all")
           .vector("point", &D::point, "m", any(),
-                  "the place in the joint's frame; absent: the end of its bone")
+                  "the point in the joint's frame; absent: the end of its bone")
           .texts("target", &D::target, {0, 3}, "x, y and z (m) as expressions; a missing one is 0")
           .required()
           .texts("orientation", &D::orientation, {0, 3},
                  "angles (rad) about x, y and z of the joint's frame in the world, as expressions")
-          .texts("pole", &D::pole, {0, 3}, "a place (m) that the chain bends towards, as expressions")
-          .number("weight", &D::weight, "1", above(0), "against other goals of the same priority")
-          .number("orientation_weight", &D::orientation_weight, "m/rad", above(0), "a turn in lengths")
-          .integer("priority", &D::priority, between(0, 9), "0 goes first; others move in what is left")
+          .texts("pole", &D::pole, {0, 3}, "point (m) that the chain bends towards, as expressions")
+          .number("weight", &D::weight, "1", above(0), "relative to other goals of the same priority")
+          .number("orientation_weight", &D::orientation_weight, "m/rad", above(0),
+                  "length that counts as much as a radian")
+          .integer("priority", &D::priority, between(0, 9),
+                   "0 goes first; later ones use the remaining freedom")
           .build();
   return t;
 }
@@ -90,25 +91,25 @@ const DefTable& tube_table() {
 const DefTable& skin_table() {
   using D = SkinDef;
   static const DefTable t =
-      TableOf<D>("a surface that follows the bones, each vertex by the bones that are near it at rest")
+      TableOf<D>("a surface that follows the bones, each vertex by the bones near it at rest")
           .objects("tubes", &D::tubes, tube_table(), {0, 1000}, "skins around chains of bones")
           .vectors("vertices", &D::vertices, "m", any(), {0, 1'000'000},
-                   "of a mesh, in the world when all coordinates are at rest and the root is the origin")
+                   "of a mesh, in the world when all coordinates are at rest and the root is at the origin")
           .integers("triangles", &D::triangles, at_least(0), {0, 6'000'000}, "three vertices each")
           .choice("method", &D::method, {"linear", "dual_quaternion"},
-                  "means of matrices, which collapse where bones twist, or of dual quaternions, which do not")
+                  "blends matrices, which collapse where bones twist, or dual quaternions, which do not")
           .choice("source", &D::source, {"scene", "motion_file"},
-                  "motion_file: the mesh and weights of the glTF file that the motion comes from")
+                  "motion_file: mesh and weights of the motion's glTF file")
           .number("falloff", &D::falloff, "1", between(0.5, 64),
-                  "power of the distance by which the weight of a bone falls")
+                  "power of the distance with which a bone's weight falls")
           .vector("color", &D::color, "1", between(0, 1), "linear red, green, blue")
           .check([](const D& d, const DefTable::Report& report) {
             const bool from_file = d.source == SkinDef::Source::motion_file;
             if (d.tubes.empty() && d.vertices.empty() && !from_file)
-              report("", "a skin has tubes or vertices, or comes from the motion's file");
+              report("", "a skin needs tubes, vertices or the motion's file");
             if (from_file && !d.vertices.empty())
               report("/vertices", "the skin comes from the motion's file");
-            if (d.triangles.size() % 3 != 0) report("/triangles", "three vertices a triangle");
+            if (d.triangles.size() % 3 != 0) report("/triangles", "three vertices per triangle");
             for (size_t i = 0; i < d.triangles.size(); ++i) {
               if (static_cast<size_t>(d.triangles[i]) < d.vertices.size()) continue;
               return report("/triangles/" + std::to_string(i), "there is no such vertex");
@@ -121,7 +122,7 @@ const DefTable& skin_table() {
 void check(const SkeletonDef& d, const DefTable::Report& report) {
   using animation::IkMethod;
   if (d.joints.empty() && !d.motion)
-    report("/joints", "a skeleton has joints, its own or those of a motion file");
+    report("/joints", "a skeleton needs joints, its own or those of a motion file");
   const bool squares = d.solver == IkMethod::gradient || d.solver == IkMethod::gauss_newton ||
                        d.solver == IkMethod::damped_least_squares;
   for (size_t k = 0; k < d.goals.size(); ++k) {
@@ -134,13 +135,13 @@ void check(const SkeletonDef& d, const DefTable::Report& report) {
     }
   }
   if (d.prior && d.goals.empty())
-    report("/prior", "a prior says which of the poses that reach goals is taken: give goals");
+    report("/prior", "a prior selects among the poses that reach goals: give goals");
   if (d.prior && !squares) report("/prior", "a prior needs gradient, gauss_newton or damped_least_squares");
   if (d.skin && d.skin->source == SkinDef::Source::motion_file &&
       (!d.motion || d.motion->gltf.empty() || !d.joints.empty()))
-    report("/skin/source", "the joints and the motion come from a glTF file, too");
+    report("/skin/source", "needs joints and motion from a glTF file");
   if (d.motion && d.motion->markers && d.joints.empty())
-    report("/joints", "markers are fitted to joints that the scene gives");
+    report("/joints", "markers are fitted to the scene's joints: give joints");
   if (d.publish == SkeletonDef::Publish::skin && !d.skin) report("/publish", "there is no skin to publish");
 }
 
@@ -155,20 +156,21 @@ DefTable table_for(const char* sentence, void (*needs)(const SkeletonDef&, const
       .texts("root_position", &D::root_position, {0, 3}, "x, y and z (m) as expressions; a missing one is 0")
       .texts("root_rotation", &D::root_rotation, {0, 3}, "angles (rad) about x, y and z as expressions")
       .choice("root_order", &D::root_order, animation::kEulerOrders, "of the root's angles")
-      .objects("goals", &D::goals, goal_table(), {0, 256}, "where places should be: inverse kinematics")
+      .objects("goals", &D::goals, goal_table(), {0, 256}, "targets of inverse kinematics")
       .choice("solver", &D::solver,
               {"gradient", "gauss_newton", "damped_least_squares", "ccd", "fabrik", "two_link"},
               "method of inverse kinematics")
       .number("tolerance", &D::tolerance, "m", above(0), "distance at which a goal is reached")
-      .integer("max_iterations", &D::max_iterations, between(1, 1'000'000), "of the solver in a step")
+      .integer("max_iterations", &D::max_iterations, between(1, 1'000'000), "of the solver per step")
       .choice("elbow", &D::elbow, {"positive", "negative"},
-              "of two_link without a pole: side to which a revolute middle bends")
+              "of two_link without a pole: side to which a revolute middle joint bends")
       .object("motion", &D::motion, motion_table(), "recorded motion")
-      .objects("layers", &D::layers, layer_table(), {0, 64}, "more recorded motions, blended in their order")
-      .object("prior", &D::prior, prior_table(), "which of the poses that reach the goals are natural")
+      .objects("layers", &D::layers, layer_table(), {0, 64},
+               "further recorded motions, blended in their order")
+      .object("prior", &D::prior, prior_table(), "which of the poses that reach the goals is preferred")
       .object("skin", &D::skin, skin_table(), "a surface around the bones")
       .number("bone_radius", &D::bone_radius, "m", above(0), "of bones, which are capsules")
-      .choice("publish", &D::publish, {"bones", "skin"}, "what others collide with")
+      .choice("publish", &D::publish, {"bones", "skin"}, "surface that others collide with")
       .vector("color", &D::color, "1", between(0, 1), "linear red, green, blue of the bones");
   animation::add_driver_rows(table);
   return table
@@ -188,10 +190,10 @@ const DefTable& skeleton_table() {
 }
 
 const DefTable& ik_table() {
-  static const DefTable t = table_for("a skeleton whose places reach for goals",
+  static const DefTable t = table_for("a skeleton whose points reach for goals",
                                       [](const SkeletonDef& d, const DefTable::Report& report) {
                                         if (d.goals.empty())
-                                          report("/goals", "inverse kinematics have goals");
+                                          report("/goals", "inverse kinematics needs goals");
                                       });
   return t;
 }
@@ -200,7 +202,7 @@ const DefTable& motion_capture_table() {
   static const DefTable t = table_for("a skeleton that moves as a motion file or markers say",
                                       [](const SkeletonDef& d, const DefTable::Report& report) {
                                         if (!d.motion)
-                                          report("/motion", "motion capture has a recorded motion");
+                                          report("/motion", "motion capture needs a recorded motion");
                                       });
   return t;
 }
@@ -211,29 +213,29 @@ const Outputs& skeleton_outputs() {
       .fields = {{"position", "m", 3, "of a joint, a bone's middle or a vertex"},
                  {"velocity", "m/s", 3, "mean over the last step"},
                  {"orientation", "1", 4, "w, x, y, z; a bone points along its y axis"},
-                 {"value", "", 1, "rad of a revolute joint, m of a prismatic one, rad of turn of a ball"},
+                 {"value", "", 1,
+                  "rad of a revolute joint, m of a prismatic one, rotation angle in rad of a ball"},
                  {"bones.angular_velocity", "rad/s", 3, "of part bones: mean over the last step"}},
       .observables = {
           {"control.<name>", "1", "value of a control"},
-          {"ik.error", "m", "largest distance of a goal after the last step; with goals"},
+          {"ik.error", "m", "largest distance to a goal after the last step; with goals"},
           {"ik.iterations", "1", "of the solver in the last step; with goals"},
           {"ik.reached", "1", "1 where all goals are within the tolerance; with goals"},
-          {"goal.<id>.error", "m", "distance of a goal"},
+          {"goal.<id>.error", "m", "distance to a goal"},
           {"goal.<id>.stretch", "1",
-           "distance of a goal from where its chain begins, in lengths of the chain: at 1 it is stretched, "
-           "which is "
-           "singular, beyond that the goal is out of reach"},
-          {"joint.<id>.x", "m", "where a joint is, of skeletons of at most 32"},
+           "distance of a goal from the start of its chain over the chain's length: at 1 the chain is "
+           "stretched and singular, above 1 the goal is out of reach"},
+          {"joint.<id>.x", "m", "position of a joint, in skeletons of at most 32"},
           {"joint.<id>.y", "m", ""},
           {"joint.<id>.z", "m", ""},
           {"prior.distance", "1", "from the mean pose, in deviations of the prior's motion; with a prior"},
           {"prior.explained", "1", "share of that motion's variance in the components; with a prior"},
-          {"markers.error", "m", "root of the mean square distance of markers from the fit; with markers"},
+          {"markers.error", "m", "root mean square distance of markers from the fit; with markers"},
           {"markers.seen", "1", "share of markers in sight; with markers"},
-          {"markers.outliers", "1", "places in space and in pictures that were set aside; with markers"},
-          {"markers.residual", "1", "pixels, what is left in the pictures; with markers from cameras"},
-          {"foot_lock.slide", "m", "largest way of a standing foot in the recording, before it is held"},
-          {"foot_lock.error", "m", "largest distance of a foot from where it is held"}}};
+          {"markers.outliers", "1", "positions in space and in images that were rejected; with markers"},
+          {"markers.residual", "1", "pixels, in the images; with markers from cameras"},
+          {"foot_lock.slide", "m", "largest slide of a standing foot in the recording, before locking"},
+          {"foot_lock.error", "m", "largest distance of a locked foot from its fixed position"}}};
   return kOutputs;
 }
 

@@ -99,7 +99,7 @@ void Skeleton::apply(State& s, const Command& c) const {
       dragged = -1;
       return;
     default:
-      refuse_command("kind", "bad_command", "a skeleton moves as it is told", "set_parameter, drag, release");
+      refuse_command("kind", "bad_command", "a skeleton moves as prescribed", "set_parameter, drag, release");
   }
 }
 

@@ -154,16 +154,17 @@ void Wave::apply(State& s, const Command& c) const {
     } else if (c.name == "damping") {
       // Without damping the scene was planned for position-dependent forces only.
       if (def_.damping == 0) {
-        refuse_command("name", "planned_without", "damping can change only in a scene that starts with some",
+        refuse_command("name", "planned_without",
+                       "damping can change only in a scene that starts with damping",
                        "a scene with damping > 0");
       }
-      if (!(c.value >= 0)) refuse_command("value", "out_of_range", "the damping is at least 0", ">= 0");
+      if (!(c.value >= 0)) refuse_command("value", "out_of_range", "the damping must be at least 0", ">= 0");
       s.f64(kConstants)[1] = c.value;
     } else {
       refuse_command("name", "unknown_parameter", "no parameter " + c.name + " to set", "speed, damping");
     }
   } else {
-    refuse_command("kind", "unknown_command", "waves know no such command", "impulse, set_parameter");
+    refuse_command("kind", "unknown_command", "waves take no such command", "impulse, set_parameter");
   }
   EquationStepper::forget(s);
 }

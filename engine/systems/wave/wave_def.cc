@@ -20,7 +20,7 @@ const DefTable& wave_table() {
 
 const Outputs& wave_outputs() {
   static const Outputs kOutputs{
-      .rows = "a node of the lattice, x running fastest",
+      .rows = "a node of the lattice, x fastest",
       .fields = {{"value", "m", 1, "displacement"}, {"rate", "m/s", 1, "its rate of change"}},
       .observables = {
           {"energy.kinetic", "J", "half the integral of the squared rate"},
@@ -28,9 +28,9 @@ const Outputs& wave_outputs() {
           {"energy.total", "J", "their sum"},
           {"value.min", "m", "lowest displacement"},
           {"value.max", "m", "highest displacement"},
-          {"error.exact", "m", "distance from the scene's exact solution, root mean square over the box"},
+          {"error.exact", "m", "difference from the scene's exact solution, root mean square over the box"},
           {"integrator.steps", "1", "internal steps taken since the start"},
-          {"integrator.rejected", "1", "internal steps tried again with a smaller one"},
+          {"integrator.rejected", "1", "rejected internal steps"},
           {"integrator.rates", "1", "evaluations of the right-hand side"},
           {"integrator.jacobians", "1", "evaluations of its derivatives"}}};
   return kOutputs;

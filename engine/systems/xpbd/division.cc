@@ -54,20 +54,20 @@ bool is_elastic(const XpbdDef& def) {
 Division divide(const XpbdDef& def, const BuildContext& context, const Body& body) {
   using enum SolverOptions::Division;
   if (def.substeps) return {*def.substeps, fixed, "named by the scene"};
-  if (def.scheme == Scheme::pbd) return {1, fixed, "the textbook's step is not divided"};
+  if (def.scheme == Scheme::pbd) return {1, fixed, "textbook PBD does not divide the step"};
   constexpr double kMost = 1000;
   const double longest = std::min(kLongestSubstep, longest_elastic(def, body));
   const double n = std::max(1.0, std::ceil(context.dt / longest * (1 - 1e-9)));
   if (n > kMost && stiff_at_rest(def)) {
-    const std::string message = "so stiff a material needs " + std::to_string(static_cast<int64_t>(n)) +
-                                " substeps in a step, of at most 1000: make it softer, its cells larger or "
-                                "time.dt shorter, or use fem";
+    const std::string message = "this stiffness needs " + std::to_string(static_cast<int64_t>(n)) +
+                                " substeps per step, and at most 1000 are allowed: use a softer material, "
+                                "larger cells, a shorter time.dt or fem";
     throw Error("scene_invalid", "/youngs_modulus: " + message,
                 {{"/youngs_modulus", "too_stiff", message, std::to_string(*def.youngs_modulus), "", "", ""}});
   }
-  if (stiff_at_rest(def)) return {static_cast<int>(n), fixed, "as short as its stiffness asks for"};
+  if (stiff_at_rest(def)) return {static_cast<int>(n), fixed, "as short as the stiffness requires"};
   return {static_cast<int>(std::min(n, kMost)), by_tension,
-          "and more while tension would turn links too far in one"};
+          "and more while tension would turn links too far in one substep"};
 }
 
 }  // namespace truestep::xpbd

@@ -120,67 +120,68 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
 void Xpbd::plan_stages(const XpbdDef& def, const std::string& why) {
   if (cosserat_) {
     skip_stage("links", std::to_string(rods_.rods) + " Cosserat rods of " + std::to_string(rods_.links) +
-                            " links are solved each as a whole");
+                            " links are each solved as a whole");
   }
   const size_t bends = body_.rods.size() + body_.hinges.size() + body_.angles.size();
-  add_stage(
-      "solve",
-      std::to_string(options_.substeps) + " substeps of " + std::to_string(options_.iterations) +
-          " iterations: " + why + "; " + std::to_string(body_.links.size()) + " links in " +
-          std::to_string(schedule_.chains.colours.size()) + " colours" +
-          (is_simultaneous(options_.sweep) ? ", all from the same places"
-           : schedule_.chains.batches.empty() || schedule_.chains.colours.front().longest <= 1
-               ? ", each by itself"
-               : ", chain by chain") +
-          (colliders_.empty() ? ""
-                              : "; " + std::to_string(colliders_.colliders().size()) +
-                                    " colliders keep the points out after every substep") +
-          (folds_ ? "; " + std::to_string(folds_->facets().size()) + " facets are kept apart after it" : ""),
-      [this](State& s, const StepInput& in) {
-        const SolverInput what{body_,
-                               schedule_,
-                               options_,
-                               colliders_,
-                               surfaces_,
-                               folds_ ? &*folds_ : nullptr,
-                               air_ ? &*air_ : nullptr,
-                               rods_,
-                               tears_ ? &*tears_ : nullptr,
-                               matches_,
-                               tethers_};
-        if (precision_ == Precision::f32) {
-          in.workspace.object<Solver<float>>("xpbd.solver").step(what, s, in);
-        } else {
-          in.workspace.object<Solver<double>>("xpbd.solver").step(what, s, in);
-        }
-      });
+  add_stage("solve",
+            std::to_string(options_.substeps) + " substeps of " + std::to_string(options_.iterations) +
+                " iterations: " + why + "; " + std::to_string(body_.links.size()) + " links in " +
+                std::to_string(schedule_.chains.colours.size()) + " colours" +
+                (is_simultaneous(options_.sweep) ? ", all from the same positions"
+                 : schedule_.chains.batches.empty() || schedule_.chains.colours.front().longest <= 1
+                     ? ", one by one"
+                     : ", chain by chain") +
+                (colliders_.empty() ? ""
+                                    : "; " + std::to_string(colliders_.colliders().size()) +
+                                          " colliders keep the points out after every substep") +
+                (folds_ ? "; " + std::to_string(folds_->facets().size()) +
+                              " facets are kept apart after each substep"
+                        : ""),
+            [this](State& s, const StepInput& in) {
+              const SolverInput what{body_,
+                                     schedule_,
+                                     options_,
+                                     colliders_,
+                                     surfaces_,
+                                     folds_ ? &*folds_ : nullptr,
+                                     air_ ? &*air_ : nullptr,
+                                     rods_,
+                                     tears_ ? &*tears_ : nullptr,
+                                     matches_,
+                                     tethers_};
+              if (precision_ == Precision::f32) {
+                in.workspace.object<Solver<float>>("xpbd.solver").step(what, s, in);
+              } else {
+                in.workspace.object<Solver<double>>("xpbd.solver").step(what, s, in);
+              }
+            });
   if (!matches_.empty()) {
-    skip_stage("links", std::to_string(matches_.groups()) + " bodies are drawn to their shapes as a whole");
+    skip_stage("links",
+               std::to_string(matches_.groups()) + " bodies are each pulled towards their rest shape");
   }
-  if (elastic_) skip_stage("links", "tetrahedra have a material");
-  if (membrane_) skip_stage("links", std::to_string(body_.sheet.size()) + " triangles have a material");
-  if (tethers_.empty()) skip_stage("tethers", "no tether_slack is given or nothing is held");
+  if (elastic_) skip_stage("links", "elastic tetrahedra replace them");
+  if (membrane_) skip_stage("links", std::to_string(body_.sheet.size()) + " elastic triangles replace them");
+  if (tethers_.empty()) skip_stage("tethers", "no tether_slack is given or no point is pinned");
   if (tears_) {
     add_stage("tear",
-              "links of " + std::to_string(body_.triangles.size()) + " triangles are looked at; at most " +
+              "links of " + std::to_string(body_.triangles.size()) + " triangles are checked; at most " +
                   std::to_string(body_.capacity - body_.x.size()) + " points are split off",
               [this](State& s, const StepInput& in) {
                 in.workspace.object<Tearing>("xpbd.tearing")
                     .run(*tears_, body_, tear_limits_, s, s.f64(Columns::stiffness));
               });
   }
-  add_stage("hands", "ends pushes whose time is over",
+  add_stage("hands", "ends pushes whose duration is over",
             [](State& s, const StepInput& in) { Columns::kHands.count_down(s, in.h); });
   if (colliders_.empty()) skip_stage("contacts", "there are no colliders");
   if (!air_) skip_stage("air", "no wind is given");
-  if (!tears_) skip_stage("tear", "no limit is given");
-  if (!folds_) skip_stage("self-collision", "self_collision is not asked for");
-  if (bends == 0) skip_stage("bending", "no rigidity is given");
+  if (!tears_) skip_stage("tear", "no limits are given");
+  if (!folds_) skip_stage("self-collision", "self_collision is off");
+  if (bends == 0) skip_stage("bending", "no bending rigidity is given");
   if (const auto crowded = def.mesh ? crowded_edge(*def.mesh) : std::nullopt) {
-    skip_stage("bending at crowded edges",
-               crowded->what +
-                   ": cloth is joined there and folds freely; to let it bend and tear, "
-                   "split the mesh there and attach the parts");
+    skip_stage("bending at crowded edges", crowded->what +
+                                               ": cloth is joined there and folds freely; for bending and "
+                                               "tearing, split the mesh there and attach the parts");
   }
   if (body_.tetrahedra.empty()) skip_stage("volumes", "there are no tetrahedra");
   if (!(def.damping > 0)) skip_stage("viscous damping", "damping is 0");
@@ -346,7 +347,7 @@ void Xpbd::check(StateCheck& check, double) const {
       .together({Columns::push_row, Columns::push_force, Columns::push_remaining});
   for (const auto column : {Columns::drag_row, Columns::push_row}) {
     for (const uint32_t row : check.state().span<uint32_t>(column))
-      check.require(row < points, "a hand's row");
+      check.require(row < points, "the row of a push or drag");
   }
   if (!tears_) return;
   const auto& c = tears_->columns;
@@ -359,7 +360,7 @@ void Xpbd::check(StateCheck& check, double) const {
   const auto origin = check.state().span<uint32_t>(c.origin), corner = check.state().span<uint32_t>(c.corner);
   for (size_t k = 0; k < corner.size(); ++k) {
     check.require(corner[k] < points && origin[corner[k]] == body_.triangles[k / 3][k % 3],
-                  "the row of a triangle's corner");
+                  "the point of a triangle's corner");
   }
   for (const double m : check.state().f64(c.mass)) check.require(m > 0, "a mass");
 }

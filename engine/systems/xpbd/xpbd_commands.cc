@@ -11,7 +11,7 @@ using Columns = XpbdColumns;
 namespace {
 
 constexpr PointCommands kPoints({Columns::velocity, Columns::inverse_mass, Columns::kHands}, "point",
-                                "a cloth or a rope keeps its points");
+                                "points of cloth and ropes cannot be added or removed");
 
 }  // namespace
 
@@ -41,13 +41,13 @@ void Xpbd::set_parameter(State& s, const Command& c) const {
     return std::any_of(body_.links.begin(), body_.links.end(), [&](auto& l) { return l.family == family; });
   };
   if (cosserat_ && (c.name == "stiffness" || c.name == "shear_stiffness" || c.name == "youngs_modulus")) {
-    refuse_command("name", "unknown_parameter", "the moduli of rods stay as the scene gives them");
+    refuse_command("name", "unknown_parameter", "the moduli of rods cannot change during a run");
   }
   const bool rods = !body_.rods.empty() && body_.triangles.empty();
   const bool plates =
       !body_.triangles.empty() && !(body_.rods.empty() && body_.hinges.empty() && body_.angles.empty());
   if (!matches_.empty() && (c.name == "stiffness" || c.name == "bulk_modulus")) {
-    refuse_command("name", "unknown_parameter", "what is matched has neither links nor volumes");
+    refuse_command("name", "unknown_parameter", "a body with matching has neither links nor volumes");
   }
   if (c.name == "stiffness") return set(Family::structural, !youngs_);
   if (c.name == "shear_stiffness") return set(Family::shear, !youngs_ && has(Family::shear));

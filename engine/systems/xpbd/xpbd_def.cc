@@ -10,7 +10,7 @@ const DefTable& load_table() {
   static const DefTable t = TableOf<LoadDef>("mass added to a point")
                                 .integer("point", &LoadDef::point, at_least(0), "index of the point")
                                 .required()
-                                .number("mass", &LoadDef::mass, "kg", above(0), "that is added to its own")
+                                .number("mass", &LoadDef::mass, "kg", above(0), "added to the point's own")
                                 .required()
                                 .build();
   return t;
@@ -29,14 +29,14 @@ std::vector<std::string> pin_names(const XpbdDef& d) {
 
 void check_rigidities(const XpbdDef& d, const DefTable::Report& report) {
   if (d.bending_rigidity > 0 && !d.rope && !d.helix && !d.hair) {
-    report("/bending_rigidity", "only ropes and hair have one; of cloth it is flexural_rigidity");
+    report("/bending_rigidity", "only for ropes and hair; for cloth give flexural_rigidity");
   }
   if (d.flexural_rigidity > 0 && !d.cloth_grid && !d.mesh) {
-    report("/flexural_rigidity", "only cloth has one; of ropes and hair it is bending_rigidity");
+    report("/flexural_rigidity", "only for cloth; for ropes and hair give bending_rigidity");
   }
   if (d.youngs_modulus && d.mesh && !is_membrane(d)) {
     report("/youngs_modulus",
-           "only ropes, hair, cloth grids, blocks and membranes have one; of a mesh of links give stiffness");
+           "only for ropes, hair, cloth grids, blocks and membranes; for a mesh of links give stiffness");
   }
   if (d.youngs_modulus && !d.block && !(d.thickness > 0))
     report("/youngs_modulus", "needs a thickness above 0");
@@ -80,8 +80,8 @@ void check_self_collision(const XpbdDef& d, const DefTable::Report& report) {
   // Points this close along the sheet would be pushed apart for ever.
   const double most = spacing(d);
   if (d.thickness <= most) return;
-  report("/thickness", "self_collision needs one of at most the distance between neighbours, " +
-                           std::to_string(most) + " m: give fewer points or less");
+  report("/thickness", "self_collision needs at most the distance between neighbours, " +
+                           std::to_string(most) + " m: use fewer points or a smaller thickness");
 }
 
 /// Only links can be solved simultaneously.
@@ -97,7 +97,7 @@ void check_sweep(const XpbdDef& d, const DefTable::Report& report) {
                       : d.tether_slack                                    ? "tethers"
                                                                           : nullptr;
   if (other)
-    report("/sweep", std::string("jacobi and chebyshev solve links alone, not ") + other + ": take chains");
+    report("/sweep", std::string("jacobi and chebyshev solve only links, not ") + other + ": use chains");
 }
 
 void check_def(const XpbdDef& d, const DefTable::Report& report) {
@@ -115,7 +115,7 @@ void check_def(const XpbdDef& d, const DefTable::Report& report) {
   check_self_collision(d, report);
   check_sweep(d, report);
   if (d.scheme == Scheme::xpbd && d.projection != 1) {
-    report("/projection", "only the scheme pbd has one; of xpbd give stiffness");
+    report("/projection", "only for scheme pbd; with xpbd give stiffness");
   }
   const XpbdCounts counts = xpbd_counts(d);
   if (counts.points > 1e7) report("", "more than ten million points");
@@ -187,14 +187,13 @@ const DefTable& xpbd_table() {
         .number(
             "density", &D::density, "", above(0),
             "kg per metre of rope or hair, square metre of cloth, cubic metre of a block; instead of mass")
-        .objects("loads", &D::loads, load_table(), {0, 100'000}, "masses hung to points")
+        .objects("loads", &D::loads, load_table(), {0, 100'000}, "masses attached to points")
         .number("stiffness", &D::stiffness, "N/m", above(0), "of a link between neighbours")
         .number("shear_stiffness", &D::shear_stiffness, "N/m", at_least(0),
-                "of a diagonal link of a cloth grid; 0: there are none")
-        .number(
-            "youngs_modulus", &D::youngs_modulus, "Pa", above(0),
-            "in place of both: of a rope or hair of round section, of a cloth grid with Poisson ratio 1/3, "
-            "where thickness counts; of a block, which is then stable Neo-Hookean")
+                "of a diagonal link of a cloth grid; 0: no diagonal links")
+        .number("youngs_modulus", &D::youngs_modulus, "Pa", above(0),
+                "instead of both: of a rope or hair of round section, of a cloth grid with Poisson ratio 1/3 "
+                "(thickness is used); of a block, which is then stable Neo-Hookean")
         .number("poisson_ratio", &D::poisson_ratio, "1", between(-0.9, 0.4999),
                 "of a block with youngs_modulus and of a membrane; default 0.3")
         .choice("membrane", &D::membrane, {"links", "st_venant_kirchhoff", "neo_hookean"},
@@ -202,70 +201,67 @@ const DefTable& xpbd_table() {
                 "youngs_modulus, poisson_ratio and thickness; with pbd st_venant_kirchhoff is strain-based "
                 "dynamics, which has no modulus")
         .objects("attachments", &D::attachments, attachment_table(), {0, 100'000},
-                 "springs from points to places; release lets go of them")
+                 "springs from points to fixed positions; release ends them")
         .number("tether_slack", &D::tether_slack, "1", at_least(0),
-                "long-range attachments: no free point gets further from the nearest held one than the way "
-                "along links at rest times one plus this; absent: there are none")
+                "long-range attachments: a free point stays within 1 + this times the rest length of the "
+                "path of links to the nearest pinned point; absent: none")
         .object("rod", &D::rod, rod_table(),
-                "makes Cosserat rods of rope, helix or hair: they stretch, shear, bend and twist")
+                "makes rope, helix or hair Cosserat rods, which stretch, shear, bend and twist")
         .objects("copies", &D::copies, copy_table(), {0, 10'000},
-                 "bodies of the mesh or block in place of one; rows come body after body")
+                 "copies of the mesh or block instead of one; rows come body after body")
         .object("matching", &D::matching, match_table(),
-                "in place of links and volumes: shape matching of mesh or block")
-        .object("tear", &D::tear, tear_table(), "lets cloth tear: points split where links bear too much")
+                "shape matching of mesh or block, instead of links and volumes")
+        .object("tear", &D::tear, tear_table(), "lets cloth tear: points split where links are overloaded")
         .number("bulk_modulus", &D::bulk_modulus, "Pa", above(0), "of a block: pressure per change of volume")
         .number("bending_rigidity", &D::bending_rigidity, "N m^2", at_least(0),
                 "of a rope or hair: E I, moment per curvature; straight at rest")
         .number("flexural_rigidity", &D::flexural_rigidity, "N m", at_least(0),
-                "of cloth: D = E t^3 / (12 (1 - nu^2)); a grid is flat at rest, a mesh as it is given")
+                "of cloth: D = E t^3 / (12 (1 - nu^2)); at rest a grid is flat, a mesh as given")
         .number("rest_scale", &D::rest_scale, "1", above(0), "rest lengths are the initial ones times this")
         .number("damping", &D::damping, "N s/m", at_least(0), "viscous: force -damping * v on every point")
         .number("internal_damping", &D::internal_damping, "N s/m", at_least(0),
                 "along the links only: it slows stretching, not swinging")
         .vector("velocity", &D::velocity, "m/s", any(), "initial, of every point that is not pinned")
-        .integers("pins", &D::pins, at_least(0), {}, "indices of points that are held")
+        .integers("pins", &D::pins, at_least(0), {}, "indices of pinned points")
         .texts("pinned", &D::pinned, {},
-               "named points that are held: first, last, corners, edge_v1, roots, bottom ...")
-        .vector(
-            "wind", &D::wind, "m/s", any(),
-            "velocity of the air, 0 for still air: drag and lift on every triangle, drag on ropes and hair; "
-            "absent: no air at all")
-        .number("gust", &D::gust, "1", between(0, 1), "part of the wind that comes and goes")
-        .number("gust_period", &D::gust_period, "s", above(0), "time from gust to gust")
-        .number("air_density", &D::air_density, "kg/m^3", at_least(0), "of the air, where there is wind")
+               "names of pinned points: first, last, corners, edge_v1, roots, bottom ...")
+        .vector("wind", &D::wind, "m/s", any(),
+                "velocity of the air, 0 for still air: drag and lift on every triangle, drag on ropes and "
+                "hair; absent: no air")
+        .number("gust", &D::gust, "1", between(0, 1), "amplitude of gusts, as a fraction of the wind")
+        .number("gust_period", &D::gust_period, "s", above(0), "period of gusts")
+        .number("air_density", &D::air_density, "kg/m^3", at_least(0), "of the air, if there is wind")
         .number("drag_coefficient", &D::drag_coefficient, "1", at_least(0),
                 "of the cloth's faces or the rope's cross-section")
         .number("thickness", &D::thickness, "m", at_least(0),
-                "of the cloth, diameter of the rope; half of it is kept from every obstacle")
+                "of the cloth, or diameter of the rope; points stay half of it away from obstacles")
         .boolean("self_collision", &D::self_collision,
                  "facets and edges are kept a thickness apart, however fast they meet")
         .number("self_friction", &D::self_friction, "1", at_least(0),
-                "Coulomb's coefficient where it meets itself")
+                "Coulomb's coefficient of the cloth on itself")
         .number("restitution", &D::restitution, "1", between(0, 1),
-                "of these points on any collider, in place of the collider's own")
+                "of these points on any collider, instead of the collider's own")
         .number("friction", &D::friction, "1", at_least(0),
                 "Coulomb's coefficient on colliders; absent: each collider's own");
     add_collider_rows(table, &D::colliders);
     table
         .choice("scheme", &D::scheme, {"xpbd", "pbd"},
-                "xpbd: stiffness in N/m whatever the step; pbd: the textbook's projections, as stiff as "
-                "steps and "
-                "iterations make them")
+                "xpbd: stiffness in N/m, independent of the step; pbd: textbook projections, whose stiffness "
+                "depends on steps and iterations")
         .choice("sweep", &D::sweep, {"chains", "links", "jacobi", "chebyshev"},
-                "chains: links in line are solved at once, which carries loads through a cloth in one sweep; "
-                "links: one by one, as pbd does instead; jacobi: all from the same places, chebyshev: so and "
-                "accelerated, for links alone and with the iterations that are given")
-        .choice("precision", &D::precision, {"f64", "f32"}, "of the numbers inside a step")
-        .integer(
-            "substeps", &D::substeps, between(1, 10'000),
-            "into which a step is divided; default for xpbd: 10 in 1/60 s, and more while tension would turn "
-            "links too far in one; for pbd 1")
+                "chains: links in line are solved together, which carries loads through a cloth in one "
+                "sweep; links: one by one, also for chains with pbd; jacobi: all from the same positions; "
+                "chebyshev: jacobi accelerated. The last two solve only links, in the given iterations")
+        .choice("precision", &D::precision, {"f64", "f32"}, "of the numbers within a step")
+        .integer("substeps", &D::substeps, between(1, 10'000),
+                 "of a step; default for xpbd: 10 in 1/60 s, and more while tension would turn links too far "
+                 "in one; for pbd 1")
         .integer(
             "iterations", &D::iterations, between(1, 10'000),
-            "over all constraints in a substep; default 1, for pbd and the sweeps jacobi and chebyshev 20")
+            "over all constraints per substep; default 1, or 20 for pbd and the sweeps jacobi and chebyshev")
         .number(
             "projection", &D::projection, "1", between(0, 1),
-            "scheme pbd: share k of a correction that is taken, in n iterations 1 - (1 - k)^(1/n) in each");
+            "scheme pbd: share k of a correction that is applied: 1 - (1 - k)^(1/n) in each of n iterations");
     return table.check(check_def).build();
   }();
   return t;

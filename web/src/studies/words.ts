@@ -94,7 +94,7 @@ function convergence(result: StudyResult, words: Words): void {
   if (summary.adaptive === true) {
     const sound = result.rows.filter((row) => row.status === "ok" && typeof row.error_end === "number");
     const last = sound.at(-1);
-    words.findings.push(`${method} chooses its steps by its tolerance, so the error is shown over that.`);
+    words.findings.push(`${method} adapts its steps to its tolerance, so the error is shown over that.`);
     if (last) words.findings.push(`At tolerance ${quantity(Number(last.tolerance))} it takes ${plural(Number(last.steps), "step")} and its error is ${quantity(Number(last.error_end))}.`);
     reach(result, words);
     cutOff(result, words);
