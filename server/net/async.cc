@@ -28,13 +28,18 @@ asio::awaitable<bool> Signal::wait(uint64_t seen, std::chrono::steady_clock::tim
     if (version_ != seen) co_return true;
     waiters_.push_back(waiter);
   }
+  // Also when the coroutine is destroyed with its context: no timer may outlive that.
+  const Leave leave{*this, waiter};
   waiter->timer.expires_at(deadline);
   boost::system::error_code ec;
   // notify() posts to this thread, so its cancel cannot come before this wait has begun.
   co_await waiter->timer.async_wait(asio::redirect_error(asio::use_awaitable, ec));
-  const std::lock_guard lock(mutex_);
-  std::erase(waiters_, waiter);
-  co_return waiter->woken || version_ != seen;
+  co_return waiter->woken || version() != seen;
+}
+
+Signal::Leave::~Leave() {
+  const std::lock_guard lock(signal.mutex_);
+  std::erase(signal.waiters_, waiter);
 }
 
 }  // namespace truestep::net

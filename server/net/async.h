@@ -33,7 +33,7 @@ boost::asio::awaitable<std::invoke_result_t<F>> offload(Pool& pool, F f) {
 }
 
 /// A counter that any thread raises and coroutines wait for. Read version(), check the condition, then wait
-/// for a later version: no wake-up is lost in between.
+/// for a later version: no wake-up is lost in between. Must outlive the contexts of those who wait.
 class Signal {
  public:
   uint64_t version() const {
@@ -51,6 +51,12 @@ class Signal {
     explicit Waiter(const boost::asio::any_io_executor& executor) : timer(executor) {}
     boost::asio::steady_timer timer;
     bool woken = false;  ///< touched on the waiter's own thread only
+  };
+  /// Takes a waiter off the list at the end of its wait.
+  struct Leave {
+    Signal& signal;
+    const std::shared_ptr<Waiter>& waiter;
+    ~Leave();
   };
   mutable std::mutex mutex_;
   uint64_t version_ = 0;

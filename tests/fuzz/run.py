@@ -2,8 +2,8 @@
 """Runs a fuzz target: run.py NAME | run.py control.
 
 NAME runs fuzz_NAME on its kept seeds (corpus/NAME), then for TRUESTEP_FUZZ_SECONDS (15; 10 in `.ci/run`) on mutations of them
-and of what earlier runs found (build/fuzz/found/NAME). A crash, a sanitizer report, a leak, 12 s for one input (more on a
-busy machine: TRUESTEP_SLOWDOWN) or 2 GiB of memory fail the run; the input stays in build/fuzz/artifacts. control expects
+and of what earlier runs found (build/asan/found/NAME). A crash, a sanitizer report, a leak, 12 s for one input (more on a
+busy machine: TRUESTEP_SLOWDOWN) or 2 GiB of memory fail the run; the input stays in build/asan/artifacts. control expects
 that of a target with a planted fault.
 """
 import os
@@ -14,7 +14,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-BUILD = ROOT / "build/fuzz"
+BUILD = ROOT / "build/asan"
 
 
 def slowdown():
@@ -40,7 +40,7 @@ def fuzz(name, seconds):
 def main():
     what = sys.argv[1]
     if not (BUILD / "bin" / f"fuzz_{what}").exists():
-        sys.exit("the fuzz targets are not built: ./truestep test builds them, or cmake --preset fuzz and cmake --build --preset fuzz")
+        sys.exit("the fuzz targets are not built: ./truestep test builds them, or cmake --preset asan and cmake --build --preset asan --target fuzz_targets")
     seconds = os.environ.get("TRUESTEP_FUZZ_SECONDS", "15")
     code, tried = fuzz(what, int(seconds))
     if what == "control":

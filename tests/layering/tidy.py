@@ -1,17 +1,19 @@
 #!/usr/bin/env python3
 """`./truestep tidy [FILE...]`: the checks of .clang-tidy over the named sources, or over those that differ from the
-commit before the present one (`--since REVISION`), or over all (`--all`: half an hour on two cores). Reads how
-files are compiled from the fuzz tree (clang). Exit code 1 when something is found."""
+commit before the present one (`--since REVISION`), or over all (`--all`: half an hour on two cores); `--seconds N`
+begins no further source after that time. Reads how files are compiled from the tree of the preset asan (clang).
+Exit code 1 when something is found."""
 import argparse
 import concurrent.futures
 import json
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-TREE = ROOT / "build/fuzz"
+TREE = ROOT / "build/asan"
 
 
 def compiled():
@@ -32,7 +34,10 @@ def changed(since):
     return {str(ROOT / name) for name in out.split()}
 
 
-def look(file):
+def look(file, last):
+    """What is found in a source; None when it is later than `last`."""
+    if time.monotonic() > last:
+        return None
     done = subprocess.run(["clang-tidy-16", "-p", TREE, "--quiet", file], text=True, stdout=subprocess.PIPE,
                           stderr=subprocess.DEVNULL)
     return done.stdout.strip()
@@ -43,14 +48,17 @@ def main():
     parser.add_argument("files", nargs="*", metavar="FILE")
     parser.add_argument("--since", default="HEAD~1", metavar="REVISION")
     parser.add_argument("--all", action="store_true")
+    parser.add_argument("--seconds", type=float, default=float("inf"), metavar="N")
     options = parser.parse_args()
     wanted = {str(Path(f).resolve()) for f in options.files} or changed(options.since)
     known = compiled()
     files = [f for f in known if options.all or f in wanted or wanted & set(parts(f))]
+    last = time.monotonic() + options.seconds
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        found = sorted({text for text in pool.map(look, files) if text})
+        seen = [text for text in pool.map(lambda f: look(f, last), files) if text is not None]
+    found = sorted(set(seen) - {""})
     print(*found, sep="\n")
-    print(f"{len(files)} of {len(known)} sources looked at, {len(found)} with findings")
+    print(f"{len(seen)} of {len(known)} sources looked at, {len(found)} with findings, {len(files) - len(seen)} left for want of time")
     return 1 if found else 0
 
 

@@ -1,0 +1,1 @@
+// Nothing: its target compiles tests/pch.h for those of the tests.
