@@ -45,6 +45,11 @@ class Signal {
   /// True when the version is, or has become, other than `seen`; false when the time is over or the server
   /// stops.
   boost::asio::awaitable<bool> wait(uint64_t seen, std::chrono::steady_clock::time_point deadline);
+  /// How many wait.
+  size_t waiting() const {
+    const std::lock_guard lock(mutex_);
+    return waiters_.size();
+  }
 
  private:
   struct Waiter {
