@@ -318,7 +318,8 @@ template <class T>
 /// records[index[j]].x[k] = in[k] lane j for the first six numbers (the others become 0), unless
 /// index[j] >= end.
 template <class T>
-[[gnu::always_inline]] inline void scatter6(Record8<T>* records, const uint32_t* index, uint32_t end, const Wide<T> in[6]) {
+[[gnu::always_inline]] inline void scatter6(Record8<T>* records, const uint32_t* index, uint32_t end,
+                                            const Wide<T> in[6]) {
 #if defined(__AVX2__) && defined(__FMA__)
   if constexpr (sizeof(T) == 4) {
     __m256 r[8];
