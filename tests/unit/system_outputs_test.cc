@@ -36,6 +36,7 @@ TEST(SystemOutputs, WhatGalleryScenesGiveOutIsListed) {
       R"({"systems": [{"type": "pendulum"}, {"type": "oscillator"}, {"type": "rigid2d", "bodies": [
     {"motion": "fixed", "sensor": true, "shapes": [{"type": "circle"}]}]},
     {"type": "grid_fluid", "cells": [8, 8], "viscosity": 0.1, "stepping": "steady"},
+    {"type": "grid_fluid", "cells": [8, 8], "viscosity": 0.1, "second_fluid": {"where": "y - 0.5", "density": 10}},
     {"type": "grid_fluid", "cells": [16, 16], "viscosity": 0.01, "obstacles": [
     {"center": [0.5, 0.5, 0], "radius": 0.2, "angle": "t"}]}]})"};
   for (const GalleryScene& g : gallery()) texts.emplace_back(g.text);
