@@ -4,7 +4,6 @@
 // friction starts to slip.
 #pragma once
 #include "engine/kernels/contact_rows3.h"
-#include "engine/kernels/impact_limits.h"
 
 namespace truestep {
 
@@ -165,9 +164,7 @@ void share_blow(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], const ContactPas
   for (int p = 0; p < g.points; ++p) pressure += g.place[p].impulse;
   // Skipped where the centre of the points does not approach.
   const W closes = where_positive(-v[0], where_positive(k00, one, zero), zero);
-  // What rounding left of a gap that closes exactly at a substep's end is no load yet.
-  const W loaded = nmadd(W(impact_rounding<T>), max(v[0], -v[0]), pressure * k00);
-  const W shares = where_positive(loaded, g.struck, closes);
+  const W shares = where_positive(pressure, g.struck, closes);
   if (!any_below(-shares, zero)) return;
   W least = far, most = -far, weakest = far, count(0);
   for (int p = 0; p < g.points; ++p) {

@@ -191,12 +191,6 @@ TEST(Campaign, WhipsOfTheDefaultMethod) {
   judge_seeds({507579, 705705, 709158, 711941, 802277});
 }
 
-// A box whose face is hit flat at the very end of a small step: points that bore what rounding had left of
-// the gap did not share the blow, and the box left turning (4.17 m/s where Newton's law has 4).
-TEST(Campaign, FacesHitAtTheEndOfASmallStep) {
-  judge_seeds({730199});
-}
-
 // A heavy box beside the middle of a light one: both points of its contact bore the same and began with the
 // same offset, though the light box gives way more under the outer one, and the pair began to tilt (702960:
 // 0.025 J).
