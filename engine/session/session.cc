@@ -101,16 +101,20 @@ uint64_t Session::accrue(double wall_seconds) {
   const auto bound = static_cast<uint64_t>(std::min(most, 1e15));
   const uint64_t due = std::min(owed, bound);
   // Time beyond the bound is dropped, not saved: a late session must not fall further behind.
-  skipped_ += owed - due;
+  skip(owed - due);
   pace_.wall += std::max(wall_seconds, 0.0);
   pace_.wanted += std::max(wall_seconds, 0.0) * speed_;
-  pace_.skipped += static_cast<double>(owed - due) * dt;
   if (constexpr double kLook = 0.5; pace_.wall >= kLook) {
     achieved_speed_ = std::max(0.0, pace_.wanted - pace_.skipped) / pace_.wall;
     pace_ = {};
   }
   accumulator_ = std::max(0.0, accumulator_ - static_cast<double>(owed) * dt);
   return due;
+}
+
+void Session::skip(uint64_t steps) {
+  skipped_ += steps;
+  pace_.skipped += static_cast<double>(steps) * world_->dt();
 }
 
 uint64_t Session::advance(double wall_seconds) {

@@ -117,6 +117,8 @@ class Session {
   uint64_t advance(double wall_seconds);
   /// The same without doing them; returns how many are due.
   uint64_t accrue(double wall_seconds);
+  /// Drops `steps` of those that accrue() said were due and nobody has done.
+  void skip(uint64_t steps);
   /// Position between the last two steps, in [0, 1).
   double alpha() const { return accumulator_ / world_->dt(); }
   /// Steps skipped because the session could not keep up.
@@ -269,7 +271,7 @@ class Session {
   size_t journal_cursor_ = 0;  ///< first entry not yet carried out at this step
 
   std::vector<std::shared_ptr<Sink>> sinks_;
-  std::vector<std::shared_ptr<Sink>> due_;  ///< of the present step
+  std::vector<Sink*> due_;  ///< sinks that the present step's frame goes to; kept for its memory
   std::optional<Failure> failure_;
   std::vector<SessionWarning> warnings_;
 };

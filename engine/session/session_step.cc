@@ -118,7 +118,7 @@ void Session::after_step(Output output) {
   FrameRequest wanted;
   for (const auto& sink : sinks_) {
     if (!sink->due(state_.step)) continue;
-    due_.push_back(sink);
+    due_.push_back(sink.get());
     const FrameRequest& r = sink->request();
     wanted.fields.insert(wanted.fields.end(), r.fields.begin(), r.fields.end());
     wanted.extras = wanted.extras | r.extras;
@@ -128,7 +128,7 @@ void Session::after_step(Output output) {
   std::sort(wanted.fields.begin(), wanted.fields.end());
   wanted.fields.erase(std::unique(wanted.fields.begin(), wanted.fields.end()), wanted.fields.end());
   const FramePtr built = frame(wanted);
-  for (const auto& sink : due_) sink->accept(built);
+  for (Sink* sink : due_) sink->accept(built);
 }
 
 Failure Session::diagnose(const Instability& e) const {

@@ -44,8 +44,9 @@ void Runner::cancel_all(const std::vector<EntryPtr>& entries) {
     const std::lock_guard lock(e->mutex);
     e->session.pause();
     interrupt(*e);
-    if (e->jobs.waiting) e->jobs.waiting->cancel();
-    if (e->jobs.leaving) e->jobs.leaving->cancel();
+    // Dropped, not only cancelled: a session may outlive the pool that its timers belong to.
+    if (const auto timer = std::exchange(e->jobs.waiting, nullptr)) timer->cancel();
+    if (const auto timer = std::exchange(e->jobs.leaving, nullptr)) timer->cancel();
     cancel_jobs(*e);
   }
 }

@@ -11,6 +11,7 @@ namespace asio = boost::asio;
 
 namespace {
 
+constexpr double kLate = 0.5;  // s for which playing owes a step
 constexpr auto kSlice = std::chrono::milliseconds(5);
 constexpr double kSlowStep = 0.01;      // s; slower steps are computed beside the state that readers see
 constexpr double kShortRequest = 0.02;  // s of computing time up to which a request counts as short
@@ -176,8 +177,11 @@ Runner::Next Runner::next_of(SessionEntry& entry) {
     jobs.clock = Clock::now();
   }
   if (!session.playing()) return Next::nothing;
+  const auto now = Clock::now();
+  // Steps that have been due for long are late like those beyond the scene's bound: the speed that readers
+  // see is of now.
+  if (jobs.due > 0 && seconds(now - jobs.clock) > kLate) session.skip(std::exchange(jobs.due, 0));
   if (jobs.due == 0) {
-    const auto now = Clock::now();
     jobs.due = session.accrue(seconds(now - jobs.clock));
     jobs.clock = now;
   }

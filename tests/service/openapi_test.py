@@ -82,7 +82,8 @@ class Schemathesis(Case):
                               timeout=patience(3 * SECONDS))
         self.assertEqual(done.returncode, 0, done.stdout[-6000:])
         generated = int(re.search(r"(\d+) generated, \1 passed", done.stdout)[1])
-        self.assertGreater(generated, 300)
+        # In the time given; fewer where the machine is slow.
+        self.assertGreater(generated, 300 * 4 / patience(1))
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@ that no request has, work that it has no descriptors for, and readiness while it
 import gzip
 import http.client
 import json
+import os
 import pathlib
 import resource
 import shutil
@@ -72,6 +73,8 @@ class Bodies(Case):
             self.assertEqual(self.service.get(path).status, 400, path)
 
 
+# clang's check of an object's type opens a pipe to see whether the object can be read, and aborts where it cannot open one.
+@unittest.skipIf("undefined" in os.environ.get("TRUESTEP_SANITIZE", ""), "issue 12: the sanitizer itself needs descriptors")
 class Descriptors(Case):
     def test_without_descriptors_the_answer_is_503_and_names_no_path(self):
         connection = http.client.HTTPConnection(*self.service.address, timeout=patience(60))

@@ -28,7 +28,9 @@ class Sessions(Restarted):
         after = self.look(s)
         self.assertEqual((after["step"], after["state_hash"]), (58, before["state_hash"]))
         self.assertEqual(after["status"], "paused")
-        self.assertEqual(after["restored"], {"from_step": 0, "step": 58, "complete": True})
+        # Where from: on a slow machine steps are dear enough that a later state has been written.
+        self.assertLessEqual(after["restored"].pop("from_step"), 58)
+        self.assertEqual(after["restored"], {"step": 58, "complete": True})
         self.assertEqual((before["step"], before["state_hash"]), self.uninterrupted(ROPE, self.COURSE))
         # And on from there, commands before and after the kill alike.
         more = (("command", PUSH), ("step", 30))

@@ -3,9 +3,11 @@ foreach(part sessions lifecycle memory output catalogue equations stream watched
   add_test(NAME service.${part} COMMAND ${Python3_EXECUTABLE} -m unittest -v ${part}_test
            WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/tests/service)
   set_tests_properties(service.${part} PROPERTIES LABELS service
-                       ENVIRONMENT "TRUESTEP_BINARY=$<TARGET_FILE:truestep>")
+                       ENVIRONMENT "TRUESTEP_BINARY=$<TARGET_FILE:truestep>;TRUESTEP_SANITIZE=${TRUESTEP_SANITIZE}")
 endforeach()
 
+# It measures the process's memory, of which a sanitizer's allocator keeps a part.
+set_tests_properties(service.memory PROPERTIES LABELS "service;resident")
 # They measure how soon one is served while others work.
 set_tests_properties(service.lifecycle service.keys PROPERTIES RUN_SERIAL TRUE)
 

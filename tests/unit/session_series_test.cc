@@ -79,6 +79,19 @@ TEST(SessionPace, SpeedIsWhatIsLeftAfterSkipping) {
   EXPECT_FALSE(s.achieved_speed());
 }
 
+TEST(SessionPace, StepsThatWereDueAndAreNotDoneAreSkipped) {
+  Session s = make_session("");
+  s.play(1);
+  const uint64_t before = s.skipped_steps();
+  for (int k = 0; k < 100; ++k) {
+    const uint64_t due = s.accrue(0.02);  // two steps, of which one is done
+    s.step(due / 2);
+    s.skip(due - due / 2);
+  }
+  EXPECT_NEAR(s.achieved_speed().value(), 0.5, 0.02);  // a pending step
+  EXPECT_NEAR(static_cast<double>(s.skipped_steps() - before), 100, 1);
+}
+
 /// Takes every frame.
 struct Watching : Sink {
   FrameRequest wanted;
@@ -89,6 +102,21 @@ struct Watching : Sink {
   void accept(const FramePtr& frame) override { frames.push_back(frame); }
   void bye(std::string_view code, const std::string&) override { said = code; }
 };
+
+// A stream's client holds its session: a session that still held a removed client would keep both for ever.
+TEST(SessionFrames, ARemovedSinkIsLetGoBeforeTheNextStep) {
+  Session s(std::make_shared<const World>(parse_scene(
+                R"({"time": {"dt": 0.01}, "systems": [{"type": "oscillator", "id": "a", "position": 1}]})")),
+            std::make_shared<const ThreadArena>(1));
+  auto sink = std::make_shared<Watching>();
+  const std::weak_ptr<Watching> left = sink;
+  s.add_sink(sink);
+  s.step(1);
+  ASSERT_EQ(sink->frames.size(), 1u);
+  s.remove_sink(sink.get());
+  sink.reset();
+  EXPECT_TRUE(left.expired());
+}
 
 TEST(SessionFrames, HoldTheShapesOfTheirStep) {
   Session s(
