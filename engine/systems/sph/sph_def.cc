@@ -60,7 +60,7 @@ Vec3 reach_of(const BodyDef& b) {
   return b.shape == Shape::ball ? Vec3{b.radius, b.radius, b.radius} : b.half_extents;
 }
 
-/// Places along every axis of the lattice that fills a body; 1 across the plane.
+/// Points along each axis of the lattice that fills a body; 1 across the plane.
 std::array<double, 3> lattice_of(const SphDef& d, const BodyDef& b) {
   const Vec3 reach = reach_of(b);
   const auto places = [&](double r) { return std::max(1.0, std::floor(2 * r / d.spacing + 0.5)); };
@@ -83,7 +83,7 @@ void check_body(const SphDef& d, const BodyDef& b, const std::string& at, const 
   if (inside && places_of(d, b).empty()) report(at, "is too small for a single particle");
 }
 
-/// The nozzle and what is behind it must lie in the box.
+/// The nozzle and the region behind it must lie in the box.
 void check_inlet(const SphDef& d, const InletDef& def, const std::string& at,
                  const DefTable::Report& report) {
   const bool plane = d.dimension == 2;
@@ -114,7 +114,8 @@ void check_def(const SphDef& d, const DefTable::Report& report) {
   const bool plane = d.dimension == 2;
   const double reach = d.support * d.spacing;
   const double least = plane ? std::min(size.x, size.y) : std::min({size.x, size.y, size.z});
-  // A wider pair sums up another density than its slopes correct, and the solve shakes the water.
+  // With a wider support the density that this pair sums up is not the one its slopes correct, and the solve
+  // shakes the water.
   if (d.kernel == Smoothing::poly6_spiky && d.solver == Method::dfsph && d.support > 2) {
     report("/support", "of poly6_spiky with dfsph at most 2: wider, its slopes do not correct its density");
   }
@@ -156,7 +157,7 @@ size_t largest_count(const SphDef& d, size_t start) {
   if (d.max_particles) return std::max(static_cast<size_t>(*d.max_particles), start);
   double n = static_cast<double>(start);
   for (const InletDef& e : d.emitters) n += Inlet(d, e).most();
-  // Without an end in sight: a default that the scene can raise.
+  // The emitters' total is unbounded or too large: a default that the scene can raise.
   return n <= kMostParticles ? static_cast<size_t>(n) : std::max<size_t>(start, 100'000);
 }
 
@@ -167,7 +168,7 @@ bool HollowDef::contains(const Vec3& p) const {
 }
 
 std::vector<Vec3> places_of(const SphDef& d, const BodyDef& b) {
-  // A lattice in step with the shape, its points half a spacing from the faces of a box.
+  // A lattice aligned with the shape, its points half a spacing from the faces of a box.
   const Vec3 reach = reach_of(b);
   const double r[3] = {reach.x, reach.y, reach.z};
   const std::array<double, 3> count = lattice_of(d, b);
@@ -257,7 +258,7 @@ const DefTable& sph_table() {
         .vector("lid_velocity", &D::lid_velocity, "m/s", any(), "of the upper side in y, along itself")
         .choice("periodic", &D::periodic, {"none", "x", "z", "xz"},
                 "directions in which what leaves the box comes back on the other side");
-    // The rest is shared with every system of points.
+    // The rest is common to all systems of points.
     add_kill_rows(table);
     add_collider_rows(table, &D::colliders);
     table.choice("precision", &D::precision, {"f32", "f64"}, "of the particles");
@@ -292,7 +293,7 @@ Cost sph_cost(const void* def) {
   const double n = static_cast<double>(largest_count(d, static_cast<size_t>(expected_particles(d)))),
                scalar = d.precision == Precision::f32 ? 4 : 8;
   const bool plane = d.dimension == 2;
-  // Lists with room to grow: a slot, a gradient (of floats 16 bits), a slope and a weight.
+  // Lists with room to grow: a slot, a gradient (for floats 16 bits), a slope and a weight.
   const double pairs = n * expected_neighbours(d);
   const Vec3 size = d.high - d.low;
   const double reach = d.support * d.spacing;

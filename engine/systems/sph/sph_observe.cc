@@ -1,4 +1,4 @@
-// What a state of the fluid measures, and the words for it.
+// Observables of a fluid's state, its warnings, and the descriptions of its outputs.
 #include <algorithm>
 #include <cmath>
 
@@ -39,7 +39,7 @@ void Sph::observe(const State& s, double, Observables& out) const {
   };
   add("momentum", p, "kg m/s");
   add("angular_momentum", l, "kg m^2/s");
-  if (n == 0) low = high = centre / mass;  // nothing is nowhere: not a number
+  if (n == 0) low = high = centre / mass;  // the position of no particles is not a number
   add("centre", centre / mass, "m");
   const Vec3 at = centre / mass;
   const auto spread = [&](double square, double middle) {
@@ -71,8 +71,8 @@ void Sph::observe(const State& s, double, Observables& out) const {
   out.add("refused", static_cast<double>(c[counts::refused]), "1");
 }
 
-// Density off by more than 1 % on the mean: more than weakly compressible flow may be (Monaghan 1994), and
-// than solves are run with. How many spacings are crossed is no question: longer steps are divided.
+// A mean density error above 1 %: more than weakly compressible flow should have (Monaghan 1994), and more
+// than solves are run with. The number of spacings crossed needs no check: long steps are divided.
 void Sph::warn(const State& s, double h, std::vector<Warning>& out) const {
   constexpr double kMostOff = 0.01, kSpare = 1.1;
   const SphDef& d = setting_->def;
@@ -82,11 +82,11 @@ void Sph::warn(const State& s, double h, std::vector<Warning>& out) const {
   Warning w{.quantity = "density.mean_error", .value = value, .limit = limit};
   w.detail = "density is " + short_number(100 * value, 2) + " % off on the mean: ";
   if (d.solver == Method::wcsph) {
-    // Of the same pressures sound sqrt(k) times as fast makes a k-th.
+    // At the same pressures, sound sqrt(k) times as fast gives a k-th of the error.
     w.detail += "a sound_speed of " + short_number(kSpare * setting_->sound * std::sqrt(value / limit), 2) +
                 " m/s would do";
   } else {
-    // What a substep compresses grows with its square.
+    // A substep's compression grows with its square.
     w.suggested_dt = h / std::max(1.0, r[report::substeps]) * std::sqrt(limit / value) / kSpare;
     w.detail += "dt " + short_number(w.suggested_dt, 2) + " s, or more " +
                 (d.solver == Method::pbf ? "pbf_iterations" : "max_iterations") + " would do";
