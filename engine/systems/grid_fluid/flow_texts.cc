@@ -35,7 +35,7 @@ class Reader {
       return {};
     }
   }
-  /// The text and its derivative by t.
+  /// The text and its derivative with respect to t.
   ExpressionRows read_motion(const std::string& pointer, const std::string& text) {
     try {
       const Node n = names_.require(graph_, text);

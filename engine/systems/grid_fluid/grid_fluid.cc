@@ -22,8 +22,8 @@ enum Number : size_t {
   kDrag,
   kLift,
   kNumbers,
-  kDivergence = kNumbers,  ///< FlowModel::keeps_divergence: there is one more
-  kTorque                  ///< obstacles turn: another one
+  kDivergence = kNumbers,  ///< one more if FlowModel::keeps_divergence
+  kTorque                  ///< one more if obstacles rotate
 };
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
@@ -127,17 +127,18 @@ double GridFluid::largest_substep(double crossing_rate, double viscosity, double
   const GridFluidDef& d = model_.def;
   const bool central = d.advection == GridFluidDef::Advection::central;
   const bool rk3 = d.stepping == GridFluidDef::Stepping::rk3;
-  // Runge and Kutta's method of three stages holds the imaginary axis up to 1.73; two steps hold none of it
-  // and grow slowly enough only well below 1.
+  // Three-stage Runge-Kutta is stable on the imaginary axis up to 1.73; the two-step method is not stable
+  // there, and grows slowly enough only well below 1.
   const double cfl = d.cfl.value_or(!central ? 3 : rk3 ? 1.2 : 0.5);
   double largest = crossing_rate > 0 ? std::min(h, cfl / crossing_rate) : h;
-  // A border moved by the velocity that its own weight has changed: a leapfrog, which holds 2; half of that.
+  // The border moves with the velocity that its own weight has just changed: a leapfrog, stable up to 2; half
+  // of that.
   if (const double rate = model_.border_rate(); rate > 0) largest = std::min(largest, 1 / rate);
   if (central && (d.viscous == GridFluidDef::Viscous::explicit_ || model_.sharp_walls())) {
     double rate = 0;
     for (size_t a = 0; a < model_.grid.dimensions; ++a)
       rate += 4 / (model_.grid.spacing[a] * model_.grid.spacing[a]);
-    // Ends of the real axes that the methods hold.
+    // Ends of the stable real axes of the methods.
     if (viscosity > 0) largest = std::min(largest, (rk3 ? 2.5 : 1.0) / (viscosity * rate));
   }
   return largest;
@@ -175,8 +176,7 @@ void GridFluid::advance(State& s, const StepInput& in) const {
   if (model_.keeps_divergence()) numbers[kDivergence] = flow.largest_divergence(f, in.t + in.h);
 }
 
-// The first step finds the flow, and so does one after the viscosity has changed, starting from what there
-// is.
+// The flow is found in the first step, and again after a change of viscosity, starting from the current flow.
 void GridFluid::find_steady(State& s, const StepInput& in) const {
   const auto found = s.f64(*stream_ + 1);
   FlowFields f = fields(s);
@@ -229,7 +229,7 @@ void GridFluid::apply(State& s, const Command& c) const {
       if (cell[a] >= first) u[at_cell] += change;
       if (cell[a] + 1 < last) u[at_cell + g.stride(a)] += change;
     }
-    // Obstacles that move are where the next step finds them, and it projects as well.
+    // Moving obstacles are already where the next step finds them, and that step projects as well.
     if (!model_.texts.obstacles_move) {
       static const ThreadArena kSerial(1);
       Flow flow;
@@ -244,7 +244,7 @@ void GridFluid::apply(State& s, const Command& c) const {
   s.f64(numbers_)[kLastStep] = 0;
 }
 
-// Runge and Kutta's three stages hold sqrt(3) cells, two steps about 1.
+// Three-stage Runge-Kutta allows sqrt(3) cells, the two-step method about 1.
 void GridFluid::warn(const State& s, double h, std::vector<Warning>& out) const {
   const GridFluidDef& d = model_.def;
   const bool central = d.advection == GridFluidDef::Advection::central;

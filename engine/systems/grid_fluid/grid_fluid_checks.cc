@@ -25,7 +25,7 @@ const std::optional<FlowSideDef>& FlowSidesDef::of(size_t axis, size_t end) cons
 const FlowSideDef& side_of(const GridFluidDef& d, size_t axis, size_t end) {
   static const FlowSideDef kWall;
   if (const auto& own = d.sides.of(axis, end)) return *own;
-  // A periodic end makes the other one periodic.
+  // If one end is periodic, so is the other.
   if (const auto& other = d.sides.of(axis, 1 - end); other && other->kind == SideKind::periodic)
     return *other;
   return d.all ? *d.all : kWall;
@@ -71,7 +71,7 @@ void check_sides(const GridFluidDef& d, const DefTable::Report& report) {
   }
 }
 
-// What is not there for liquids with a surface is refused by name.
+// Features that liquids with a surface do not have are refused by name.
 void check_liquid(const GridFluidDef& d, const DefTable::Report& report) {
   if (!d.liquid()) {
     if (!d.bodies.empty()) report("/bodies", "only advection by flip or apic has a surface to fill up to");
@@ -127,7 +127,7 @@ void check_fourth_order(const GridFluidDef& d, const DefTable::Report& report) {
   }
 }
 
-// Two fluids: what is not there is refused by name.
+// The same for two fluids.
 void check_two_fluids(const GridFluidDef& d, const DefTable::Report& report) {
   if (d.liquid()) report("/second_fluid", "flip and apic have one liquid and nothing beside it");
   if (d.steady()) report("/second_fluid", "steady flows are those of one fluid");
@@ -147,7 +147,7 @@ void check_two_fluids(const GridFluidDef& d, const DefTable::Report& report) {
   }
 }
 
-// What a search for steady states does not know is refused by name.
+// The same for steady flows.
 void check_steady(const GridFluidDef& d, const DefTable::Report& report) {
   using A = GridFluidDef::Advection;
   if (d.advection != A::central) report("/advection", "steady flows are found with central advection");

@@ -1,4 +1,4 @@
-// What a flow shows and measures.
+// Descriptions of a flow's fields and observables.
 #include "engine/systems/grid_fluid/grid_fluid_def.h"
 
 namespace truestep::grid_fluid {

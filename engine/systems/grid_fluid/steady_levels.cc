@@ -1,5 +1,5 @@
-// The grids that a steady flow is found on, one after the other: what the scene asks of each, and the way
-// from one to the next.
+// The grids of a steady flow, from coarse to fine: the scene's conditions on each, and interpolation from one
+// to the next.
 #include <algorithm>
 
 #include "engine/base/errors.h"
@@ -34,7 +34,7 @@ void SteadyFlow::check(const FlowModel& m) {
   if (!issues.empty()) throw Error("scene_invalid", issues[0].message, issues);
 }
 
-// Sides as the scene gives them on a grid; what their inflows leave is spread over them.
+// The scene's sides on a grid; the imbalance of their inflows is spread over them.
 void SteadyFlow::add_level(const mac::MacGrid& g) {
   const FlowModel& m = *model_;
   Level& l = levels_.emplace_back();
@@ -65,7 +65,7 @@ void SteadyFlow::add_level(const mac::MacGrid& g) {
       for (double& v : l.sides[a][a][end].values) v -= (end == 0 ? -1 : 1) * net / area;
     }
   }
-  // psi along the sides from the corner (0, 0) both ways round.
+  // psi along the sides from the corner (0, 0), both ways round.
   l.boundary.assign(g.size(), 0);
   const auto through = [&](size_t a, size_t end, size_t p) {
     const auto& values = l.sides[a][a][end].values;
@@ -83,7 +83,7 @@ void SteadyFlow::add_level(const mac::MacGrid& g) {
     psi[g.at(i + 1, ny, 0)] = psi[g.at(i, ny, 0)] - through(1, 1, i) * g.spacing[0];
 }
 
-// Cubics through four nodes, along x and then along y.
+// Cubic interpolation through four nodes, along x and then along y.
 void SteadyFlow::prolong(const Level& coarse, const double* from, const Level& fine, double* to) const {
   const mac::MacGrid &c = coarse.grid, &f = fine.grid;
   const auto halfway = [](const double* p, ptrdiff_t s, size_t i, size_t n) {

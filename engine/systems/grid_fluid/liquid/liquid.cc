@@ -213,7 +213,7 @@ void Liquid::apply(State& s, const Command& c) const {
 void Liquid::warn(const State& s, double h, std::vector<Warning>& out) const {
   const auto numbers = s.f64(numbers_);
   warn_of_crossing(numbers[kCfl], kMostTraced, h / std::max(1.0, numbers[kSubsteps]), out);
-  // Twice the mean of a dam break at the moment when it runs out thinnest.
+  // Twice the mean of a dam break at its thinnest.
   constexpr double kMostCompressed = 0.05;
   if (!(numbers[kMeanCompression] > kMostCompressed)) return;
   out.push_back({.quantity = "density.mean_error",
