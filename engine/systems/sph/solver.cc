@@ -330,7 +330,7 @@ class SolverOf final : public Solver {
 
   [[noreturn]] void refuse(double allowed) const {
     Instability failure(set_.id, "velocity", -1,
-                        "particles of fluid allow substeps of " + short_number(allowed, 3) +
+                        "the fluid's particles allow substeps of " + short_number(allowed, 3) +
                             " s, more than max_substeps (" + std::to_string(set_.def.max_substeps) +
                             ") a step");
     if (allowed > 0) failure.suggested_dt = allowed * set_.def.max_substeps;

@@ -14,9 +14,10 @@ Sph::Sph(const SphDef& def, const BuildContext& context)
       setting_(settle(def, context.id, context.gravity)),
       solver_(make_solver(*setting_)) {
   if (def.dimension == 2) gravity_.z = 0;
-  const char* why = def.solver == Method::dfsph
-                        ? "no divergence, forces, density at rest: as many as the fastest particle asks for"
-                        : "pressure by density, explicit: as many as sound asks for";
+  const char* why =
+      def.solver == Method::dfsph
+          ? "zero divergence, forces, constant density: as many as the fastest particle requires"
+          : "pressure from density, explicit: as many as sound waves require";
   add_stage("substeps", why, [this](State& s, const StepInput& in) { solver_->step(s, in); });
   if (def.any_regions()) {
     add_stage("removal", "kill regions",
@@ -193,7 +194,7 @@ void Sph::check(StateCheck& check, double t) const {
   check.require(next.size() == set.inlets.size(), "emitters");
   for (size_t k = 0; k < set.inlets.size() && k < next.size(); ++k) {
     const bool near = next[k] <= UINT64_MAX / 2 && set.inlets[k].birth(next[k] + kMostBehind) >= t;
-    check.require(near, "an emitter is far behind the clock");
+    check.require(near, "an emitter is far behind the simulated time");
   }
 }
 
@@ -204,14 +205,14 @@ void Sph::apply(State& s, const Command& c) const {
     refuse_place(c, "particle");
     const size_t row = checked_command_row(c, s.rows(columns::position), "particle");
     if (plane && c.vector.z != 0) {
-      refuse_command("vector", "out_of_range", "a plane fluid stays in z = 0");
+      refuse_command("vector", "out_of_range", "a plane fluid must stay in z = 0");
     }
     RealColumn<double> v(s, columns::velocity);
     v.set_vector(row, v.vector(row) + c.vector / (setting_->mass * setting_->ratio_of(s, row)));
     return;
   }
   if (c.kind != CommandKind::set_parameter) {
-    refuse_command("kind", "not_supported", "particles of fluid take impulses and parameters alone",
+    refuse_command("kind", "not_supported", "fluid particles take only impulses and parameters",
                    "impulse, set_parameter");
   }
   if (c.name != "gravity") {
