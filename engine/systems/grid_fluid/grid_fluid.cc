@@ -103,10 +103,10 @@ GridFluid::GridFluid(const GridFluidDef& def, const BuildContext& context)
           (model_.solids.any() || model_.two_fluids() ? "; pressure by conjugate gradients and multigrid"
                                                       : "; pressure by transforms"),
       [this](State& s, const StepInput& in) { advance(s, in); });
-  if (def.obstacles.empty()) skip_stage("obstacles", "nothing is in the flow");
-  if (def.viscosity == 0) skip_stage("viscosity", "the fluid has none");
-  if (!def.scalar) skip_stage("scalar", "the flow carries nothing");
-  if (!model_.texts.forced) skip_stage("force", "nothing pushes the fluid");
+  if (def.obstacles.empty()) skip_stage("obstacles", "no obstacles given");
+  if (def.viscosity == 0) skip_stage("viscosity", "viscosity is 0");
+  if (!def.scalar) skip_stage("scalar", "no scalar given");
+  if (!model_.texts.forced) skip_stage("force", "no force given");
 }
 
 FlowFields GridFluid::fields(State& s) const {
@@ -188,8 +188,8 @@ void GridFluid::find_steady(State& s, const StepInput& in) const {
   const SteadyFlow::Outcome out = steady.solve(psi, f.viscosity, from, model_.def.tolerance);
   if (!out.found) {
     throw Instability(id_, "velocity.x", -1,
-                      "no steady flow was found in " + std::to_string(out.iterations) +
-                          " iterations, the last of which changed the velocity by " +
+                      "no steady flow found in " + std::to_string(out.iterations) +
+                          " iterations; the last one changed the velocity by " +
                           short_number(100 * out.change) + " %");
   }
   found[kFoundFor] = f.viscosity, found[kSteadyIterations] = out.iterations, found[kChange] = out.change;
@@ -203,20 +203,20 @@ void GridFluid::apply(State& s, const Command& c) const {
     if (c.name != "viscosity") {
       refuse_command("name", "unknown_parameter", "no parameter " + c.name + " to set", "viscosity");
     }
-    if (!(c.value >= 0)) refuse_command("value", "out_of_range", "the viscosity is at least 0", ">= 0");
+    if (!(c.value >= 0)) refuse_command("value", "out_of_range", "the viscosity must be at least 0", ">= 0");
     if (stream_ && c.value == 0)
-      refuse_command("value", "out_of_range", "a steady flow needs viscosity", "> 0");
+      refuse_command("value", "out_of_range", "a steady flow needs viscosity above 0", "> 0");
     s.f64(numbers_)[kViscosity] = c.value;
   } else if (c.kind == CommandKind::impulse) {
-    if (stream_) refuse_command("kind", "unknown_command", "a steady flow is not pushed", "set_parameter");
-    if (!c.at) refuse_command("at", "missing", "an impulse on a fluid needs the place where it acts");
+    if (stream_) refuse_command("kind", "unknown_command", "a steady flow takes no impulse", "set_parameter");
+    if (!c.at) refuse_command("at", "missing", "an impulse on a fluid needs the point where it acts");
     const mac::MacGrid& g = model_.grid;
     const double at[] = {c.at->x, c.at->y, c.at->z}, vector[] = {c.vector.x, c.vector.y, c.vector.z};
     size_t cell[3] = {};
     for (size_t a = 0; a < g.dimensions; ++a) {
       const double place = (at[a] - g.origin[a]) / g.spacing[a];
       if (!(place >= 0 && place <= static_cast<double>(g.cells[a]))) {
-        refuse_command("at", "out_of_range", "the place lies outside the box");
+        refuse_command("at", "out_of_range", "the point lies outside the box");
       }
       cell[a] = std::min(static_cast<size_t>(place), g.cells[a] - 1);
     }
@@ -239,7 +239,7 @@ void GridFluid::apply(State& s, const Command& c) const {
       flow.project(f, 0, 0);
     }
   } else {
-    refuse_command("kind", "unknown_command", "grid_fluid knows no such command", "impulse, set_parameter");
+    refuse_command("kind", "unknown_command", "grid_fluid takes no such command", "impulse, set_parameter");
   }
   s.f64(numbers_)[kLastStep] = 0;
 }
@@ -256,19 +256,20 @@ void GridFluid::warn(const State& s, double h, std::vector<Warning>& out) const 
 void warn_of_crossing(double cells, double most, double h, std::vector<Warning>& out) {
   if (!(cells > most)) return;
   Warning w{.quantity = "cfl", .value = cells, .limit = most, .suggested_dt = h * most / cells};
-  w.detail = "the flow crosses " + short_number(cells) +
-             " cells in a substep, where results are to be trusted up to " + short_number(most) + "; dt " +
-             short_number(w.suggested_dt) + " s or a cfl of at most " + short_number(most) + " would do";
+  w.detail = "the flow crosses " + short_number(cells) + " cells in a substep; results are reliable up to " +
+             short_number(most) + "; dt " + short_number(w.suggested_dt) + " s or a cfl of at most " +
+             short_number(most) + " would do";
   out.push_back(std::move(w));
 }
 
 std::vector<std::string> GridFluid::remedies() const {
   if (stream_)
-    return {"more viscosity, lowered while the session runs: each flow is the start of the next",
-            "more cells, a power of two times sixteen: each half as fine grid gives the next one its start",
-            "a flow that sheds eddies has no steady state to be found: stepping rk3 shows it"};
-  return {"a shorter dt", "advection along paths (semi_lagrangian, maccormack, bfecc), which holds any step",
-          "more cells, or more viscosity: eddies smaller than a cell cannot be held"};
+    return {"more viscosity, lowered while the session runs: each flow starts the search for the next",
+            "more cells, a power of two times sixteen: each coarser grid starts the search on the next",
+            "stepping rk3: a flow that sheds eddies has no stable steady state"};
+  return {"a shorter dt",
+          "advection along paths (semi_lagrangian, maccormack, bfecc), which is stable for any step",
+          "more cells, or more viscosity: eddies smaller than a cell cannot be resolved"};
 }
 
 std::unique_ptr<const System> build_grid_fluid(const void* def, const BuildContext& context) {

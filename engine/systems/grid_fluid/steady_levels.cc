@@ -13,20 +13,21 @@ void SteadyFlow::check(const FlowModel& m) {
     issues.push_back({pointer, "bad_value", why, "", "", "", ""});
   };
   for (size_t c = 0; c < 2; ++c) {
-    if (m.texts.force[c].time) refuse("/force/" + std::to_string(c), "a steady flow has steady forces");
+    if (m.texts.force[c].time)
+      refuse("/force/" + std::to_string(c), "a steady flow needs forces that do not depend on t");
   }
   for (size_t a = 0; a < 2; ++a) {
     for (size_t end = 0; end < 2; ++end) {
       const std::string at = side_pointer(m.def, a, end) + "/velocity";
       std::vector<double> along;
       for (size_t c = 0; c < 2; ++c) {
-        if (m.texts.sides[a][end][c].time) refuse(at, "a steady flow has steady sides");
+        if (m.texts.sides[a][end][c].time) refuse(at, "a steady flow needs sides that do not depend on t");
       }
       if (!m.fourth_order() || m.kinds[a][end] != SideKind::wall) continue;
       m.texts.sample_side(m.grid, a, end, 1 - a, 0, along);
       for (const double v : along) {
         if (v == along[0]) continue;
-        refuse(at, "walls of fourth order move as a whole: the same velocity along all of the side");
+        refuse(at, "with fourth order a wall must have the same velocity all along the side");
         break;
       }
     }
