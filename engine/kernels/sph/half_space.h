@@ -16,8 +16,7 @@ struct HalfSpace {
   static constexpr int kIntervals = 512;
   double from = 0, per_metre = 1;
   std::array<double, kIntervals + 1> share{};  ///< 1, of the kernel that lies behind the wall
-  std::array<double, kIntervals + 1>
-      slope{};  ///< 1/m, -d share / d d, of the kernel that slopes are taken from
+  std::array<double, kIntervals + 1> slope{};  ///< 1/m, -d share / d d, from the kernel's slopes
 
   /// Sets the tables for a kernel of radius H and particles `spacing` (m) apart.
   void set(Smoothing kind, int dimension, double radius, double spacing) {

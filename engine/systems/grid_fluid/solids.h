@@ -43,10 +43,9 @@ struct Solids {
   bool any() const { return !open[0].empty(); }
   bool is_inside(size_t c, size_t at) const { return solid_[c][at] != 0; }
 
-  std::array<Array, 3> open;   ///< open fraction of each face, 0 to 1
-  std::array<Array, 3> fluid;  ///< fluid fraction of the volume around each face
-  std::array<std::vector<Face>, 3>
-      shut;  ///< faces that are not fully open, or whose volumes are not all fluid
+  std::array<Array, 3> open;                ///< open fraction of each face, 0 to 1
+  std::array<Array, 3> fluid;               ///< fluid fraction of the volume around each face
+  std::array<std::vector<Face>, 3> shut;    ///< faces not fully open, or with partly solid volumes
   std::array<std::vector<Face>, 3> inside;  ///< those with centres outside the fluid
   std::array<std::vector<Wall>, 3> walls;   ///< those next to a face with its centre in the fluid
 

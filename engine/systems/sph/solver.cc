@@ -346,8 +346,7 @@ class SolverOf final : public Solver {
   /// stays in order: at twice as much, corrections shoot particles out. A single iteration, which no second
   /// one corrects, overshoots much earlier.
   static constexpr double kCarried = 0.09, kCarriedByOne = 0.012;
-  static constexpr double kDiffusion =
-      0.03;  ///< of the square of the kernel's radius: Morris, Fox & Zhu 1997
+  static constexpr double kDiffusion = 0.03;  ///< of the squared kernel radius: Morris, Fox & Zhu 1997
 
   const Setting& set_;
   Neighbours<D, T> neighbours_;
