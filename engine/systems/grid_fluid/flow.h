@@ -76,7 +76,7 @@ class Flow {
   /// Whether viscosity is stepped implicitly in a substep of h.
   bool implicit(double viscosity, double h) const;
   void substep(FlowFields& f, double t, double h);
-  /// Makes the velocity divergence-free; p += scale times the potential used. Sets faces on sides for time t.
+  /// Makes the velocity divergence-free; p += potential / h unless h is 0. Sets faces on sides for time t.
   void project(FlowFields& f, double t, double h);
   void fill(FlowFields& f, double t);
   /// Updates the densities of two fluids for their current positions; call before `project`.
@@ -130,7 +130,7 @@ class Flow {
   void settle_shut_faces(FlowFields& f, size_t c, const double* phi);
   /// Pressure in closed cells: the mean of their neighbours, a good start for when they open.
   void extend_pressure(FlowFields& f);
-  /// Gives the obstacle that a face belongs to `amount` (m/s of the face's volume) along component c.
+  /// Counts `amount` (m/s of the face's volume), given to its obstacle along component c, as torque.
   void note_turning(FlowFields& f, const Solids::Face& face, size_t c, double amount) const;
   void open_sides(size_t c, double* u);
   void balance(FlowFields& f);
