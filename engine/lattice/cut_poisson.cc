@@ -118,7 +118,7 @@ bool CutPoisson::coarsen() {
   bool any = false;
   Level coarse;
   for (size_t a = 0; a < grid_.dimensions; ++a) {
-    // An axis whose cells are already much longer is not coarsened until the others have caught up.
+    // An axis with much longer cells is not coarsened until the others have caught up.
     fine.halved[a] =
         fine.n[a] >= kFewest && fine.width[a][0] < 1.5 * finest && !(grid_.periodic[a] && fine.n[a] % 2);
     any = any || fine.halved[a];
@@ -161,7 +161,7 @@ void CutPoisson::fill_coarser(const Level& fine, Level& coarse, const ThreadAren
     };
     return half(i) + half(i + 1);
   };
-  // Fine cells inside a coarse one along an axis.
+  // Number of fine cells inside a coarse one along an axis.
   const auto children = [&](size_t a, size_t i) {
     const size_t first = fine.halved[a] ? 2 * i : i;
     return std::array<size_t, 2>{first, std::min(first + (fine.halved[a] ? 2 : 1), fine.n[a])};

@@ -16,21 +16,21 @@ namespace truestep::lattice {
 class CutPoisson {
  public:
   using Vector = std::vector<double, CacheLineAllocator<double>>;
-  /// Open fractions of the faces of each axis, in the grid's own arrays; beyond `odd` sides the value is 0 on
-  /// the side, other sides are closed.
+  /// Open fractions of the faces of each axis, in the grid's own arrays; on `odd` sides the value is 0, other
+  /// sides are closed.
   CutPoisson(const mac::MacGrid& grid, const std::array<std::array<mac::Mirror, 2>, 3>& mirrors,
              const std::array<Vector, 3>& open);
   /// All faces are closed until `set` is called.
   CutPoisson(const mac::MacGrid& grid, const std::array<std::array<mac::Mirror, 2>, 3>& mirrors);
 
   /// Sets other weights of the faces, which may exceed 1: the factor of a difference relative to that of an
-  /// open face. `liquid` (of cells, in the grid's own arrays; null: all): other cells hold 0, and so does a
-  /// coarse cell with one of them next to the liquid (McAdams, Sifakis, Teran 2010, "A parallel multigrid
+  /// open face. `liquid` (per cell, in the grid's own arrays; null: all): all other cells hold 0, and so does
+  /// a coarse cell with one of them next to the liquid (McAdams, Sifakis, Teran 2010, "A parallel multigrid
   /// Poisson solver for fluids simulation on large grids", section 3.3). Does not allocate.
   void set(const std::array<const double*, 3>& open, const uint8_t* liquid, const ThreadArena& arena);
 
-  /// The same for factors that jump and are nowhere 0, such as 1 / density of two fluids: a coarse face
-  /// conducts as the fine ones between the middles of its cells do one after another. Does not allocate.
+  /// The same for factors that jump but are never 0, such as 1 / density of two fluids: a coarse face
+  /// conducts like the fine ones between the centres of its cells in series. Does not allocate.
   void set_coefficients(const std::array<const double*, 3>& factors, const ThreadArena& arena);
 
   struct Outcome {
@@ -59,7 +59,7 @@ class CutPoisson {
     std::array<bool, 3> halved{};              ///< to the next level
     std::array<Vector, 3> k;                   ///< m^(d-2)
     Vector inverse, x, b, r;
-    std::vector<uint8_t> held;  ///< 1: cell beside the liquid that holds 0; empty if none
+    std::vector<uint8_t> held;  ///< 1: cell next to the liquid that holds 0; empty if none
     std::array<Axis, 3> to_coarser;
     size_t stride(size_t a) const { return a == 0 ? 1 : a == 1 ? padded[0] : padded[0] * padded[1]; }
     size_t at(size_t i, size_t j, size_t l) const { return base + i + stride(1) * j + stride(2) * l; }

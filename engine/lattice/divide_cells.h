@@ -16,7 +16,7 @@ inline std::optional<std::string> divide_cells(std::vector<int64_t>& cells, doub
   for (int64_t& n : cells) {
     const double wanted = factor * static_cast<double>(n);
     if (wanted != std::floor(wanted) || wanted < static_cast<double>(least)) {
-      return "cells are whole numbers of at least " + std::to_string(least);
+      return "numbers of cells must be whole and at least " + std::to_string(least);
     }
     all *= wanted;
     if (all > kMost) return "more than 5e7 cells";

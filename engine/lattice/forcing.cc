@@ -90,7 +90,7 @@ LatticeModel::LatticeModel(const LatticeDef& def, SideKind usual, const Texts& t
     refuse("the coefficient must be a positive number");
   }
   if (order_ == 4 && !constant_coefficient_) {
-    refuse("order 4 in space needs a constant coefficient: take order 2 here");
+    refuse("order 4 in space needs a constant coefficient: use order 2");
   }
   for (const Node n : initial) initial_.push_back(program({n}));
   coefficient_ = program({c}), source_ = program({source});
@@ -237,7 +237,7 @@ Coefficient LatticeModel::coefficient(const Lattice& on, const Constants& consta
         c.faces[a][node] = 0;
       } else if (!(v >= 0) || !std::isfinite(v)) {
         throw Error(
-            "scene_invalid", "the coefficient is negative or no number somewhere in the box",
+            "scene_invalid", "the coefficient is negative or not a number somewhere in the box",
             {{"", "out_of_range", "the coefficient must be at least 0 everywhere", "", ">= 0", "", ""}});
       }
     }

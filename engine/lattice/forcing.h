@@ -5,8 +5,8 @@
 // Dirichlet nodes the first or second derivative of the given value, so that they are unknowns like all
 // others and methods keep their order there. With fourth order in space, the mirrored nodes beyond a side
 // also include the next derivative there as given by the equation itself: u_nn = (D g - s) / c - g_yy - g_zz
-// at Dirichlet sides, u_nnn = (D g - s_n) / c - g_yy - g_zz at Neumann sides, D being d/dt or d^2/dt^2 + k
-// d/dt.
+// at Dirichlet sides, u_nnn = (D g - s_n) / c - g_yy - g_zz at Neumann sides, where D is d/dt or d^2/dt^2 +
+// k d/dt.
 #pragma once
 #include <span>
 #include <string>

@@ -19,11 +19,10 @@ const std::optional<SideDef>& SidesDef::of(size_t axis, size_t end) const {
 const DefTable& side_table() {
   using D = SideDef;
   static const DefTable kTable =
-      TableOf<D>("what holds on a side")
-          .choice(
-              "kind", &D::kind, {"dirichlet", "neumann", "robin", "periodic"},
-              "dirichlet: u = value; neumann: du/dn = value, n pointing outwards; robin: du/dn = transfer "
-              "(value - u); periodic: the box goes on at the other end")
+      TableOf<D>("the condition on a side")
+          .choice("kind", &D::kind, {"dirichlet", "neumann", "robin", "periodic"},
+                  "dirichlet: u = value; neumann: du/dn = value, n pointing outwards; robin: du/dn = "
+                  "transfer (value - u); periodic: u continues at the other end")
           .expression("value", &D::value, "expression of x, y, z and t")
           .number("transfer", &D::transfer, "1/m", at_least(0), "of a robin side")
           .build();
@@ -33,12 +32,12 @@ const DefTable& side_table() {
 const DefTable& sides_table() {
   using D = SidesDef;
   static const DefTable kTable = TableOf<D>("the sides of the box")
-                                     .object("x_min", &D::x_min, side_table(), "where x is smallest")
-                                     .object("x_max", &D::x_max, side_table(), "where x is largest")
-                                     .object("y_min", &D::y_min, side_table(), "where y is smallest")
-                                     .object("y_max", &D::y_max, side_table(), "where y is largest")
-                                     .object("z_min", &D::z_min, side_table(), "where z is smallest")
-                                     .object("z_max", &D::z_max, side_table(), "where z is largest")
+                                     .object("x_min", &D::x_min, side_table(), "side at the smallest x")
+                                     .object("x_max", &D::x_max, side_table(), "side at the largest x")
+                                     .object("y_min", &D::y_min, side_table(), "side at the smallest y")
+                                     .object("y_max", &D::y_max, side_table(), "side at the largest y")
+                                     .object("z_min", &D::z_min, side_table(), "side at the smallest z")
+                                     .object("z_max", &D::z_max, side_table(), "side at the largest z")
                                      .build();
   return kTable;
 }
@@ -108,7 +107,7 @@ double lattice_step_seconds(const LatticeDef& d, std::string_view usual) {
 
 void check_lattice(const LatticeDef& d, const DefTable::Report& report) {
   if (!d.size.empty() && d.size.size() != d.cells.size()) {
-    report("/size", "as many lengths as cells has numbers");
+    report("/size", "needs as many lengths as there are axes in cells");
   }
   if (lattice_nodes(d) > kMostNodes) report("/cells", "more than 5e7 nodes");
   const bool fourth = d.order == LatticeDef::Order::fourth;
@@ -122,12 +121,12 @@ void check_lattice(const LatticeDef& d, const DefTable::Report& report) {
       const SideDef *mine = side_of(d, a, end), *other = side_of(d, a, 1 - end);
       const bool periodic = mine && mine->kind == SideKind::periodic;
       if (periodic && !(other && other->kind == SideKind::periodic)) {
-        report(pointer, "a periodic side needs the opposite one to be periodic too");
+        report(pointer, "a periodic side needs a periodic opposite side");
       }
       if (fourth && mine && mine->kind == SideKind::robin) {
-        report(d.sides.of(a, end) ? pointer : "/side", "robin sides have order 2 in space");
+        report(d.sides.of(a, end) ? pointer : "/side", "robin sides need order 2 in space");
       }
-      if (periodic && d.cells[a] < 3) report("/cells", "a periodic axis has at least 3 cells");
+      if (periodic && d.cells[a] < 3) report("/cells", "a periodic axis needs at least 3 cells");
     }
     if (a < d.cells.size() && fourth && d.cells[a] < 5) {
       report("/cells", "order 4 needs at least 5 cells along every axis");

@@ -82,18 +82,17 @@ TableOf<D>& add_lattice_rows(TableOf<D>& t, const char* initial_sentence, const 
                 "cells along x, y and z, as many numbers as the box has dimensions; nodes lie between cells "
                 "and on the sides")
       .required()
-      .numbers("size", size, "m", above(0), {0, 3}, "lengths of the box; 1 m each if absent")
+      .numbers("size", size, "m", above(0), {0, 3}, "lengths of the box; absent: 1 along every axis")
       .vector("origin", origin, "m", any(), "lower corner of the box")
-      .object("side", all, side_table(), "of all sides that are not given under sides")
-      .object("sides", sides, sides_table(), "x_min, x_max, y_min ... one by one")
+      .object("side", all, side_table(), "all sides without their own entry in `sides`")
+      .object("sides", sides, sides_table(), "individual sides")
       .choice("order", order, {"2", "4"},
               "of the error in space; 4 needs constant coefficients and no robin side")
       .expression("initial", initial, initial_sentence)
       .expression("source", source, source_sentence)
-      .expression(
-          "exact", exact,
-          "the solution where it is known, an expression of x, y, z and t: error.exact then tells the "
-          "distance from it");
+      .expression("exact", exact,
+                  "the exact solution, an expression of x, y, z and t; observed as error.exact, the "
+                  "difference from it");
 }
 
 }  // namespace truestep::lattice

@@ -46,7 +46,7 @@ void add_at(const Lattice& l, const Command& c, double amount, std::span<double>
   };
   if (!c.at) {
     const auto p = l.place(checked_command_row(c, l.nodes(), "node"));
-    if (l.fixed(p)) refuse_command("index", "fixed", "the value of this node is given by its side");
+    if (l.fixed(p)) refuse_command("index", "fixed", "the value of this node is set by its side");
     return add(p, amount);
   }
   const double at[] = {c.at->x, c.at->y, c.at->z};
@@ -56,7 +56,7 @@ void add_at(const Lattice& l, const Command& c, double amount, std::span<double>
     const Axis& axis = l.axes[a];
     const double s = (at[a] - axis.origin) / axis.spacing;
     if (!(s >= 0 && s <= static_cast<double>(axis.cells))) {
-      refuse_command("at", "out_of_range", "the place lies outside the box");
+      refuse_command("at", "out_of_range", "the point lies outside the box");
     }
     base[a] = std::min(static_cast<size_t>(s), axis.cells - 1);
     part[a] = s - static_cast<double>(base[a]);

@@ -1,5 +1,5 @@
 // States on a lattice: columns with their initial values, integrals over the box, and commands that add at a
-// place.
+// point.
 #pragma once
 #include <span>
 #include <vector>

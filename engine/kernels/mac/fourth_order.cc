@@ -3,7 +3,7 @@
 namespace truestep::mac {
 
 namespace {
-// f points at the value after the place, s leads from one value to the next.
+// f points at the value after the point, s is the stride to the next value.
 double between(const double* f, size_t s) {
   return 0.5625 * (*(f - s) + f[0]) - 0.0625 * (*(f - 2 * s) + f[s]);
 }

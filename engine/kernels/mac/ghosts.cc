@@ -4,7 +4,7 @@ namespace truestep::mac {
 
 namespace {
 
-// Along the normal of the side: face n is the side. `inwards` leads to the next face inside.
+// Along the normal of the side: face n is the side. `inwards` is the stride to the next face inside.
 void normal_end(double* face, ptrdiff_t inwards, const SideValues& side, size_t plane) {
   if (side.mirror == Mirror::given) {
     const double g = side.at(plane);
@@ -16,9 +16,9 @@ void normal_end(double* face, ptrdiff_t inwards, const SideValues& side, size_t 
   }
 }
 
-// `cell` is the last one inside; the side lies half a spacing before it. The first value beyond a given one
-// is that of the parabola through the side and two cells: the mirror image would leave an error of the order
-// of the slope's change in the wall's friction.
+// `cell` is the last one inside; the side lies half a spacing before it. The first value beyond a side with a
+// given value is that of the parabola through the side and two cells: with the mirror image, the wall's
+// friction would have an error of the order of the slope's change.
 void tangential_end(double* cell, ptrdiff_t inwards, const SideValues& side, size_t plane, size_t ghosts) {
   const bool given = side.mirror == Mirror::given;
   const double g = given ? side.at(plane) : 0, sign = given || side.mirror == Mirror::odd ? -1 : 1;

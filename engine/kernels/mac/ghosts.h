@@ -1,5 +1,5 @@
-// Values beyond the sides of a box, so that kernels on the staggered grid know no sides: mirrored about a
-// given value, mirrored evenly, or taken from the other end.
+// Values beyond the sides of a box, so that kernels on the staggered grid need no special cases at sides:
+// mirrored about a given value, mirrored evenly, or copied from the other end.
 #pragma once
 #include <vector>
 
@@ -8,21 +8,21 @@
 
 namespace truestep::mac {
 
-/// What a side asks of one kind of values: `given` on the side, no slope across it, periodic, or 0 on the
-/// side by the opposite mirror image, as transforms have it (`odd`).
+/// The condition of a side on one kind of values: `given` on the side, zero slope across it, periodic, or 0
+/// on the side by odd reflection, as transforms have it (`odd`).
 enum class Mirror : uint8_t { given, even, periodic, odd };
 
-/// One side's values of one place, over the padded plane of the other two axes (the lower axis fastest).
+/// Values of one side for one place, over the padded plane of the other two axes (the lower axis fastest).
 struct SideValues {
   Mirror mirror = Mirror::even;
   std::vector<double> values;  ///< empty: 0
-  double curvature = 1;        ///< share of the parabola along a given value; 0: its mirror image
+  double curvature = 1;        ///< weight of the parabola beyond a given value; 0: its mirror image
   double at(size_t plane) const { return values.empty() ? 0 : values[plane]; }
 };
 /// [axis][end]
 using Sides = std::array<std::array<SideValues, 2>, 3>;
 
-/// Fills what lies beyond the sides, and sets faces on a side whose value is given.
+/// Fills the values beyond the sides, and sets faces on sides with given values.
 void fill_ghosts(const MacGrid& grid, size_t place, const Sides& sides, double* u, const ThreadArena& arena);
 
 }  // namespace truestep::mac

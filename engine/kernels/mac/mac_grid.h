@@ -1,9 +1,8 @@
 // The staggered grid of Harlow and Welch (1965, "Numerical calculation of time-dependent viscous
-// incompressible flow of fluid with free surface") on a box: the velocity's component along an axis lies on
-// the faces at right angles to it, pressure and scalars lie in the centres of the cells. All arrays have one
-// padded shape, so that one set of strides serves them: place (i, j, k) of a component is its face or cell i,
-// j, k, from -kGhosts to cells + kGhosts along every axis that the grid has; face i lies at i spacings from
-// the lower side, cell i at i + 1/2.
+// incompressible flow of fluid with free surface") on a box: each component of velocity is at the faces
+// perpendicular to its axis, pressure and scalars are at the cells' centres. All arrays have the same padded
+// shape and strides: place (i, j, k) of a component is its face or cell i, j, k, from -kGhosts to cells +
+// kGhosts along every axis of the grid; face i is i spacings from the lower side, cell i at i + 1/2.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -14,7 +13,7 @@
 namespace truestep::mac {
 
 inline constexpr size_t kGhosts = 2;
-/// Place of values in the cells' centres, where 0, 1, 2 are the axes of faces.
+/// The place of values at cell centres; 0, 1, 2 are faces along the axes.
 inline constexpr size_t kCentre = 3;
 
 struct MacGrid {
@@ -27,7 +26,7 @@ struct MacGrid {
   size_t padded(size_t a) const { return a < dimensions ? cells[a] + 2 * kGhosts + 1 : 1; }
   size_t size() const { return padded(0) * padded(1) * padded(2); }
   size_t stride(size_t a) const { return a == 0 ? 1 : a == 1 ? padded(0) : padded(0) * padded(1); }
-  /// Of the place (0, 0, 0).
+  /// Of place (0, 0, 0).
   size_t base() const {
     size_t b = 0;
     for (size_t a = 0; a < dimensions; ++a) b += kGhosts * stride(a);
@@ -35,7 +34,7 @@ struct MacGrid {
   }
   size_t at(size_t i, size_t j, size_t k) const { return base() + i + stride(1) * j + stride(2) * k; }
   size_t cell_count() const { return cells[0] * cells[1] * cells[2]; }
-  /// Values of `place` along axis a that are its own: a periodic axis has as many faces as cells.
+  /// Number of independent values of `place` along axis a: a periodic axis has as many faces as cells.
   size_t count(size_t place, size_t a) const {
     return a < dimensions && place == a && !periodic[a] ? cells[a] + 1 : cells[a];
   }

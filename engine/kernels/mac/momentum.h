@@ -1,5 +1,5 @@
 // Right-hand sides on the staggered grid by central differences of second order: convection in divergence
-// form after Harlow and Welch (1965), which keeps the kinetic energy where the divergence is zero (Morinishi
+// form after Harlow and Welch (1965), which conserves kinetic energy where the divergence is zero (Morinishi
 // et al. 1998, "Fully conservative higher order finite difference schemes", section 4), and the Laplacian.
 // Ghosts must be filled.
 #pragma once
@@ -13,7 +13,8 @@ namespace truestep::mac {
 using Fields = std::array<double*, 3>;
 using ConstFields = std::array<const double*, 3>;
 
-/// f(offset of the row's first value, i, j, k of it, values) for every row of `place` along x, in parallel.
+/// f(offset of the row's first value, its i, j, k, number of values) for every row of `place` along x, in
+/// parallel.
 template <class F>
 void for_rows(const MacGrid& g, size_t place, const ThreadArena& arena, F&& f) {
   const size_t nx = g.count(place, 0), ny = g.count(place, 1), nz = g.count(place, 2);
@@ -26,10 +27,10 @@ void for_rows(const MacGrid& g, size_t place, const ThreadArena& arena, F&& f) {
 /// out = -div(u u_c) + viscosity lap u_c at the faces of component c (m/s^2).
 void momentum_rate(const MacGrid& grid, size_t c, const ConstFields& u, double viscosity, double* out,
                    const ThreadArena& arena);
-/// out += factor lap u of any place.
+/// out += factor lap u at any place.
 void add_laplacian(const MacGrid& grid, size_t place, const double* u, double factor, double* out,
                    const ThreadArena& arena);
-/// out = div u in the cells (1/s).
+/// out = div u at the cells (1/s).
 void divergence(const MacGrid& grid, const ConstFields& u, double* out, const ThreadArena& arena);
 /// u_c -= factor dp/dx_c on the faces of component c.
 void subtract_gradient(const MacGrid& grid, size_t c, const double* p, double factor, double* u,

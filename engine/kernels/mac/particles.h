@@ -1,8 +1,8 @@
-// Particles and the staggered grid: each component of the velocity, and the density, by linear weights on the
-// 2^d values around a particle. With slopes c_pa = sum of u_ia grad w_ip the transfers are those of affine
-// particles on a staggered grid (Jiang, Schroeder, Selle, Teran, Stomakhin 2015, "The affine particle-in-cell
-// method", section 5.3), which keep linear and angular momentum and give a linear field back as it was;
-// without them those of PIC and FLIP (Zhu, Bridson 2005, "Animating sand as a fluid").
+// Transfers between particles and the staggered grid: each component of velocity, and the density, by linear
+// weights on the 2^d values around a particle. With slopes c_pa = sum of u_ia grad w_ip they are those of
+// affine particles on a staggered grid (Jiang, Schroeder, Selle, Teran, Stomakhin 2015, "The affine
+// particle-in-cell method", section 5.3), which conserve linear and angular momentum and reproduce linear
+// fields; without slopes those of PIC and FLIP (Zhu, Bridson 2005, "Animating sand as a fluid").
 #pragma once
 #include <array>
 
@@ -10,20 +10,20 @@
 
 namespace truestep::mac {
 
-/// The values around a particle: the lowest one and the weight of the higher ones along each axis.
+/// The values around a particle: the lowest one, and the weight of the higher ones along each axis.
 template <size_t D>
 struct Around {
   size_t at = 0;
   std::array<double, D> share{};
 };
 
-/// `cells`: the place in cells from the grid's lower corner, within the box.
+/// `cells`: position in cells from the grid's lower corner, inside the box.
 template <size_t D>
 Around<D> around_particle(const MacGrid& g, size_t place, const double* cells) {
   Around<D> out;
   out.at = g.base();
   for (size_t a = 0; a < D; ++a) {
-    // One more than it is, so that the whole part is never negative.
+    // Offset by one so that the truncated value is never negative.
     const double x = cells[a] + (place == a ? 1.0 : 0.5);
     const auto low = static_cast<size_t>(x);
     out.share[a] = x - static_cast<double>(low);
@@ -66,7 +66,7 @@ void scatter(const MacGrid& g, const Around<D>& p, double value, const double* s
   });
 }
 
-/// Adds the weights alone.
+/// Adds only the weights.
 template <size_t D>
 void scatter(const MacGrid& g, const Around<D>& p, double* mass) {
   for_corners<D>(g, p, [&](size_t at, double w, size_t) { mass[at] += w; });

@@ -6,9 +6,8 @@
 namespace truestep::mac {
 
 namespace {
-// Below the plane m . x = level with 0 <= m1 <= m2 <= m3, m1 + m2 + m3 = 1 and level at most 1/2. Normals
-// that lean by less than this towards an axis count as at right angles to it: cubes of differences would
-// cancel.
+// Below the plane m . x = level with 0 <= m1 <= m2 <= m3, m1 + m2 + m3 = 1 and level at most 1/2. Normal
+// components smaller than this count as 0: differences of cubes would cancel.
 constexpr double kLeast = 1e-6;
 
 double share_of_half(double m1, double m2, double m3, double a) {
@@ -48,7 +47,7 @@ double below_zero(const std::array<double, 3>& n) {
 double share_below(const std::array<double, 3>& n, double level) {
   const double length = std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]);
   if (length == 0) return level > 0 ? 1 : 0;
-  // Seen from the corner that is filled first.
+  // As seen from the corner that fills first.
   return share_of(sorted(n), (level - below_zero(n)) / length);
 }
 
@@ -97,7 +96,7 @@ double share_between(const Border& border, size_t axis, double low, double high)
 }
 
 namespace {
-// What crosses a face as the share of a cell, towards higher places; `crossed` in cells.
+// Volume that crosses a face upwards, as a share of a cell; `crossed` in cells.
 double crossing(const MacGrid& g, const double* f, size_t axis, size_t high, double crossed) {
   const size_t donor = crossed > 0 ? high - g.stride(axis) : high;
   const double share = f[donor];
@@ -115,7 +114,7 @@ void carry_share(const MacGrid& g, size_t axis, Sweep sweep, const double* u, do
   const size_t s = g.stride(axis);
   for_rows(g, kCentre, arena, [&](size_t at, size_t, size_t, size_t n) {
     for (size_t i = at; i < at + n; ++i) {
-      // Both cells beside a face find the same flux, to the bit.
+      // Both cells at a face compute exactly the same flux.
       const double low = per * u[i], high = per * u[i + s];
       const double swells = full[i] * (high - low);
       const double in = crossing(g, f, axis, i, low), out = crossing(g, f, axis, i + s, high);

@@ -4,7 +4,7 @@ namespace truestep::mac {
 
 namespace {
 
-// Weight of place k of N in the value at x of the polynomial through them (Lagrange).
+// Weight of place k of N in the value at x of the Lagrange polynomial through them.
 template <size_t N>
 constexpr double lagrange(const std::array<double, N>& at, size_t k, double x) {
   double w = 1;
@@ -14,9 +14,9 @@ constexpr double lagrange(const std::array<double, N>& at, size_t k, double x) {
   return w;
 }
 
-// Along a side: the side itself at 0 and four cells.
+// Along a side: the side itself at 0, and four cells.
 constexpr std::array<double, 5> kCells{0, 0.5, 1.5, 2.5, 3.5};
-// Towards a side on which a value is 0 and a slope is known: x^2 times the parabola through three places.
+// Towards a side with value 0 and a known slope: x^2 times the parabola through three places.
 constexpr std::array<double, 3> kInside{1, 2, 3};
 
 // `cell` is the last one inside.
@@ -34,7 +34,7 @@ void continue_cells(double* cell, ptrdiff_t inwards, const Edge& edge) {
   }
 }
 
-// `face` lies on the side, where its value is 0; `slope` counts in spacings, inwards.
+// `face` lies on the side, where its value is 0; `slope` is per spacing, inwards.
 void continue_faces(double* face, ptrdiff_t inwards, const Edge& edge, double slope, ptrdiff_t most) {
   for (ptrdiff_t m = 1; m <= most; ++m) {
     if (edge.kind == Edge::Kind::slide) {
@@ -60,14 +60,14 @@ void for_node_rows(const MacGrid& g, const ThreadArena& arena, size_t first, siz
   });
 }
 
-// Slope at the node after the first of four values in the middles between nodes.
+// Slope at the node after the first of four values midway between nodes.
 double slope_beside(const double* first, ptrdiff_t step) {
   return (-23 * first[0] + 21 * first[step] + 3 * first[2 * step] - first[3 * step]) / 24;
 }
 double slope_between(const double* after, ptrdiff_t step) {
   return 1.125 * (after[0] - after[-step]) - (after[step] - after[-2 * step]) / 24;
 }
-// The same where there are two values to each side of node i of n.
+// The same if there are two values on each side of node i of n.
 double slope_at(const double* after, ptrdiff_t step, size_t i, size_t n) {
   if (i == 1) return slope_beside(after - step, step);
   if (i + 1 == n) return -slope_beside(after, -step);
@@ -93,7 +93,7 @@ void velocity_of_stream4(const MacGrid& g, const Edges& edges, double* psi, cons
                          const ThreadArena& arena) {
   const size_t nx = g.cells[0], ny = g.cells[1];
   const auto s = static_cast<ptrdiff_t>(g.stride(1));
-  // dpsi/dx = -v beside the sides of x, dpsi/dy = u beside those of y.
+  // dpsi/dx = -v at the sides of x, dpsi/dy = u at those of y.
   for (size_t j = 1; j < ny; ++j) {
     double* row = psi + g.at(0, j, 0);
     continue_faces(row, 1, edges[0][0], -edges[0][0].velocity * g.spacing[0], 1);
@@ -126,7 +126,7 @@ void fill_ghosts4(const MacGrid& g, size_t c, const Edges& edges, double* u) {
     for (size_t p = 0; p < g.padded(other); ++p) {
       double* line = u + p * g.stride(other) + kGhosts * g.stride(a);
       if (a == c) {
-        // The slope along the normal is that of the velocity along the side, which is the same everywhere.
+        // The slope along the normal is that of the velocity along the side, which is constant.
         continue_faces(line, step, edges[a][0], 0, kGhosts);
         continue_faces(line + n * step, -step, edges[a][1], 0, kGhosts);
       } else {

@@ -1,9 +1,9 @@
-// The surface of a liquid whose particles are spread on the cells of a staggered grid. A cell's fill is what
-// linear weights give it of particles over what they would give it in liquid at rest; where a level surface
-// lies depth cells above a cell's centre the fill is
+// The surface of a liquid whose particles are spread on the cells of a staggered grid. A cell's fill is the
+// sum of the particles' linear weights over that of liquid at rest; if a level surface lies depth cells above
+// a cell's centre the fill is
 //   (1 + depth)^2 / 2 below 1/2,   1 - (1 - depth)^2 / 2 above,
-// so that the surface (depth 0) is where half is there. Pressure beyond the surface is 0 at the surface
-// itself, not at the next centre (Gibou, Fedkiw, Cheng, Kang 2002, "A second-order-accurate symmetric
+// so the surface (depth 0) is where the fill is a half. The pressure is 0 at the surface itself, not at the
+// next centre beyond it (Gibou, Fedkiw, Cheng, Kang 2002, "A second-order-accurate symmetric
 // discretization of the Poisson equation on irregular domains"; Enright et al. 2003, "Using the particle
 // level set method and a second order accurate pressure boundary condition for free surface flows").
 #pragma once
@@ -17,27 +17,26 @@
 
 namespace truestep::mac {
 
-/// Cells of liquid above a centre, in [-1, 1], by its fill.
+/// Cells of liquid above a centre, in [-1, 1], from its fill.
 inline double depth_of_fill(double fill) {
   if (fill < 0.5) return std::sqrt(2 * std::max(fill, 0.0)) - 1;
   return 1 - std::sqrt(2 * std::max(1 - fill, 0.0));
 }
 
-/// 1 / the share of the way between two centres that lies in the liquid; at most 1e6, so that a surface that
-/// passes a centre moves nothing.
+/// 1 / the fraction of the distance between two centres that lies in the liquid; at most 1e6, so that it
+/// stays finite when the surface passes through a centre.
 inline double surface_factor(double depth_inside, double depth_outside) {
   constexpr double kLeast = 1e-6;
   const double share = depth_inside / (depth_inside - depth_outside);
   return 1 / std::max(share, kLeast);
 }
 
-/// What each face's difference of pressures counts: 1 between cells of liquid, surface_factor at the surface,
-/// 0 elsewhere and on the box's sides. `liquid` and `depth` are those of cells, wrapped where the grid is
-/// periodic.
+/// Weight of the pressure difference at each face: 1 between cells of liquid, surface_factor at the surface,
+/// 0 elsewhere and on the box's sides. `liquid` and `depth` are cell values, wrapped if the grid is periodic.
 void surface_faces(const MacGrid& grid, size_t component, const uint8_t* liquid, const double* depth,
                    double* factor, const ThreadArena& arena);
 
-/// Gives faces that are not known the mean of known neighbours and makes them known, `layers` times outwards;
+/// Gives unknown faces the mean of their known neighbours and marks them known, `layers` times outwards;
 /// `found` and `fresh` are scratch of the grid's size.
 void extrapolate(const MacGrid& grid, size_t component, int layers, double* u, uint8_t* known, double* found,
                  uint8_t* fresh, const ThreadArena& arena);
@@ -59,7 +58,7 @@ void wrap_periodic(const MacGrid& g, T* u) {
   }
 }
 
-/// Adds what was spread beyond the ends of periodic axes to where it belongs.
+/// Adds what was spread beyond the ends of periodic axes to the values it belongs to.
 void fold_periodic(const MacGrid& grid, double* u);
 
 }  // namespace truestep::mac

@@ -55,8 +55,8 @@ Limits extremes(const MacGrid& g, const Around& p, const double* u) {
   return l;
 }
 
-// Velocity in cells per second at the place of value i, j, k; component c there by the mean of the faces
-// around.
+// Velocity in cells per second at the place of value i, j, k; components stored elsewhere are averaged from
+// the faces around it.
 void velocity_at(const MacGrid& g, size_t place, const ConstFields& u, size_t at, double* v) {
   for (size_t a = 0; a < g.dimensions; ++a) {
     const double *q = u[a] + at, scale = 1 / g.spacing[a];
@@ -72,7 +72,7 @@ void velocity_at(const MacGrid& g, size_t place, const ConstFields& u, size_t at
   }
 }
 
-// Where what arrives at value (i, j, k) after h was before, in cells.
+// Start, in cells, of the path that ends at value (i, j, k) after h.
 void departure(const MacGrid& g, size_t place, const ConstFields& u, double h, size_t at, const size_t* index,
                double* x) {
   double v[3], middle[3] = {}, start[3] = {};

@@ -7,7 +7,7 @@
 
 namespace truestep::mac {
 
-/// Values next to a place and their weights along each axis, in cells; places beyond the box are moved onto
+/// Values next to a point and their weights along each axis, in cells; points beyond the box are moved onto
 /// its sides, or to the other end.
 double interpolate(const MacGrid& grid, size_t place, const double* u, const double* cells);
 
@@ -17,13 +17,13 @@ struct Limits {
 /// Smallest and largest of the values that `interpolate` uses.
 Limits limits_around(const MacGrid& grid, size_t place, const double* u, const double* cells);
 
-/// to = what is at `from` (of `place`) after h seconds in the flow u. A negative h goes back.
+/// to = `from` (at `place`) transported for h seconds by the flow u. A negative h goes back.
 void trace(const MacGrid& grid, size_t place, const ConstFields& u, double h, const double* from, double* to,
            const ThreadArena& arena);
-/// MacCormack's correction: to = ahead + (from - back) / 2, between the values around the path's start.
+/// MacCormack's correction: to = ahead + (from - back) / 2, limited to the values around the path's start.
 void correct(const MacGrid& grid, size_t place, const ConstFields& u, double h, const double* from,
              const double* ahead, const double* back, double* to, const ThreadArena& arena);
-/// to = what is at `compensated` after h, between the values of `from` around the path's start.
+/// to = `compensated` transported for h, limited to the values of `from` around the path's start.
 void trace_limited(const MacGrid& grid, size_t place, const ConstFields& u, double h, const double* from,
                    const double* compensated, double* to, const ThreadArena& arena);
 

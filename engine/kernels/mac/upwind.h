@@ -1,7 +1,7 @@
-// Convection on the staggered grid in advective form by differences of first order against the flow (Courant,
-// Isaacson, Rees 1952, "On the solution of nonlinear hyperbolic differential equations by finite
-// differences"): no new extremes, whatever the densities beside a face, where central differences of the
-// velocity alone feed the lighter of two fluids with energy that the heavier one has.
+// Convection on the staggered grid in advective form by upwind differences of first order (Courant, Isaacson,
+// Rees 1952, "On the solution of nonlinear hyperbolic differential equations by finite differences"): no new
+// extremes, whatever the densities at a face, while central differences of velocity alone feed the lighter of
+// two fluids with energy from the heavier one.
 #pragma once
 #include "engine/kernels/mac/momentum.h"
 

@@ -1,7 +1,7 @@
 // Cohesion of a liquid's particles (Akinci, Akinci & Teschner 2013, equation 2): with q = r / H the force of
-// a pair is that of C(q) = (1 - q)^3 q^3 for q > 1/2 and 2 (1 - q)^3 q^3 - 1/64 below, so that particles
-// attract each other and part when they come too close. Its strength here follows from the surface tension
-// that is asked for: that is the energy of the bonds that a cut of unit area divides, over its two sides.
+// a pair is proportional to C(q) = (1 - q)^3 q^3 for q > 1/2 and 2 (1 - q)^3 q^3 - 1/64 below, so particles
+// attract each other and repel when too close. The strength is set from the surface tension, which is the
+// energy of the bonds that a cut of unit area divides, over its two sides.
 #pragma once
 #include <cmath>
 
@@ -17,7 +17,7 @@ inline Wide<T> cohesion(const Wide<T>& q) {
   return select(q < W::all(T(0.5)), cube + cube - W::all(T(1.0 / 64)), cube);
 }
 
-/// Work (of C over q) that takes a pair from q to beyond the kernel.
+/// Work (integral of C over q) that takes a pair from q to beyond the kernel.
 inline double cohesion_work(double q) {
   // The integral of q^3 (1 - q)^3 and its parts on both sides of a half.
   const auto beyond = [](double a) {
@@ -31,10 +31,10 @@ inline double cohesion_work(double q) {
   return beyond(0.5) + 2 * (beyond(q) - beyond(0.5)) - (0.5 - q) / 64;
 }
 
-/// The force over mass (m/s^2) of a pair at C = 1 that makes the tension (N/m) of a liquid of density rho
-/// (kg/m^3; in the plane a metre thick) whose particles lie on a lattice of `spacing` (m) with the kernel's
-/// radius `support` (m). Bonds along a vector r of the lattice cross a plane of unit area n (r . z)+ times,
-/// on the mean over directions n r / 4, in the plane n r / pi.
+/// Force over mass (m/s^2) of a pair at C = 1 that gives tension (N/m) to a liquid of density rho (kg/m^3; in
+/// the plane a metre thick) whose particles lie on a lattice of `spacing` (m) with a kernel of radius
+/// `support` (m). Bonds along a lattice vector r cross unit area of a plane of normal z n (r . z)+ times,
+/// which averages over directions to n r / 4, and to n r / pi in the plane.
 inline double cohesion_strength(double tension, double rho, int dimension, double spacing, double support) {
   constexpr double kPi = 3.14159265358979323846;
   const int reach = static_cast<int>(support / spacing) + 1, reach_z = dimension == 3 ? reach : 0;

@@ -1,5 +1,5 @@
-// Loads by lists of neighbours: numbers and rows of four numbers at indices that follow one another in
-// memory, and the bits of a comparison.
+// Loads through neighbour lists: numbers and rows of four numbers at indices stored consecutively, and the
+// bits of a comparison.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -111,7 +111,7 @@ inline uint32_t bits_below(const Wide<T>& a, const Wide<T>& b) {
 #endif
 }
 
-/// Lanes from first to last, added in that order of a tree that does not depend on anything.
+/// Sum of lanes `first` to `last`, added in the fixed order of a tree.
 template <class T>
 inline T sum(const Wide<T>& a) {
 #if defined(__AVX2__) && defined(__FMA__)
@@ -134,7 +134,7 @@ inline T sum(const Wide<T>& a) {
 #endif
 }
 
-/// For each set of lanes its members, from the lowest on.
+/// For each set of lanes, its members in ascending order.
 struct LaneTable {
   uint8_t of[256][8] = {};
   constexpr LaneTable() {
@@ -148,7 +148,7 @@ struct LaneTable {
 };
 inline constexpr LaneTable kLanesOf;
 
-/// Stores of those lanes alone whose bits are set, side by side; what is behind them, up to a whole Wide, is
+/// Stores only the lanes whose bits are set, side by side; memory after them, up to a whole Wide, is
 /// overwritten.
 template <class T>
 class LanesOf {
@@ -210,7 +210,7 @@ inline Wide<T> nearest(const Wide<T>& a) {
   return (a + shift) - shift;
 }
 
-/// Loads of numbers that are kept as they are, or as whole ones of 16 bits.
+/// Loads of numbers stored as they are, or as 16-bit integers.
 template <class T>
 inline Wide<T> load_as(const T* p) {
   return load(p);
@@ -228,7 +228,7 @@ inline Wide<float> load_as(const int16_t* p) {
 #endif
 }
 
-/// Lane i of in[k] into rows[i][k], and back, k from 0 to 2; what is last in a row stays as it is.
+/// Lane i of in[k] to and from rows[i][k], k from 0 to 2; the last number of a row is unchanged.
 template <class T>
 inline void store_rows3(T (*rows)[4], const Wide<T> in[3]) {
   for (int i = 0; i < Wide<T>::kLanes; ++i) {

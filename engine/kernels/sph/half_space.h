@@ -1,8 +1,8 @@
-// What a wall adds to the sums of a particle beside it: the fluid would go on behind the wall in layers one
-// spacing apart, the first half a spacing behind it, each spread evenly over its plane. Shares and slopes by
-// the distance d (m) of the particle from the wall (boundary particles of several layers, without the noise
-// of their places; compare the volume maps of Bender et al. 2019). For walls that are flat over a kernel.
-// Tables with 512 intervals over d in [-s/2, H], linear between.
+// Contribution of a wall to the sums of a nearby particle: the fluid continues behind the wall in layers one
+// spacing apart, the first half a spacing behind it, each spread evenly over its plane. Shares and slopes as
+// functions of the distance d (m) of the particle from the wall (boundary particles of several layers,
+// without the noise of their positions; compare the volume maps of Bender et al. 2019). For walls that are
+// flat over a kernel. Tables with 512 intervals over d in [-s/2, H], linear between.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -16,7 +16,7 @@ struct HalfSpace {
   static constexpr int kIntervals = 512;
   double from = 0, per_metre = 1;
   std::array<double, kIntervals + 1> share{};  ///< 1, of the kernel that lies behind the wall
-  std::array<double, kIntervals + 1> slope{};  ///< 1/m, -d share / d d, of the kernel whose slopes are taken
+  std::array<double, kIntervals + 1> slope{};  ///< 1/m, -d share / d d, from the kernel's slopes
 
   /// Sets the tables for a kernel of radius H and particles `spacing` (m) apart.
   void set(Smoothing kind, int dimension, double radius, double spacing) {
@@ -26,7 +26,8 @@ struct HalfSpace {
       const Plane p = plane(kind, dimension, z / radius);
       whole += 2 * p.w, steep -= 2 * p.s * (z / radius) * (z / radius);
     }
-    // A kernel's slopes go with its values; those of another make the gradient of a straight line 1.
+    // Slopes of the same kernel scale with its values; those of another are scaled to give the gradient 1 of
+    // a straight line.
     if (slopes_of_values(kind)) steep = whole;
     for (int i = 0; i <= kIntervals; ++i) {
       const auto at = static_cast<size_t>(i);
@@ -48,16 +49,16 @@ struct HalfSpace {
     const double f = place - static_cast<double>(i);
     return {share[i] + f * (share[i + 1] - share[i]), slope[i] + f * (slope[i + 1] - slope[i])};
   }
-  /// 1/m^2: a wall that holds the fluid on it decelerates a particle by nu (v - v_wall) times this. Behind
-  /// the wall the velocity goes on as a straight line through the wall's (Morris, Fox & Zhu 1997), so that
-  /// the sum of -2 dW/dr / r (1 + depth / d) over the layers is twice the slope over d.
+  /// 1/m^2: a no-slip wall decelerates a particle by nu (v - v_wall) times this. Behind the wall the velocity
+  /// continues on a straight line through the wall's (Morris, Fox & Zhu 1997), so the sum of -2 dW/dr / r (1
+  /// + depth / d) over the layers is twice the slope over d.
   double friction(double d, double least) const { return 2 * at(d).slope / std::max(d, least); }
 
  private:
   struct Plane {
     double w, s;
   };
-  /// Integrals of w and s over the plane at distance z, in radii of the kernel.
+  /// Integrals of w and s over the plane at distance z, in kernel radii.
   static Plane plane(Smoothing kind, int dimension, double z) {
     constexpr double kPi = 3.14159265358979323846;
     constexpr int kRings = 256;

@@ -1,11 +1,11 @@
-// Surface tension as the energy of an interface. With q = r / H, d the way to a neighbour and poly6 (Mueller,
-// Charypar & Gross 2003) as the kernel, each particle has
+// Surface tension as the energy of an interface. With q = r / H, d the offset to a neighbour and poly6
+// (Mueller, Charypar & Gross 2003) as the kernel, each particle has
 //   c = sum (1 - q^2)^3 over that of a lattice,   n = sum psi(q) d,   psi = q (1 - q^2)^2;
 // n vanishes in a lattice however strained, and points into the liquid at its surface. The energy
 //   E = e sum (phi(|n|) + b (1 - c)^2),   phi = sqrt(n^2 + eps^2) - eps
 // is proportional to the surface's area. Of its two parts (compare Cahn & Hilliard 1958) the first drives
-// particles out of the surface, the second holds them, and b balances the two in a plane. Its gradient keeps
-// energy and both momenta; nowhere is a curvature computed:
+// particles out of the surface, the second holds them, and b balances the two in a plane. Its gradient
+// conserves energy and both momenta; no curvature is computed:
 //   F_i = (e / H) sum J (m_i - m_j) + B (u_i + u_j) psi d,   m = n / sqrt(n^2 + eps^2),   u = 2 (1 - c),
 //   J = (1 - q^2) ((1 - q^2) I - 4 q^2 d d'),   B = 6 b over the lattice's sum.
 #pragma once
@@ -15,22 +15,22 @@
 
 namespace truestep::sph {
 
-/// A plane surface of a lattice.
+/// The plane surface of a lattice.
 struct PlaneInterface {
   double softness = 0;  ///< eps
   double whole = 1;     ///< sum of (1 - q^2)^3 over the lattice
   double hold = 0;      ///< B
   double energy = 0;    ///< 1/m^(dimension - 1), energy of unit area over e
 
-  /// eps over n of the outermost layer: disorder within the liquid costs little.
+  /// eps over n of the outermost layer: small enough that disorder inside the liquid costs little.
   static constexpr double kSoftness = 0.5;
-  /// b over what balances the first part: what has left the surface a little is drawn back.
+  /// b over its balanced value: a particle slightly outside the surface is drawn back.
   static constexpr double kHold = 1.2;
 
-  /// Of points `spacing` (m) apart with a kernel of radius `support` (m).
+  /// For points `spacing` (m) apart and a kernel of radius `support` (m).
   PlaneInterface(int dimension, double spacing, double support) {
     const int reach = static_cast<int>(support / spacing) + 1, reach_z = dimension == 3 ? reach : 0;
-    // visit(layers below, q, the way down over the distance) for every point at `from` layers below and more.
+    // visit(layers below, q, offset downwards over distance) for each point `from` or more layers below.
     const auto each = [&](int from, const auto& visit) {
       for (int y = from; y <= reach; ++y) {
         for (int z = -reach_z; z <= reach_z; ++z) {
@@ -55,7 +55,7 @@ struct PlaneInterface {
     }
     softness = kSoftness * n[0];
     for (size_t k = 0; k < layers; ++k) m[k] = n[k] / std::sqrt(n[k] * n[k] + softness * softness);
-    // Into the liquid, on a particle of the outermost layer.
+    // Component into the liquid, for a particle of the outermost layer.
     double drive = 0, held = 0;
     each(0, [&](int y, double q, double down) {
       const auto at = static_cast<size_t>(y);

@@ -1,8 +1,8 @@
 // Smoothing kernels of compact support: the cubic spline (Monaghan 1992), Wendland's C2 and C4 functions
-// (Dehnen & Aly 2012), and the pair of Mueller, Charypar & Gross 2003, in the plane and in space. With
-// q = r / H and H the radius of the support, W(r) = sigma / H^D w(q) and dW/dr / r = sigma / H^(D + 2) s(q).
-// Both vanish at q = 1. The pair takes values from one kernel, poly6 (1 - q^2)^3, and slopes from another,
-// spiky (1 - q)^3, with a sigma of their own: poly6 does not push what is close apart.
+// (Dehnen & Aly 2012), and the pair of Mueller, Charypar & Gross 2003, in the plane and in space. With q = r
+// / H and H the radius of the support, W(r) = sigma / H^D w(q) and dW/dr / r = sigma / H^(D + 2) s(q). Both
+// vanish at q = 1. The pair takes values from one kernel, poly6 (1 - q^2)^3, and slopes from another, spiky
+// (1 - q)^3, each with its own sigma: poly6 does not push close particles apart.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace truestep::sph {
 
 enum class Smoothing : uint8_t { cubic, wendland_c2, wendland_c4, poly6_spiky };
 
-/// Whether slopes are the derivative of the values; else they are another kernel's.
+/// Whether slopes are the derivative of the values; otherwise they are another kernel's.
 constexpr bool slopes_of_values(Smoothing k) {
   return k != Smoothing::poly6_spiky;
 }
@@ -39,7 +39,7 @@ inline SmoothingValue<T> smoothing(const Wide<T>& q) {
     const Wide<T> inner_w = madd(real<T>(6) * q * q, q - real<T>(1), real<T>(1));
     const Wide<T> inner_s = madd(real<T>(18), q, real<T>(-12));
     const Wide<T> outer_w = real<T>(2) * u2 * u;
-    // Only beyond a half: there q is far from 0.
+    // Used only above a half, where q is far from 0.
     const Wide<T> outer_s = real<T>(-6) * u2 / max(q, real<T>(0.5));
     const auto near = q < real<T>(0.5);
     return {select(near, inner_w, outer_w), select(near, inner_s, outer_s)};
@@ -47,7 +47,7 @@ inline SmoothingValue<T> smoothing(const Wide<T>& q) {
     return {u2 * u2 * madd(real<T>(4), q, real<T>(1)), real<T>(-20) * u2 * u};
   } else if constexpr (K == Smoothing::poly6_spiky) {
     const Wide<T> p = real<T>(1) - q * q;
-    // The gradient's size goes to 3 at q = 0, where it has no direction.
+    // The gradient's size tends to 3 at q = 0, where it has no direction.
     return {p * p * p, real<T>(-3) * u2 / max(q, real<T>(1e-3))};
   } else {
     const Wide<T> u4 = u2 * u2;
@@ -72,14 +72,14 @@ constexpr double smoothing_sigma(Smoothing k, int dimension) {
   }
   return plane ? 4 / kPi : 315 / (64 * kPi);
 }
-/// The same of the kernel whose slopes are taken.
+/// The same for the kernel that slopes are taken from.
 constexpr double slope_sigma(Smoothing k, int dimension) {
   constexpr double kPi = 3.14159265358979323846;
   if (slopes_of_values(k)) return smoothing_sigma(k, dimension);
   return (dimension == 2 ? 10 : 15) / kPi;
 }
 
-/// The same for one number, by the kernel's name at run time.
+/// The same for a single number, with the kernel chosen at run time.
 inline SmoothingValue<double> smoothing_at(Smoothing k, double q) {
   const Wide<double> x = Wide<double>::all(q);
   if (!(q < 1)) return {Wide<double>::zero(), Wide<double>::zero()};
@@ -96,7 +96,7 @@ inline SmoothingValue<double> smoothing_at(Smoothing k, double q) {
   return smoothing<Smoothing::poly6_spiky>(x);
 }
 
-/// The largest of q |s(q)|, which the steepest gradient is in units of sigma / H^(D + 1).
+/// The maximum of q |s(q)|: the steepest gradient in units of sigma / H^(D + 1).
 inline double steepest(Smoothing k) {
   constexpr int kPlaces = 1000;
   double out = 0;

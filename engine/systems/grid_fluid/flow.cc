@@ -25,7 +25,7 @@ FlowModel::FlowModel(const GridFluidDef& d, const Vec3& g)
     }
   }
   if (!inflow || open) return;
-  // What flows in must flow out through other such sides, up to what the grid leaves.
+  // Inflow must leave through other such sides, up to the grid's discretization error.
   double net = 0, through = 0;
   std::vector<double> values;
   for (size_t a = 0; a < grid.dimensions; ++a) {
@@ -127,7 +127,7 @@ void Flow::sides_at(double t) {
         const SideKind k = model_->kinds[a][end];
         mac::SideValues& side = sides_[c][a][end];
         if (side.mirror != Mirror::given || model_->texts.sides[a][end][c].zero) continue;
-        // A wall moves along itself alone.
+        // Walls move only along themselves.
         if (k == SideKind::wall && a == c) continue;
         model_->texts.sample_side(g, a, end, c, t, side.values);
         double most = 0;
@@ -183,12 +183,12 @@ bool Flow::implicit(double viscosity, double h) const {
   double rate = 0;
   for (size_t a = 0; a < model_->grid.dimensions; ++a)
     rate += 4 / (model_->grid.spacing[a] * model_->grid.spacing[a]);
-  // Where eddies turn at the same time: half of the real axis that the method holds.
+  // Stability with rotating eddies: half of the real axis that the method allows.
   const double held = d.stepping == GridFluidDef::Stepping::rk3 ? 1.25 : 0.5;
   return viscosity * rate * h > held;
 }
 
-// The last face before an outflow moves on unchanged.
+// The last face before an outflow is advected unchanged.
 void Flow::open_sides(size_t c, double* u) {
   const mac::MacGrid& g = model_->grid;
   const size_t first = c == 0 ? 1 : 0, second = c == 2 ? 1 : 2;
@@ -230,11 +230,11 @@ void Flow::add_force(FlowFields& f, double t, size_t c, double factor, double* t
 }
 
 // The implicit half of a step has mirror images beyond its walls, the explicit one parabolas, whose friction
-// is up to 4/3 / dx^2 larger: with r = alpha viscosity h / dx^2 the step stays within its start where
-// r (4/3) <= 1, and beyond that with so much less of the parabola.
+// is up to 4/3 / dx^2 larger: with r = alpha viscosity h / dx^2 the step is contractive for r (4/3) <= 1;
+// beyond that the parabola's weight is reduced accordingly.
 void Flow::curve_walls(double diffusion) {
   const mac::MacGrid& g = model_->grid;
-  // A corner has as many walls along itself as there are other axes.
+  // A corner has as many walls parallel to a component as there are other axes.
   const double held = 0.75 / std::max(1.0, static_cast<double>(g.dimensions) - 1);
   double r = 0;
   for (size_t a = 0; a < g.dimensions; ++a) r = std::max(r, diffusion / (g.spacing[a] * g.spacing[a]));
@@ -299,8 +299,8 @@ void Flow::stage(FlowFields& f, double t, double h, const Weights& w, bool impli
   project(f, t, 2 * h * w.alpha);
 }
 
-// Where no side is open, what the grid makes of given velocities must flow out as it flows in: the difference
-// is spread over the faces of the sides that give velocities.
+// If no side is open, the discretized inflow and outflow must be equal: the difference is spread over the
+// faces of the sides with given velocities.
 void Flow::balance(FlowFields& f) {
   const mac::MacGrid& g = model_->grid;
   if (model_->open) return;
@@ -345,13 +345,13 @@ void Flow::project(FlowFields& f, double t, double h) {
   } else {
     const mac::ConstFields u{f.u[0], f.u[1], f.u[2]};
     if (model_->fourth_order()) {
-      // What was balanced on the sides is mirrored beyond them.
+      // Mirrors the balanced values beyond the sides.
       for (size_t c = 0; c < g.dimensions; ++c) fill_component(c, f.u[c]);
       mac::divergence4(g, u, phi, *arena_);
     } else {
       mac::divergence(g, u, phi, *arena_);
     }
-    // -lap phi = -div u: the solver's step is -1 and its shift 0.
+    // -lap phi = -div u: the solver's step is -1, its shift 0.
     pressure_->solve(0, -1, phi, *arena_);
   }
   mac::fill_ghosts(g, kCentre, pressure_sides_, phi, *arena_);

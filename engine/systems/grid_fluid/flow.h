@@ -1,15 +1,15 @@
 // One substep of an incompressible flow on a staggered grid:
 //   u_t + div(u u) = -grad p + viscosity lap u + f,   div u = 0,
-// p per density. Central advection: stages of Spalart, Moser, Rogers (1991, "Spectral methods for the
-// Navier-Stokes equations with one infinite and two periodic directions", appendix; weights gamma, zeta for
-// convection, alpha for viscosity by Crank and Nicolson), or one of Adams and Bashforth with Crank and
-// Nicolson; each takes the last pressure's gradient and is projected (van Kan 1986, "A second-order accurate
-// pressure-correction scheme"). Advection along paths: advect, force, viscosity by Euler backwards, project
-// (Stam 1999, "Stable fluids"). Obstacles cut cells: what passes a face is what its open share lets pass
-// beside the obstacle's own motion (Ng, Min, Gibou 2009). With central advection and explicit viscosity they
-// have walls of second order (solids.h), otherwise the volume around a face takes on their velocity by its
-// solid share. Two fluids: flow_two_fluids.cc. Scratch of one thread's run; everything that lasts is in the
-// state.
+// p the pressure over density. Central advection: stages of Spalart, Moser, Rogers (1991, "Spectral methods
+// for the Navier-Stokes equations with one infinite and two periodic directions", appendix; weights gamma,
+// zeta for convection, alpha for Crank-Nicolson viscosity), or Adams-Bashforth with Crank-Nicolson; each
+// starts from the last pressure's gradient and is projected (van Kan 1986, "A second-order accurate
+// pressure-correction scheme"). Advection along paths: advect, force, viscosity by backward Euler, project
+// (Stam 1999, "Stable fluids"). Obstacles cut cells: the flow through a face is that of its open fraction,
+// plus the obstacle's own motion (Ng, Min, Gibou 2009). With central advection and explicit viscosity
+// obstacles have walls of second order (solids.h); otherwise the volume around a face takes on their velocity
+// in proportion to its solid fraction. Two fluids: flow_two_fluids.cc. Scratch of one thread's run;
+// everything that lasts is in the state.
 #pragma once
 #include <memory>
 #include <optional>
@@ -24,64 +24,64 @@
 
 namespace truestep::grid_fluid {
 
-/// What is known when the system is built and never changes.
+/// Known when the system is built, and constant.
 struct FlowModel {
   FlowModel(const GridFluidDef& def, const Vec3& gravity);
   GridFluidDef def;
   mac::MacGrid grid;
   FlowTexts texts;
-  Solids solids;      ///< as they are at the start
+  Solids solids;      ///< at the start
   Vec3 gravity;       ///< m/s^2
   bool open = false;  ///< a side is an outflow
   std::array<std::array<SideKind, 2>, 3> kinds{};
-  /// Obstacles have walls of second order.
+  /// Whether obstacles have walls of second order.
   bool sharp_walls() const;
-  /// The largest divergence is noted at the end of a step, where a single state does not show it.
+  /// Whether the largest divergence is recorded at the end of a step because a single state does not show it.
   bool keeps_divergence() const { return texts.obstacles_move || fourth_order(); }
   bool two_fluids() const { return def.second_fluid.has_value(); }
-  /// kg/m^3, of a cell of which the second fluid fills a share.
+  /// kg/m^3, of a cell with this fraction of the second fluid.
   double density_of(double share) const;
-  /// m/s^2, along axis a where sides hold the fluids against it; 0 along a periodic axis.
+  /// m/s^2, along axis a if the sides support the fluids against gravity; 0 along a periodic axis.
   double held_gravity(size_t a) const;
-  /// Shares of the second fluid at the start.
+  /// Initial fractions of the second fluid.
   void fill_second(double* share) const;
-  /// 1/s, of the shortest waves that gravity raises on the border of two fluids; 0: there is none.
+  /// 1/s, rate of the shortest gravity waves on the border between two fluids; 0: there are none.
   double border_rate() const;
   bool fourth_order() const { return def.order == GridFluidDef::Order::fourth; }
-  /// How values of a place are mirrored at the sides; kCentre + 1 is the pressure.
+  /// How values at a place are mirrored at the sides; kCentre + 1 is the pressure.
   std::array<std::array<mac::Mirror, 2>, 3> mirrors(size_t place) const;
-  /// Faces [first, last) of component c along axis a that the equations decide.
+  /// Faces [first, last) of component c along axis a that are unknowns of the equations.
   std::array<size_t, 2> unknown(size_t c, size_t a) const;
 };
 inline constexpr size_t kPressure = mac::kCentre + 1;
 
-/// Arrays of a state that the flow moves.
+/// The arrays of a state that the flow changes.
 struct FlowFields {
-  mac::Fields u{}, rate{};  ///< rate: of the step before, for two-step methods
+  mac::Fields u{}, rate{};  ///< rate: of the previous step, for two-step methods
   double *pressure = nullptr, *scalar = nullptr;
-  double* second = nullptr;  ///< share of the second fluid in a cell
+  double* second = nullptr;  ///< fraction of the second fluid in a cell
   double viscosity = 0;
-  std::array<double, 3> impulse{};  ///< N s per density, that obstacles have had from the fluid
-  double turning = 0;               ///< N m s per density, the same about their axes
+  std::array<double, 3> impulse{};  ///< N s over density, given to obstacles by the fluid
+  double turning = 0;               ///< N m s over density, angular, about their axes
   lattice::CutPoisson::Outcome solved;
-  double last_h = 0;  ///< s, of the substep that `rate` is from; 0: none
+  double last_h = 0;  ///< s, length of the substep that `rate` is from; 0: none
 };
 
 class Flow {
  public:
   void bind(const FlowModel& model, const ThreadArena& arena);
 
-  /// Cells per second that the fastest crosses, summed over the axes, sides included.
+  /// Cells per second crossed by the fastest velocity, summed over the axes, including sides.
   double crossing_rate(FlowFields& f, double t);
   /// Whether viscosity is stepped implicitly in a substep of h.
   bool implicit(double viscosity, double h) const;
   void substep(FlowFields& f, double t, double h);
-  /// Makes the velocity free of divergence; p += scale of what it took. Faces on sides are set for time t.
+  /// Makes the velocity divergence-free; p += potential / h unless h is 0. Sets faces on sides for time t.
   void project(FlowFields& f, double t, double h);
   void fill(FlowFields& f, double t);
-  /// Takes densities of two fluids from where they are now; before `project`.
+  /// Updates the densities of two fluids for their current positions; call before `project`.
   void weigh(FlowFields& f);
-  /// 1/s, largest divergence of a cell at time t, obstacles where they are then.
+  /// 1/s, largest divergence of a cell at time t, with obstacles placed for t.
   double largest_divergence(FlowFields& f, double t);
 
  private:
@@ -93,8 +93,8 @@ class Flow {
   };
   void sides_at(double t);
   void fill_component(size_t c, double* u);
-  /// How much of a parabola walls have beyond them; diffusion: alpha h viscosity of an implicit stage (m^2),
-  /// 0 of an explicit one.
+  /// Sets how much of a parabola continues velocities beyond walls; diffusion: alpha h viscosity of an
+  /// implicit stage (m^2), 0 for an explicit one.
   void curve_walls(double diffusion);
   void stage(FlowFields& f, double t, double h, const Weights& w, bool implicit);
   void along_paths(FlowFields& f, double t, double h);
@@ -103,34 +103,34 @@ class Flow {
   void carry(FlowFields& f, double t, double h);
   void add_force(FlowFields& f, double t, size_t c, double factor, double* to);
   void confine(FlowFields& f, double h);
-  /// to += factor (what the weight of two fluids does to faces of component c, beyond p - density gravity .
-  /// x).
+  /// to += factor times the effect of two fluids' weight on faces of component c, not including p - density
+  /// gravity . x.
   void add_weight(size_t c, double factor, double* to);
-  /// Convection of first order within two cells of the border of two fluids.
+  /// First-order convection within two cells of the border between two fluids.
   void damp_at_border(const FlowFields& f, size_t c, double viscosity, double* rate);
   void carry_second(FlowFields& f, double t, double h);
-  /// to -= factor grad p by the density of `density` on the faces of component c that the equations decide.
+  /// to -= factor grad p over the density from `weigh`, on the unknown faces of component c.
   void subtract_pressure(const FlowFields& f, size_t c, const double* p, double factor, double* to);
   // Obstacles (flow_solids.cc).
-  /// Obstacles as they are at time t (s).
+  /// Places obstacles for time t (s).
   void place_obstacles(double t);
-  /// The same within a step, from where they were at its start.
+  /// The same within a step, starting from the step's start.
   void move_obstacles(FlowFields& f, double t);
-  /// Fluid in obstacles takes on their velocity.
+  /// Fluid inside obstacles takes on their velocity.
   void stop_in_solids(FlowFields& f);
-  /// Faces in obstacles take what the parabola through the wall has at their centres, or in the mean of their
-  /// open part.
+  /// Sets faces inside obstacles from the parabola through the wall, at their centres or as the mean over
+  /// their open part.
   enum class At : uint8_t { centre, open_part };
   void extend_into_solids(FlowFields& f, At where);
-  /// Faces in obstacles do not change; the obstacles have had what would have changed them.
+  /// Keeps faces inside obstacles unchanged; the change they would have had goes to the obstacles as impulse.
   void hold_solids(FlowFields& f, size_t c, double* change);
-  /// phi = div(what passes the faces).
+  /// phi = div(flow through the faces).
   void divergence_between_solids(const FlowFields& f, double* phi);
-  /// Faces that are shut move with their obstacles, which have had what the pressure gives them.
+  /// Closed faces move with their obstacles, which receive the impulse of the pressure there.
   void settle_shut_faces(FlowFields& f, size_t c, const double* phi);
-  /// Pressure in cells that are shut: the mean of those around, so that they start well when they open.
+  /// Pressure in closed cells: the mean of their neighbours, a good start for when they open.
   void extend_pressure(FlowFields& f);
-  /// The obstacle that a face belongs to has had `amount` (m/s of the face's volume) along component c.
+  /// Counts `amount` (m/s of the face's volume), given to its obstacle along component c, as torque.
   void note_turning(FlowFields& f, const Solids::Face& face, size_t c, double amount) const;
   void open_sides(size_t c, double* u);
   void balance(FlowFields& f);
@@ -145,8 +145,8 @@ class Flow {
   std::optional<lattice::StaggeredSolver> pressure_, scalar_;
   std::optional<lattice::CutPoisson> cut_pressure_;
   std::array<Buffer, 10> arrays_;
-  std::array<Buffer, 3> lightness_;           ///< of two fluids: `density` by the density of a face
-  std::array<Buffer, 3> lift_;                ///< m/s^2, by their border on a face
+  std::array<Buffer, 3> lightness_;           ///< for two fluids: `density` over the density of a face
+  std::array<Buffer, 3> lift_;                ///< m/s^2, on a face, from the border between them
   std::array<std::vector<double>, 3> force_;  ///< constant in time
   MovingSolids solids_;
   std::array<std::vector<Solids::Face>, 3> were_inside_;

@@ -1,4 +1,4 @@
-// Advection along paths, what the flow carries, and the confinement of vorticity.
+// Advection along paths, the transported scalar, and vorticity confinement.
 #include <algorithm>
 #include <cmath>
 
@@ -68,7 +68,7 @@ void Flow::along_paths(FlowFields& f, double t, double h) {
     }
   }
   if (f.second) {
-    // The last pressure first, so that conjugate gradients have little left to do.
+    // Starts from the last pressure, which leaves conjugate gradients little to do.
     mac::fill_ghosts(g, kCentre, pressure_sides_, f.pressure, *arena_);
     for (size_t c = 0; c < g.dimensions; ++c) subtract_pressure(f, c, f.pressure, h, f.u[c]);
   } else {
@@ -85,7 +85,7 @@ void Flow::carry(FlowFields& f, double t, double h) {
   mac::fill_ghosts(g, kCentre, scalar_sides_, f.scalar, *arena_);
   const mac::ConstFields u{f.u[0], f.u[1], f.u[2]};
   double *to = array(0), *back = array(1);
-  // Always corrected: what is carried has fronts that first order would smear.
+  // Always corrected: the scalar has fronts that first order would smear.
   mac::trace(g, kCentre, u, h, f.scalar, to, *arena_);
   mac::fill_ghosts(g, kCentre, scalar_sides_, to, *arena_);
   mac::trace(g, kCentre, u, -h, to, back, *arena_);
@@ -109,7 +109,7 @@ void Flow::confine(FlowFields& f, double h) {
   double* curl[3] = {array(0), array(1), array(2)};
   double* size = array(6);
   const bool space = g.dimensions == 3;
-  // d u_c / d x_a in a cell, by the mean of what its faces have beyond it.
+  // d u_c / d x_a in a cell, from the mean of the neighbouring values of its faces.
   const auto slope = [&](size_t c, size_t a, size_t at) {
     const size_t sa = g.stride(a), sc = g.stride(c);
     const double* u = f.u[c] + at;

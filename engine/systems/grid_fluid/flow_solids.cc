@@ -1,5 +1,5 @@
-// What obstacles do to a flow: where they are, what the fluid in and beside them takes on, and what they have
-// had.
+// Effects of obstacles on a flow: their positions, the velocities of the fluid in and next to them, and the
+// impulses they receive.
 #include <algorithm>
 #include <cmath>
 
@@ -22,8 +22,8 @@ void Flow::move_obstacles(FlowFields& f, double t) {
   const mac::MacGrid& g = model_->grid;
   for (size_t c = 0; c < g.dimensions; ++c) were_inside_[c] = solids_->inside[c];
   place_obstacles(t);
-  // Faces that an obstacle uncovers keep the velocity that was extended into it, not the rate that it had
-  // there.
+  // Faces that an obstacle uncovers keep the velocity that was extended into it, but not the rate they had
+  // inside.
   for (size_t c = 0; c < g.dimensions && model_->sharp_walls(); ++c) {
     double* rate = f.rate[c] ? f.rate[c] : array(3 + c);
     for (const Solids::Face& face : were_inside_[c]) {
@@ -143,7 +143,7 @@ void Flow::extend_pressure(FlowFields& f) {
     }
     return true;
   };
-  // Written last, so that what is read is never what was extended.
+  // Written last, so that no extended value is read.
   double* found = array(9);
   mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
     for (size_t i = at; i < at + n; ++i) {

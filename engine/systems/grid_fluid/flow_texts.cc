@@ -35,7 +35,7 @@ class Reader {
       return {};
     }
   }
-  /// The text and its derivative by t.
+  /// The text and its derivative with respect to t.
   ExpressionRows read_motion(const std::string& pointer, const std::string& text) {
     try {
       const Node n = names_.require(graph_, text);
@@ -45,7 +45,7 @@ class Reader {
       const ExpressionRows rows(graph_, roots);
       if (rows.uses(kX) || rows.uses(kY) || rows.uses(kZ))
         issues_.push_back(
-            {pointer, "bad_expression", "an obstacle moves by a function of t alone", text, "t", "", ""});
+            {pointer, "bad_expression", "an obstacle's motion may depend only on t", text, "t", "", ""});
       return rows;
     } catch (const ExpressionFault& f) {
       issues_.push_back({pointer, "bad_expression", describe(f, text), text, "", f.did_you_mean, ""});

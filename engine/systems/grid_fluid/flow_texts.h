@@ -1,5 +1,5 @@
-// The texts of a scene on a staggered grid as numbers: velocities at the start, on sides, exact ones, forces
-// and what the flow carries.
+// The expressions of a scene on a staggered grid, compiled: velocities at the start and on sides, exact
+// velocities, forces, and what the flow carries.
 #pragma once
 #include <string>
 #include <vector>
@@ -10,15 +10,15 @@
 
 namespace truestep::grid_fluid {
 
-/// One text as a program of t, x, y, z.
+/// One text, compiled as a function of t, x, y, z.
 struct Program {
   ExpressionRows rows;
   bool time = false, zero = true;
 };
 
-/// Where obstacles are at a time, and how fast.
+/// Poses and velocities of obstacles at a time.
 struct ObstaclePlaces {
-  std::vector<ObstacleDef> obstacles;  ///< with `center` and `turned` as they are now
+  std::vector<ObstacleDef> obstacles;  ///< with `center` and `turned` for this time
   std::vector<Vec3> velocity;          ///< m/s
   std::vector<Vec3> spin;              ///< rad/s
 };
@@ -33,12 +33,12 @@ class FlowTexts {
   std::array<std::array<std::array<Program, 3>, 2>, 3> sides;  ///< [axis][end][component]
   bool has_exact = false, forced = false, sides_move = false, obstacles_move = false, obstacles_turn = false;
 
-  /// Of the scene's obstacles at time t (s); allocates the first time.
+  /// The scene's obstacles at time t (s); allocates the first time.
   void place_obstacles(const std::vector<ObstacleDef>& start, double t, ObstaclePlaces& out) const;
 
-  /// u = program at the values of `place` that are its own.
+  /// u = program at the grid's own values of `place`.
   void sample(const Program& program, const mac::MacGrid& grid, size_t place, double t, double* u) const;
-  /// The values of one component on a side's padded plane.
+  /// Values of one component on a side's padded plane.
   void sample_side(const mac::MacGrid& grid, size_t axis, size_t end, size_t component, double t,
                    std::vector<double>& out) const;
 

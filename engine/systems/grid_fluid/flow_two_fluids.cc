@@ -1,11 +1,11 @@
 // Two fluids that do not mix: one velocity and pressure for both,
 //   u_t + div(u u) = -grad p / density + viscosity lap u + gravity + f,   div u = 0,
-// the density of a face being the mean of the cells beside it, theirs the mean by volume. What is solved for
-// is p - density gravity . x, so that gravity acts on the border alone, by -gravity . x grad density, with x
-// on the border itself: weighing the faces instead lets half of a raised border's weight act a cell above it,
-// which slows waves by a quarter of k dx. The border is carried sharply and conserves volume
-// (kernels/mac/share.h); densities stay as they are within a substep. Momentum is advected by the velocity
-// alone and not with the fluxes of mass, and there is no surface tension.
+// the density of a face being the mean of the two cells', and a cell's the mean by volume. The unknown is
+// p - density gravity . x, so that gravity acts only on the border, as -gravity . x grad density with x on
+// the border itself: weighing the faces instead puts half of a raised border's weight a cell above it, which
+// slows waves by a quarter of k dx. The border is transported sharply and conserves volume
+// (kernels/mac/share.h); densities are constant within a substep. Momentum is advected by the velocity, not
+// by the mass fluxes, and there is no surface tension.
 #include <algorithm>
 #include <cmath>
 
@@ -33,7 +33,7 @@ double FlowModel::density_of(double share) const {
 }
 
 void FlowModel::fill_second(double* share) const {
-  // The plane that the function has at a cell's middle, from differences over the cell.
+  // The tangent plane of the function at a cell's centre, from differences across the cell.
   std::array<std::array<std::vector<double>, 2>, 3> ends;
   for (size_t a = 0; a < grid.dimensions; ++a) {
     for (size_t end = 0; end < 2; ++end) {
@@ -69,7 +69,7 @@ void Flow::weigh(FlowFields& f) {
   if (!f.second) return;
   const mac::MacGrid& g = model_->grid;
   mac::fill_ghosts(g, kCentre, scalar_sides_, f.second, *arena_);
-  // gravity . x on the border in a cell, at the point of its plane next to the middle, and how far it counts.
+  // gravity . x on the border in a cell, at the point of its plane closest to the centre, and its weight.
   double *place = array(0), *counts = array(1);
   mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t j, size_t k, size_t n) {
     for (size_t i = 0; i < n; ++i) {
@@ -101,7 +101,7 @@ void Flow::weigh(FlowFields& f) {
     double *lightness = lightness_[c].data.data(), *lift = lift_[c].data.data();
     weights[c] = lightness;
     const size_t s = g.stride(c);
-    // The last face of a periodic axis as well.
+    // Includes the last face of a periodic axis.
     for (size_t i = s; i < g.size(); ++i) {
       lightness[i] =
           2 * model_->def.density / (model_->density_of(f.second[i - s]) + model_->density_of(f.second[i]));
@@ -174,12 +174,12 @@ void Flow::subtract_pressure(const FlowFields& f, size_t c, const double* p, dou
   });
 }
 
-// Half a step in the order of the axes and half in the opposite one.
+// Half a step in the order of the axes and half in the opposite order.
 void Flow::carry_second(FlowFields& f, double t, double h) {
   const mac::MacGrid& g = model_->grid;
   fill(f, t + h);
   double *to = array(0), *full = array(1), *swelling = array(2);
-  // Weymouth and Yue's bound is half a cell.
+  // Weymouth and Yue's limit is half a cell.
   const int n = std::max(1, static_cast<int>(std::ceil(h * crossing_rate(f, t + h))));
   const double part = h / (2 * n);
   for (int half = 0; half < 2 * n; ++half) {

@@ -22,8 +22,8 @@ enum Number : size_t {
   kDrag,
   kLift,
   kNumbers,
-  kDivergence = kNumbers,  ///< FlowModel::keeps_divergence: there is one more
-  kTorque                  ///< obstacles turn: another one
+  kDivergence = kNumbers,  ///< one more if FlowModel::keeps_divergence
+  kTorque                  ///< one more if obstacles rotate
 };
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
@@ -103,10 +103,10 @@ GridFluid::GridFluid(const GridFluidDef& def, const BuildContext& context)
           (model_.solids.any() || model_.two_fluids() ? "; pressure by conjugate gradients and multigrid"
                                                       : "; pressure by transforms"),
       [this](State& s, const StepInput& in) { advance(s, in); });
-  if (def.obstacles.empty()) skip_stage("obstacles", "nothing is in the flow");
-  if (def.viscosity == 0) skip_stage("viscosity", "the fluid has none");
-  if (!def.scalar) skip_stage("scalar", "the flow carries nothing");
-  if (!model_.texts.forced) skip_stage("force", "nothing pushes the fluid");
+  if (def.obstacles.empty()) skip_stage("obstacles", "no obstacles given");
+  if (def.viscosity == 0) skip_stage("viscosity", "viscosity is 0");
+  if (!def.scalar) skip_stage("scalar", "no scalar given");
+  if (!model_.texts.forced) skip_stage("force", "no force given");
 }
 
 FlowFields GridFluid::fields(State& s) const {
@@ -127,17 +127,18 @@ double GridFluid::largest_substep(double crossing_rate, double viscosity, double
   const GridFluidDef& d = model_.def;
   const bool central = d.advection == GridFluidDef::Advection::central;
   const bool rk3 = d.stepping == GridFluidDef::Stepping::rk3;
-  // Runge and Kutta's method of three stages holds the imaginary axis up to 1.73; two steps hold none of it
-  // and grow slowly enough only well below 1.
+  // Three-stage Runge-Kutta is stable on the imaginary axis up to 1.73; the two-step method is not stable
+  // there, and grows slowly enough only well below 1.
   const double cfl = d.cfl.value_or(!central ? 3 : rk3 ? 1.2 : 0.5);
   double largest = crossing_rate > 0 ? std::min(h, cfl / crossing_rate) : h;
-  // A border moved by the velocity that its own weight has changed: a leapfrog, which holds 2; half of that.
+  // The border moves with the velocity that its own weight has just changed: a leapfrog, stable up to 2; half
+  // of that.
   if (const double rate = model_.border_rate(); rate > 0) largest = std::min(largest, 1 / rate);
   if (central && (d.viscous == GridFluidDef::Viscous::explicit_ || model_.sharp_walls())) {
     double rate = 0;
     for (size_t a = 0; a < model_.grid.dimensions; ++a)
       rate += 4 / (model_.grid.spacing[a] * model_.grid.spacing[a]);
-    // Ends of the real axes that the methods hold.
+    // Ends of the stable real axes of the methods.
     if (viscosity > 0) largest = std::min(largest, (rk3 ? 2.5 : 1.0) / (viscosity * rate));
   }
   return largest;
@@ -175,8 +176,7 @@ void GridFluid::advance(State& s, const StepInput& in) const {
   if (model_.keeps_divergence()) numbers[kDivergence] = flow.largest_divergence(f, in.t + in.h);
 }
 
-// The first step finds the flow, and so does one after the viscosity has changed, starting from what there
-// is.
+// The flow is found in the first step, and again after a change of viscosity, starting from the current flow.
 void GridFluid::find_steady(State& s, const StepInput& in) const {
   const auto found = s.f64(*stream_ + 1);
   FlowFields f = fields(s);
@@ -188,8 +188,8 @@ void GridFluid::find_steady(State& s, const StepInput& in) const {
   const SteadyFlow::Outcome out = steady.solve(psi, f.viscosity, from, model_.def.tolerance);
   if (!out.found) {
     throw Instability(id_, "velocity.x", -1,
-                      "no steady flow was found in " + std::to_string(out.iterations) +
-                          " iterations, the last of which changed the velocity by " +
+                      "no steady flow found in " + std::to_string(out.iterations) +
+                          " iterations; the last one changed the velocity by " +
                           short_number(100 * out.change) + " %");
   }
   found[kFoundFor] = f.viscosity, found[kSteadyIterations] = out.iterations, found[kChange] = out.change;
@@ -203,20 +203,20 @@ void GridFluid::apply(State& s, const Command& c) const {
     if (c.name != "viscosity") {
       refuse_command("name", "unknown_parameter", "no parameter " + c.name + " to set", "viscosity");
     }
-    if (!(c.value >= 0)) refuse_command("value", "out_of_range", "the viscosity is at least 0", ">= 0");
+    if (!(c.value >= 0)) refuse_command("value", "out_of_range", "the viscosity must be at least 0", ">= 0");
     if (stream_ && c.value == 0)
-      refuse_command("value", "out_of_range", "a steady flow needs viscosity", "> 0");
+      refuse_command("value", "out_of_range", "a steady flow needs viscosity above 0", "> 0");
     s.f64(numbers_)[kViscosity] = c.value;
   } else if (c.kind == CommandKind::impulse) {
-    if (stream_) refuse_command("kind", "unknown_command", "a steady flow is not pushed", "set_parameter");
-    if (!c.at) refuse_command("at", "missing", "an impulse on a fluid needs the place where it acts");
+    if (stream_) refuse_command("kind", "unknown_command", "a steady flow takes no impulse", "set_parameter");
+    if (!c.at) refuse_command("at", "missing", "an impulse on a fluid needs the point where it acts");
     const mac::MacGrid& g = model_.grid;
     const double at[] = {c.at->x, c.at->y, c.at->z}, vector[] = {c.vector.x, c.vector.y, c.vector.z};
     size_t cell[3] = {};
     for (size_t a = 0; a < g.dimensions; ++a) {
       const double place = (at[a] - g.origin[a]) / g.spacing[a];
       if (!(place >= 0 && place <= static_cast<double>(g.cells[a]))) {
-        refuse_command("at", "out_of_range", "the place lies outside the box");
+        refuse_command("at", "out_of_range", "the point lies outside the box");
       }
       cell[a] = std::min(static_cast<size_t>(place), g.cells[a] - 1);
     }
@@ -229,7 +229,7 @@ void GridFluid::apply(State& s, const Command& c) const {
       if (cell[a] >= first) u[at_cell] += change;
       if (cell[a] + 1 < last) u[at_cell + g.stride(a)] += change;
     }
-    // Obstacles that move are where the next step finds them, and it projects as well.
+    // Moving obstacles are already where the next step finds them, and that step projects as well.
     if (!model_.texts.obstacles_move) {
       static const ThreadArena kSerial(1);
       Flow flow;
@@ -239,12 +239,12 @@ void GridFluid::apply(State& s, const Command& c) const {
       flow.project(f, 0, 0);
     }
   } else {
-    refuse_command("kind", "unknown_command", "grid_fluid knows no such command", "impulse, set_parameter");
+    refuse_command("kind", "unknown_command", "grid_fluid takes no such command", "impulse, set_parameter");
   }
   s.f64(numbers_)[kLastStep] = 0;
 }
 
-// Runge and Kutta's three stages hold sqrt(3) cells, two steps about 1.
+// Three-stage Runge-Kutta allows sqrt(3) cells, the two-step method about 1.
 void GridFluid::warn(const State& s, double h, std::vector<Warning>& out) const {
   const GridFluidDef& d = model_.def;
   const bool central = d.advection == GridFluidDef::Advection::central;
@@ -256,19 +256,20 @@ void GridFluid::warn(const State& s, double h, std::vector<Warning>& out) const 
 void warn_of_crossing(double cells, double most, double h, std::vector<Warning>& out) {
   if (!(cells > most)) return;
   Warning w{.quantity = "cfl", .value = cells, .limit = most, .suggested_dt = h * most / cells};
-  w.detail = "the flow crosses " + short_number(cells) +
-             " cells in a substep, where results are to be trusted up to " + short_number(most) + "; dt " +
-             short_number(w.suggested_dt) + " s or a cfl of at most " + short_number(most) + " would do";
+  w.detail = "the flow crosses " + short_number(cells) + " cells in a substep; results are reliable up to " +
+             short_number(most) + "; dt " + short_number(w.suggested_dt) + " s or a cfl of at most " +
+             short_number(most) + " would do";
   out.push_back(std::move(w));
 }
 
 std::vector<std::string> GridFluid::remedies() const {
   if (stream_)
-    return {"more viscosity, lowered while the session runs: each flow is the start of the next",
-            "more cells, a power of two times sixteen: each half as fine grid gives the next one its start",
-            "a flow that sheds eddies has no steady state to be found: stepping rk3 shows it"};
-  return {"a shorter dt", "advection along paths (semi_lagrangian, maccormack, bfecc), which holds any step",
-          "more cells, or more viscosity: eddies smaller than a cell cannot be held"};
+    return {"more viscosity, lowered while the session runs: each flow starts the search for the next",
+            "more cells, a power of two times sixteen: each coarser grid starts the search on the next",
+            "stepping rk3: a flow that sheds eddies has no stable steady state"};
+  return {"a shorter dt",
+          "advection along paths (semi_lagrangian, maccormack, bfecc), which is stable for any step",
+          "more cells, or more viscosity: eddies smaller than a cell cannot be resolved"};
 }
 
 std::unique_ptr<const System> build_grid_fluid(const void* def, const BuildContext& context) {

@@ -1,8 +1,8 @@
-// An incompressible fluid in a box of two or three dimensions on a staggered grid (flow.h): smooth flows by
-// central differences, any other along paths; walls, inflow, outflow, periodic sides; what the flow carries
-// and what that weighs. A step is divided into as many equal substeps as its speed and viscosity ask for.
-// Steady flows are found at once (steady_flow.h). Commands: set_parameter viscosity; impulse gives momentum
-// to the fluid around a place.
+// An incompressible fluid in a box of two or three dimensions on a staggered grid (flow.h): central
+// differences for smooth flows, advection along paths for all others; walls, inflow, outflow, periodic sides;
+// a transported scalar and its buoyancy. A step is divided into as many equal substeps as speed and viscosity
+// require. Steady flows are found directly (steady_flow.h). Commands: set_parameter viscosity; impulse gives
+// momentum to the fluid around a point.
 #pragma once
 #include "engine/core/system.h"
 #include "engine/systems/grid_fluid/flow.h"
@@ -34,22 +34,22 @@ class GridFluid final : public StagedSystem {
   FlowFields fields(State& state) const;
   double rms_error(const State& state, double t) const;
   void vorticity(const State& state, double* out) const;
-  /// Largest substep for a flow that crosses so many cells a second.
+  /// Largest substep for a flow that crosses this many cells per second.
   double largest_substep(double crossing_rate, double viscosity, double h) const;
 
   std::string id_;
   FlowModel model_;
   State::Column numbers_ = 0;
   std::optional<State::Column> rate_, scalar_, second_;
-  std::optional<State::Column> stream_;  ///< of a steady flow; the next one is `steady`
+  std::optional<State::Column> stream_;  ///< of a steady flow; followed by `steady`
   State start_;
 };
 
-/// Column `steady`: viscosity (m^2/s) that the flow was found for, 0 before.
+/// Column `steady`: viscosity (m^2/s) for which the flow was found; 0 before.
 enum SteadyNumber : size_t { kFoundFor, kSteadyIterations, kChange, kSteadyNumbers };
 
-/// Cells along paths that a first-order rule follows closely enough (Foster, Fedkiw 2001, "Practical
-/// animation of liquids", section 4).
+/// Cells per substep along paths up to which a first-order rule is accurate enough (Foster, Fedkiw 2001,
+/// "Practical animation of liquids", section 4).
 inline constexpr double kMostTraced = 5;
 /// Warns when more than `most` cells are crossed in a substep of h (s).
 void warn_of_crossing(double cells, double most, double h, std::vector<Warning>& out);

@@ -1,4 +1,4 @@
-// What members of a scene's flow must agree on, each disagreement with its place.
+// Consistency checks between the members of a flow's definition, each error with its pointer.
 #pragma once
 #include "engine/systems/grid_fluid/grid_fluid_def.h"
 

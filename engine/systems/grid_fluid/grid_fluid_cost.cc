@@ -1,4 +1,4 @@
-// What a flow costs, and how its resolution changes.
+// Cost estimates of a flow, and its refinement.
 #include <algorithm>
 #include <cmath>
 
@@ -10,14 +10,15 @@
 namespace truestep::grid_fluid {
 
 namespace {
-// Faces, cells and the levels of the pressure's solver; particles in the state, twice in the order of cells.
+// Faces, cells and the levels of the pressure solver; particles in the state, and twice in the order of
+// cells.
 Cost liquid_cost(const GridFluidDef& d, double padded) {
   const auto dim = static_cast<double>(d.cells.size());
   const double n = expected_particles(d),
                affine = d.advection == GridFluidDef::Advection::apic ? dim * dim : 0;
   Cost c;
   c.state_bytes = 8 * padded * 2 + 8 * n * (6 + affine) + 4e3;
-  // Rows of faces with their neighbours, as many as the liquid has.
+  // Rows of faces with their neighbours, as many as the liquid covers.
   const double cells = n / trig::pow(static_cast<double>(d.particles_per_axis), dim);
   const double viscous = d.viscosity > 0 ? 4 * padded + cells * (60 + 24 * dim) : 0;
   const double solver = (dim == 2 ? 4.0 / 3 : 8.0 / 7) * (8 * (dim + 4) + 1) + 8 * 5;
@@ -46,12 +47,12 @@ Cost grid_fluid_cost(const void* def) {
   c.state_bytes =
       8 * padded * (components + 1 + (ab2 ? components : 0) + (d.scalar ? 1 : 0) + (d.second_fluid ? 1 : 0)) +
       4e3;
-  // Rates, right-hand sides and transforms; ways there and back of the scalar; fractions and levels where
-  // there are solids.
+  // Rates, right-hand sides and transforms; the scalar's paths forwards and backwards; fractions and levels
+  // if there are solids.
   c.workspace_bytes = 8 * padded * (3 * components + 4 + 4 * solids + (d.scalar ? 5 : 0)) + 3e5;
-  // Densities of faces, levels of the pressure's solver and its five vectors.
+  // Densities of faces, levels of the pressure solver and its five vectors.
   if (d.second_fluid) c.workspace_bytes += 8 * padded * (2 * components + (components + 4) * 1.34 + 5);
-  // Shares of faces again.
+  // Fractions of faces once more.
   if (moving) c.workspace_bytes += padded * (17 * components + 1);
   c.elements = cell_count(d);
   if (d.steady() && components == 2) {
@@ -60,7 +61,7 @@ Cost grid_fluid_cost(const void* def) {
     c.seconds_per_step = 1e-5 + 1e-9 * padded;
     return c;
   }
-  // Measured on one core: a substep's transforms and differences.
+  // Measured on one core: transforms and differences of a substep.
   c.seconds_per_step = 1e-5 + 1.5e-7 * padded;
   return c;
 }

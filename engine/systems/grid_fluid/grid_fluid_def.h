@@ -1,4 +1,4 @@
-// What a scene says about the flow of a fluid through a box; see grid_fluid.h.
+// The definition of a fluid's flow through a box in a scene; see grid_fluid.h.
 #pragma once
 #include <optional>
 #include <span>
@@ -14,8 +14,8 @@
 
 namespace truestep::grid_fluid {
 
-/// What holds on a side of the box: the fluid sticks to a wall (which may move along itself), slides along
-/// it, flows in with a given velocity, flows out against no pressure, or comes in again at the other end.
+/// The condition on a side of the box: the fluid sticks to a wall (which may move along itself), slides along
+/// it, flows in with a given velocity, flows out against zero pressure, or re-enters at the other end.
 enum class SideKind : uint8_t { wall, slip, inflow, outflow, periodic };
 
 struct FlowSideDef {
@@ -28,16 +28,16 @@ struct FlowSidesDef {
   const std::optional<FlowSideDef>& of(size_t axis, size_t end) const;
 };
 
-/// Something that the flow carries: smoke, dye, salt.
+/// A scalar that the flow carries: smoke, dye, salt.
 struct ScalarDef {
   std::string initial = "0", source = "0";
   double diffusivity = 0;  ///< m^2/s
-  double expansion = 0;    ///< acceleration = -gravity expansion scalar: positive rises
+  double expansion = 0;    ///< acceleration = -gravity expansion scalar: positive values rise
 };
 
-/// Another fluid in the same box that does not mix with the first.
+/// A second fluid in the same box that does not mix with the first.
 struct SecondFluidDef {
-  std::string where = "0";  ///< positive where it is at the start
+  std::string where = "0";  ///< positive where the second fluid is at the start
   double density = 1;       ///< kg/m^3, or kg/m^2 in the plane
 };
 
@@ -47,19 +47,19 @@ struct ObstacleDef {
   Vec3 center;
   double radius = 0.1;                    ///< m
   Vec3 half{0.1, 0.1, 0.1};               ///< m
-  std::vector<std::string> displacement;  ///< m, of the middle; empty: at rest
-  std::string angle;                      ///< rad, about `axis`; empty: not turned
+  std::vector<std::string> displacement;  ///< m, of the centre; empty: at rest
+  std::string angle;                      ///< rad, about `axis`; empty: does not rotate
   Vec3 axis{0, 0, 1};
-  Quat turned;  ///< of an obstacle that has been placed
+  Quat turned;  ///< orientation of an obstacle that has been placed
 };
 
-/// Where there is liquid at the start.
+/// Liquid at the start.
 struct LiquidBodyDef {
   ObstacleDef::Shape shape = ObstacleDef::Shape::box;
   Vec3 center;
   double radius = 0.1;       ///< m
   Vec3 half{0.1, 0.1, 0.1};  ///< m
-  Vec3 velocity;             ///< m/s, beside `initial`
+  Vec3 velocity;             ///< m/s, added to `initial`
 };
 
 struct GridFluidDef {
@@ -87,14 +87,14 @@ struct GridFluidDef {
   std::optional<SecondFluidDef> second_fluid;
   double vorticity_confinement = 0;
   std::vector<ObstacleDef> obstacles;
-  double tolerance = 1e-6;  ///< of the pressure where obstacles stand, of a steady flow's last change
+  double tolerance = 1e-6;  ///< of the pressure with obstacles; of a steady flow's last change
   std::vector<LiquidBodyDef> bodies;
   int particles_per_axis = 2;
   double flip = 0.97;
 
-  /// Found at once instead of stepped.
+  /// Whether the flow is steady, found directly instead of stepped.
   bool steady() const { return stepping == Stepping::steady; }
-  /// A liquid with a surface, carried by particles.
+  /// Whether it is a liquid with a surface, carried by particles.
   bool liquid() const { return advection == Advection::flip || advection == Advection::apic; }
 };
 
@@ -103,20 +103,19 @@ const Outputs& grid_fluid_outputs();
 Cost grid_fluid_cost(const void* def);
 const Resolution& grid_fluid_resolution();
 
-/// Grid and sides as the scene says them.
+/// The grid of the scene.
 mac::MacGrid make_grid(const GridFluidDef& d);
-/// m, where the particles of a liquid are at the start: middles of the grid's cells divided by
-/// particles_per_axis that lie in a body and in no obstacle (as placed at the start); with the number of the
-/// body.
+/// m, initial positions of a liquid's particles: centres of the grid's cells divided by particles_per_axis
+/// that lie in a body and in no obstacle (in its initial pose); with the number of the body.
 struct StartingPlace {
   Vec3 at;
   size_t body;
 };
 std::vector<StartingPlace> starting_places(const GridFluidDef& d, std::span<const ObstacleDef> obstacles);
-/// The same number, by the volumes of the bodies.
+/// Their number, estimated from the volumes of the bodies.
 double expected_particles(const GridFluidDef& d);
 const FlowSideDef& side_of(const GridFluidDef& d, size_t axis, size_t end);
-/// "/sides/x_min", or "/side" where that decides.
+/// "/sides/x_min", or "/side" if that member decides.
 std::string side_pointer(const GridFluidDef& d, size_t axis, size_t end);
 
 }  // namespace truestep::grid_fluid

@@ -1,4 +1,4 @@
-// What a flow on a grid measures and shows.
+// Observables, fields and drawing of a flow on a grid.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -21,7 +21,7 @@ void for_cells(const mac::MacGrid& g, F&& f) {
   }
 }
 
-// From a cell to its face after it: the last one of a periodic axis is the first.
+// Offset from a cell to its upper face: the last one of a periodic axis is the first.
 ptrdiff_t after(const mac::MacGrid& g, size_t axis, size_t cell) {
   const auto s = static_cast<ptrdiff_t>(g.stride(axis));
   return g.periodic[axis] && cell + 1 == g.cells[axis] ? -s * static_cast<ptrdiff_t>(cell) : s;
@@ -50,7 +50,7 @@ double GridFluid::rms_error(const State& s, double t) const {
   return std::sqrt(sum);
 }
 
-// By the cell's corners or edges around it: second order inside; at sides by what the cell itself has.
+// Averaged over the cell's corners or edges: second order inside; at sides from the cell's own values.
 void GridFluid::vorticity(const State& s, double* out) const {
   const mac::MacGrid& g = model_.grid;
   const double* u[3] = {};
@@ -104,7 +104,7 @@ FieldView GridFluid::field(const State& s, size_t, size_t field, std::vector<dou
     for_cells(g, [&](size_t row, size_t at, size_t i, size_t j, size_t k) {
       scratch[row] = scale * q[at];
       if (field != 2 || !second_) return;
-      // The state has the pressure without what each fluid weighs where it is.
+      // The state's pressure is without the weight of the fluid at that point.
       const size_t place[] = {i, j, k};
       for (size_t a = 0; a < g.dimensions; ++a) {
         scratch[row] += model_.density_of(s.f64(*second_)[at]) * model_.held_gravity(a) *
@@ -139,7 +139,7 @@ void GridFluid::observe(const State& s, double t, Observables& out) const {
   const double volume = g.cell_volume();
   out.add("energy.kinetic", volume * energy, "J");
   out.add("enstrophy", volume * enstrophy, "1/s^2");
-  // Where obstacles move or differences reach beyond the sides, as the step has left it.
+  // With moving obstacles, or differences beyond the sides: as recorded at the end of the step.
   out.add("divergence.max", model_.keeps_divergence() ? s.f64(numbers_)[8] : divergence, "1/s");
   out.add("speed.max", fastest, "m/s");
   out.add("cfl", s.f64(numbers_)[3], "1");

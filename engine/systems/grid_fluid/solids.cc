@@ -50,7 +50,7 @@ void Solids::set_aside() {
 }
 
 void Solids::place(std::span<const ObstacleDef> obstacles, const mac::MacGrid& g) {
-  // Faces further than two cells from every obstacle are open.
+  // Faces more than two cells from every obstacle are open.
   near_.assign(g.size(), 0);
   for (const ObstacleDef& o : obstacles) {
     const double center[] = {o.center.x, o.center.y, o.center.z};
@@ -107,7 +107,7 @@ void Solids::measure_faces(std::span<const ObstacleDef> obstacles, const mac::Ma
         const double here =
             distance_to(obstacles, {middle[0], middle[1], middle[2]}, g.dimensions, &face.obstacle);
         fluid[c][at] = std::clamp(0.5 + here / smallest, 0.0, 1.0);
-        // Share of each strip across the face on which the distance, linear between its ends, is positive.
+        // Fraction of each strip across the face where the distance, linear between its ends, is positive.
         double sum = 0, depth = 0;
         const int strips = space ? kStrips : 1;
         for (int s = 0; s < strips; ++s) {
@@ -140,8 +140,8 @@ void Solids::measure_faces(std::span<const ObstacleDef> obstacles, const mac::Ma
   }
 }
 
-// A wall whose image points have a face in a solid (gaps narrower than a few cells) takes the nearer one
-// alone, or the obstacle's velocity.
+// If an image point of a wall needs a face inside a solid (in gaps narrower than a few cells), only the
+// nearer image point is used, or the obstacle's velocity.
 void Solids::find_walls(std::span<const ObstacleDef> obstacles, const mac::MacGrid& g, size_t c) {
   walls[c].clear();
   double longest = 0;
@@ -153,7 +153,7 @@ void Solids::find_walls(std::span<const ObstacleDef> obstacles, const mac::MacGr
     bool beside = false;
     for (size_t a = 0; a < g.dimensions && !beside; ++a)
       beside = !solid_[c][face.at + g.stride(a)] || !solid_[c][face.at - g.stride(a)];
-    // Corners of convection's cross terms reach diagonally.
+    // The cross terms of convection reach diagonal neighbours.
     for (size_t a = 0; a < g.dimensions && !beside; ++a) {
       for (size_t b = a + 1; b < g.dimensions && !beside; ++b) {
         const size_t s = g.stride(a), q = g.stride(b);
@@ -189,7 +189,7 @@ void Solids::find_walls(std::span<const ObstacleDef> obstacles, const mac::MacGr
       size_t at = g.base();
       for (size_t a = 0; a < g.dimensions; ++a) {
         const double p = x[a] + (static_cast<double>(m + 1) * reach - depth) * normal[a] / length;
-        // One more than it is, so that the whole part is never negative; one value beyond a side is set.
+        // Offset by one so that the truncated value is never negative; one value beyond a side is set.
         const double place = (p - g.origin[a]) / g.spacing[a] + (a == c ? 1.0 : 0.5);
         const double kept = std::clamp(place, 0.0, static_cast<double>(g.cells[a] + 1) - 1e-9);
         const auto low = static_cast<size_t>(kept);

@@ -12,7 +12,7 @@ using mac::kCentre;
 
 namespace {
 constexpr size_t kColours = 13;
-// Differences reach these nodes.
+// The nodes that differences reach.
 constexpr std::array<std::array<int, 2>, kColours> kReach{{{0, 0},
                                                            {1, 0},
                                                            {-1, 0},
@@ -113,7 +113,7 @@ void SteadyFlow::residual(const Level& l, const double* psi, Order order, double
   for_unknowns(g, [&](size_t k, size_t at, size_t, size_t) { r[k] = curl_[at]; });
 }
 
-// -J, with 1/tau (-lap) beside it.
+// -J, with 1/tau (-lap) added.
 void SteadyFlow::measure_jacobian(const Level& l, const double* psi, double per_tau) {
   const mac::MacGrid& g = l.grid;
   const size_t n = unknowns(g), across = std::min(g.cells[0], g.cells[1]) - 1;
@@ -132,7 +132,7 @@ void SteadyFlow::measure_jacobian(const Level& l, const double* psi, double per_
     for_unknowns(g, [&](size_t row, size_t, size_t i, size_t j) {
       for (const auto& [di, dj] : kReach) {
         const size_t p = i + static_cast<size_t>(di), q = j + static_cast<size_t>(dj);
-        // Wraps to something large where it would be negative.
+        // Wraps to a large number where it would be negative.
         if (p - 1 >= g.cells[0] - 1 || q - 1 >= g.cells[1] - 1 || colour(p, q) != k) continue;
         lu_.at(row, unknown_of(g, p, q)) = scale * (r_[row] - r2_[row]);
         break;
@@ -167,8 +167,8 @@ void SteadyFlow::scatter(const Level& l, const double* x, double* psi) const {
   for_unknowns(l.grid, [&](size_t k, size_t at, size_t, size_t) { psi[at] = x[k]; });
 }
 
-// x_ becomes x + step less what the last rounds show to be in vain: the combination of their changes that
-// takes most of the step away, by normal equations with a little on their diagonal.
+// Anderson mixing: x_ becomes x + step minus the combination of the last rounds' changes that cancels most of
+// the step, from normal equations with a slightly raised diagonal.
 void SteadyFlow::mix(size_t round, size_t n) {
   if (round > 0) {
     auto &ds = step_changes_[(round - 1) % kMixed], &dx = x_changes_[(round - 1) % kMixed];
@@ -189,7 +189,7 @@ void SteadyFlow::mix(size_t round, size_t n) {
     for (size_t q = 0; q <= p; ++q) a[p][q] = a[q][p] = product(step_changes_[q]);
   }
   for (size_t p = 0; p < m; ++p) a[p][p] *= 1 + 1e-12;
-  // Cholesky's elimination; a row that others make up is left out.
+  // Cholesky factorization; a linearly dependent row is left out.
   for (size_t p = 0; p < m; ++p) {
     for (size_t q = 0; q <= p; ++q) {
       double sum = a[p][q];
@@ -243,7 +243,7 @@ SteadyFlow::Outcome SteadyFlow::solve_level(const Level& l, double* psi, From fr
   const double start = rms();
   Outcome out;
   if (start == 0) return {.found = true};
-  // From rest: a step of pseudo time in which the fastest side crosses half the box, as long as R allows.
+  // From rest: a step of pseudo time in which the fastest side crosses half the box, as long as R allows it.
   const double speed = fastest_side(l);
   const double length = std::min(g.extent(0), g.extent(1));
   const double first = from == From::psi ? 0 : 2 * std::max(speed / length, viscosity_ / (length * length));
@@ -271,7 +271,7 @@ SteadyFlow::Outcome SteadyFlow::solve_level(const Level& l, double* psi, From fr
         out.found = true;
         return out;
       }
-      // Factors that no longer take half away every other round have served.
+      // Factors that no longer halve the residual every second round are discarded.
       if (per_tau > 0) break;
       if (round % kPatience == kPatience - 1) {
         if (!(out.change < 0.25 * reference)) break;
@@ -280,15 +280,15 @@ SteadyFlow::Outcome SteadyFlow::solve_level(const Level& l, double* psi, From fr
     }
     residual(l, psi, Order::scene, r_.data());
     left = rms();
-    // Newton's method far from a flow leads further away: pseudo time brings it closer.
+    // Far from a solution Newton's method diverges: pseudo time gets closer first.
     constexpr double kFurther = 10;
     if (!std::isfinite(left) || (first == 0 && left > kFurther * start)) return out;
   }
   return out;
 }
 
-// By Newton's method alone, or where that fails with pseudo time from the same start, which psi keeps if that
-// fails as well.
+// By Newton's method alone; if that fails, with pseudo time from the same start, which psi keeps if both
+// fail.
 SteadyFlow::Outcome SteadyFlow::solve_from(const Level& l, double* psi, double tolerance) {
   constexpr int kMost = 50;
   std::copy_n(psi, l.grid.size(), start_.data());
@@ -303,8 +303,8 @@ SteadyFlow::Outcome SteadyFlow::solve_from(const Level& l, double* psi, double t
 SteadyFlow::Outcome SteadyFlow::solve(double* psi, double viscosity, From from, double tolerance) {
   viscosity_ = viscosity;
   constexpr double kRough = 1e-3;
-  // A coarse grid of cells with a larger Reynolds number than this gives no start: it gets more viscosity,
-  // and each finer grid less (16 cells across the cavity hold 1024).
+  // A coarse grid with a cell Reynolds number above this gives no useful start: its viscosity is raised, and
+  // less so on each finer grid (16 cells across the cavity can do 1024).
   constexpr double kCellReynolds = 64;
   constexpr int kMostFromRest = 150;
   if (from == From::psi) return solve_from(levels_[0], psi, tolerance);
@@ -316,7 +316,7 @@ SteadyFlow::Outcome SteadyFlow::solve(double* psi, double viscosity, From from, 
     } else {
       std::copy_n(psi_.data(), levels_[k + 1].grid.size(), trial_.data());
       prolong(levels_[k + 1], trial_.data(), l, now);
-      // The sides are this grid's own.
+      // The sides are evaluated on this grid.
       for_unknowns(l.grid, [&](size_t u, size_t at, size_t, size_t) { x_[u] = now[at]; });
       std::copy_n(l.boundary.data(), l.grid.size(), now);
       scatter(l, x_.data(), now);
@@ -341,7 +341,7 @@ void SteadyFlow::fields(const double* psi, FlowFields& f) {
   const Level& l = levels_[0];
   residual(l, psi, Order::scene, nullptr);
   for (size_t c = 0; c < 2; ++c) std::copy_n(u_[c].data(), g.size(), f.u[c]);
-  // What accelerates is taken up by the pressure; nothing does on the sides.
+  // The pressure balances the acceleration; on the sides there is none.
   for (size_t c = 0; c < 2; ++c) {
     mac::for_rows(g, c, *arena_, [&](size_t at, size_t j, size_t, size_t n) {
       double* r = rate_[c].data() + at;

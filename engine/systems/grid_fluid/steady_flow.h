@@ -1,17 +1,18 @@
-// A flow in the plane that no longer changes, found directly: its stream function psi (kernels/mac/
-// stream_function.h) is sought such that
+// A steady flow in the plane, found directly: its stream function psi (kernels/mac/stream_function.h)
+// satisfies
 //   R(psi) = curl(-div(u u) + viscosity lap u + force) = 0,   u = curl psi,
-// the very differences that central advection steps in time, so that a flow stepped long enough ends here.
-//   levels: the same box with half the cells each way, solved first, gives the next one its start
+// with the same differences that central advection steps in time, so that a flow stepped long enough ends
+// here.
+//   levels: the same box with half as many cells each way is solved first and gives the next level its start
 //   Newton: J dpsi = -R with J measured from R, which is quadratic, by 13 differences (each reaches two nodes
 //     along the axes and one diagonally: Curtis, Powell, Reid 1974; the 13 colours tile the plane, Golomb,
-//     Welch 1970), factored as a band (math/solvers/tile_band_lu.h) and kept while it serves; what is left of
-//     an old J, and of differences of fourth order with a J of second, is mixed away (Anderson 1965, as in
-//     Walker, Ni 2011, "Anderson acceleration for fixed-point iterations")
+//     Welch 1970), factored as a band (math/solvers/tile_band_lu.h) and kept while it is useful; the error of
+//     an old J, or of a J of second order with differences of fourth, is removed by mixing (Anderson 1965, as
+//     in Walker, Ni 2011, "Anderson acceleration for fixed-point iterations")
 //   from rest: 1/tau lap psi added to J, tau growing as R falls (Mulder, van Leer 1985; Kelley, Keyes 1998,
 //     "Convergence analysis of pseudo-transient continuation").
-// Scratch of one thread's run; psi is in the state. Not for flows that shed eddies: those have a steady state
-// too, which nothing keeps.
+// Scratch of one thread's run; psi is in the state. Not for flows that shed eddies: they also have a steady
+// state, but it is unstable.
 #pragma once
 #include <optional>
 
@@ -24,21 +25,21 @@ namespace truestep::grid_fluid {
 
 class SteadyFlow {
  public:
-  /// Error "scene_invalid" where sides or forces depend on time, or walls of fourth order on the place.
+  /// Error "scene_invalid" if sides or forces depend on time, or walls of fourth order on position.
   static void check(const FlowModel& model);
   void bind(const FlowModel& model, const ThreadArena& arena);
 
   struct Outcome {
     bool found = false;
     int iterations = 0;  ///< on the finest grid
-    double change = 0;   ///< of the velocity by the last of them, over the fastest
+    double change = 0;   ///< of the velocity in the last of them, relative to the fastest
   };
   enum class From : uint8_t { rest, psi };
-  /// psi (m^2/s) on the nodes of the model's grid, in place. `tolerance` bounds Outcome::change.
+  /// Solves for psi (m^2/s) on the nodes of the model's grid, in place. `tolerance` bounds Outcome::change.
   Outcome solve(double* psi, double viscosity, From from, double tolerance);
-  /// Velocity and pressure of a psi.
+  /// Velocity and pressure from psi.
   void fields(const double* psi, FlowFields& f);
-  /// 1/s, largest divergence of the cells whose differences reach no side.
+  /// 1/s, largest divergence of the cells whose differences do not reach a side.
   double largest_divergence(const FlowFields& f) const;
 
   static constexpr size_t kMostAcross = 512;  ///< cells along the shorter axis
@@ -54,14 +55,14 @@ class SteadyFlow {
     Array boundary;              ///< psi on the sides, 0 on the other nodes
   };
   void add_level(const mac::MacGrid& grid);
-  /// R on the nodes, in the order of the unknowns.
+  /// R at the nodes, in the order of the unknowns.
   enum class Order : uint8_t { scene, second };
   void residual(const Level& l, const double* psi, Order order, double* r);
   void measure_jacobian(const Level& l, const double* psi, double per_tau);
   Outcome solve_level(const Level& l, double* psi, From from, double tolerance, int most);
   Outcome solve_from(const Level& l, double* psi, double tolerance);
   void prolong(const Level& coarse, const double* from, const Level& fine, double* to) const;
-  /// Largest velocity of psi's differences (m/s).
+  /// Largest velocity from differences of psi (m/s).
   double fastest(const Level& l, const double* psi) const;
   void scatter(const Level& l, const double* x, double* psi) const;
   void mix(size_t round, size_t n);

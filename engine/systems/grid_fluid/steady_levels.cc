@@ -1,5 +1,5 @@
-// The grids that a steady flow is found on, one after the other: what the scene asks of each, and the way
-// from one to the next.
+// The grids of a steady flow, from coarse to fine: the scene's conditions on each, and interpolation from one
+// to the next.
 #include <algorithm>
 
 #include "engine/base/errors.h"
@@ -13,20 +13,21 @@ void SteadyFlow::check(const FlowModel& m) {
     issues.push_back({pointer, "bad_value", why, "", "", "", ""});
   };
   for (size_t c = 0; c < 2; ++c) {
-    if (m.texts.force[c].time) refuse("/force/" + std::to_string(c), "a steady flow has steady forces");
+    if (m.texts.force[c].time)
+      refuse("/force/" + std::to_string(c), "a steady flow needs forces that do not depend on t");
   }
   for (size_t a = 0; a < 2; ++a) {
     for (size_t end = 0; end < 2; ++end) {
       const std::string at = side_pointer(m.def, a, end) + "/velocity";
       std::vector<double> along;
       for (size_t c = 0; c < 2; ++c) {
-        if (m.texts.sides[a][end][c].time) refuse(at, "a steady flow has steady sides");
+        if (m.texts.sides[a][end][c].time) refuse(at, "a steady flow needs sides that do not depend on t");
       }
       if (!m.fourth_order() || m.kinds[a][end] != SideKind::wall) continue;
       m.texts.sample_side(m.grid, a, end, 1 - a, 0, along);
       for (const double v : along) {
         if (v == along[0]) continue;
-        refuse(at, "walls of fourth order move as a whole: the same velocity along all of the side");
+        refuse(at, "with fourth order a wall must have the same velocity all along the side");
         break;
       }
     }
@@ -34,7 +35,7 @@ void SteadyFlow::check(const FlowModel& m) {
   if (!issues.empty()) throw Error("scene_invalid", issues[0].message, issues);
 }
 
-// Sides as the scene gives them on a grid; what their inflows leave is spread over them.
+// The scene's sides on a grid; the imbalance of their inflows is spread over them.
 void SteadyFlow::add_level(const mac::MacGrid& g) {
   const FlowModel& m = *model_;
   Level& l = levels_.emplace_back();
@@ -65,7 +66,7 @@ void SteadyFlow::add_level(const mac::MacGrid& g) {
       for (double& v : l.sides[a][a][end].values) v -= (end == 0 ? -1 : 1) * net / area;
     }
   }
-  // psi along the sides from the corner (0, 0) both ways round.
+  // psi along the sides from the corner (0, 0), both ways round.
   l.boundary.assign(g.size(), 0);
   const auto through = [&](size_t a, size_t end, size_t p) {
     const auto& values = l.sides[a][a][end].values;
@@ -83,7 +84,7 @@ void SteadyFlow::add_level(const mac::MacGrid& g) {
     psi[g.at(i + 1, ny, 0)] = psi[g.at(i, ny, 0)] - through(1, 1, i) * g.spacing[0];
 }
 
-// Cubics through four nodes, along x and then along y.
+// Cubic interpolation through four nodes, along x and then along y.
 void SteadyFlow::prolong(const Level& coarse, const double* from, const Level& fine, double* to) const {
   const mac::MacGrid &c = coarse.grid, &f = fine.grid;
   const auto halfway = [](const double* p, ptrdiff_t s, size_t i, size_t n) {

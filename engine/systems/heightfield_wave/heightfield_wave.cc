@@ -63,7 +63,7 @@ HeightfieldWave::HeightfieldWave(const HeightfieldWaveDef& def, const BuildConte
   }
   add_stage("water", std::to_string(n) + " cells by finite volumes in two stages a substep",
             [this](State& s, const StepInput& in) { advance(s, in); });
-  if (def.friction == 0) skip_stage("friction", "the bed has none");
+  if (def.friction == 0) skip_stage("friction", "friction is 0");
 }
 
 Water HeightfieldWave::water(State& s) const {
@@ -175,16 +175,16 @@ void HeightfieldWave::apply(State& s, const Command& c) const {
   if (c.kind == CommandKind::set_parameter) {
     if (c.name != "friction")
       refuse_command("name", "unknown_parameter", "no parameter " + c.name + " to set", "friction");
-    if (!(c.value >= 0)) refuse_command("value", "out_of_range", "the friction is at least 0", ">= 0");
+    if (!(c.value >= 0)) refuse_command("value", "out_of_range", "the friction must be at least 0", ">= 0");
     s.f64(numbers_)[kFriction] = c.value;
   } else if (c.kind == CommandKind::impulse) {
-    if (!c.at) refuse_command("at", "missing", "an impulse on water needs the place where it acts");
+    if (!c.at) refuse_command("at", "missing", "an impulse on water needs the point where it acts");
     const double at[] = {c.at->x, c.at->y}, vector[] = {c.vector.x, c.vector.y};
     size_t cell[2] = {};
     for (size_t a = 0; a < basin_.dimensions; ++a) {
       const double place = (at[a] - basin_.origin[a]) / basin_.spacing[a];
       if (!(place >= 0 && place <= static_cast<double>(basin_.cells[a])))
-        refuse_command("at", "out_of_range", "the place lies outside the basin");
+        refuse_command("at", "out_of_range", "the point lies outside the basin");
       cell[a] = std::min(static_cast<size_t>(place), basin_.cells[a] - 1);
     }
     const size_t row = cell[0] + basin_.cells[0] * cell[1];
@@ -192,13 +192,13 @@ void HeightfieldWave::apply(State& s, const Command& c) const {
     for (size_t a = 0; a < basin_.dimensions; ++a)
       s.f64(static_cast<State::Column>(kX + a))[row] += vector[a] / (def_.density * basin_.cell_area());
   } else {
-    refuse_command("kind", "unknown_command", "heightfield_wave knows no such command",
+    refuse_command("kind", "unknown_command", "heightfield_wave takes no such command",
                    "impulse, set_parameter");
   }
 }
 
 std::vector<std::string> HeightfieldWave::remedies() const {
-  return {"a shorter dt", "fewer cells", "a larger dry_depth: thin films may run fast"};
+  return {"a shorter dt", "fewer cells", "a larger dry_depth: thin films can be very fast"};
 }
 
 std::unique_ptr<const System> build_heightfield_wave(const void* def, const BuildContext& context) {

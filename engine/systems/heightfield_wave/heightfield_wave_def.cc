@@ -16,9 +16,9 @@ double cell_count(const HeightfieldWaveDef& d) {
 
 const DefTable& edge_table() {
   static const DefTable kTable =
-      TableOf<EdgeDef>("what holds on a side")
+      TableOf<EdgeDef>("the condition on a side")
           .choice("kind", &EdgeDef::kind, {"wall", "open", "periodic"},
-                  "wall: waves are thrown back; open: they leave; periodic: they come in at the other end")
+                  "wall: waves are reflected; open: they leave; periodic: they re-enter at the other end")
           .build();
   return kTable;
 }
@@ -26,20 +26,20 @@ const DefTable& edge_table() {
 const DefTable& edges_table() {
   using D = EdgesDef;
   static const DefTable kTable = TableOf<D>("the sides of the basin")
-                                     .object("x_min", &D::x_min, edge_table(), "where x is smallest")
-                                     .object("x_max", &D::x_max, edge_table(), "where x is largest")
-                                     .object("y_min", &D::y_min, edge_table(), "where y is smallest")
-                                     .object("y_max", &D::y_max, edge_table(), "where y is largest")
+                                     .object("x_min", &D::x_min, edge_table(), "side at the smallest x")
+                                     .object("x_max", &D::x_max, edge_table(), "side at the largest x")
+                                     .object("y_min", &D::y_min, edge_table(), "side at the smallest y")
+                                     .object("y_max", &D::y_max, edge_table(), "side at the largest y")
                                      .build();
   return kTable;
 }
 
 void check_basin(const HeightfieldWaveDef& d, const DefTable::Report& report) {
   if (!d.size.empty() && d.size.size() != d.cells.size())
-    report("/size", "as many lengths as cells has numbers");
+    report("/size", "needs as many lengths as there are axes in cells");
   if (cell_count(d) > kMostCells) report("/cells", "more than 5e7 cells");
   if (!d.velocity.empty() && d.velocity.size() != d.cells.size())
-    report("/velocity", "as many components as the basin has dimensions");
+    report("/velocity", "needs as many components as the basin has dimensions");
   for (size_t a = 0; a < 2; ++a) {
     for (size_t end = 0; end < 2; ++end) {
       const std::string pointer = std::string("/sides/") + kSideNames[a][end];
@@ -47,7 +47,7 @@ void check_basin(const HeightfieldWaveDef& d, const DefTable::Report& report) {
         if (d.sides.of(a, end)) report(pointer, "the basin has no such side");
       } else if (edge_of(d, a, end) == EdgeDef::Kind::periodic &&
                  edge_of(d, a, 1 - end) != EdgeDef::Kind::periodic) {
-        report(pointer, "a periodic side needs the opposite one to be periodic too");
+        report(pointer, "a periodic side needs a periodic opposite side");
       }
     }
   }
@@ -82,29 +82,28 @@ shallow::Basin make_basin(const HeightfieldWaveDef& d) {
 const DefTable& heightfield_wave_table() {
   using D = HeightfieldWaveDef;
   static const DefTable kTable =
-      TableOf<D>("shallow water over a bed: its depth and its mean velocity; heights count along z")
-          .integers("cells", &D::cells, between(4, 1e6), {1, 2}, "cells along x and perhaps y")
+      TableOf<D>("shallow water over a bed: its depth and mean velocity; heights are along z")
+          .integers("cells", &D::cells, between(4, 1e6), {1, 2}, "cells along x, or x and y")
           .numbers("size", &D::size, "m", above(0), {0, 2},
-                   "lengths of the basin; without them 1 along every axis")
+                   "lengths of the basin; absent: 1 along every axis")
           .vector("origin", &D::origin, "m", any(), "lower corner of the basin")
           .object("side", &D::all, edge_table(),
-                  "all sides that are not given on their own; without it walls")
-          .object("sides", &D::sides, edges_table(), "single sides")
+                  "all sides without their own entry in `sides`; absent: walls")
+          .object("sides", &D::sides, edges_table(), "individual sides")
           .expression("bed", &D::bed, "m, height of the ground, an expression of x and y")
           .expression("surface", &D::surface,
-                      "m, height of the water's surface at the start, an expression of x and y; where the "
-                      "bed is higher the ground is dry")
-          .texts("velocity", &D::velocity, {0, 2}, "m/s, at the start: expressions of x and y")
-          .expression("exact", &D::exact,
-                      "m, height of the surface that is known, an expression of x, y and t")
+                      "m, initial height of the water's surface, an expression of x and y; the ground is dry "
+                      "where the bed is higher")
+          .texts("velocity", &D::velocity, {0, 2}, "m/s, initial velocity: expressions of x and y")
+          .expression("exact", &D::exact, "m, exact height of the surface, an expression of x, y and t")
           .number("friction", &D::friction, "1", at_least(0),
-                  "of the bed: its drag is this times density times the square of the speed")
+                  "of the bed: its drag is this times density times squared speed")
           .number("density", &D::density, "kg/m^3", above(0), "mass per volume")
           .number("cfl", &D::cfl, "1", between(1e-3, 0.5),
-                  "cells that the fastest wave may cross in a substep, summed over the axes; depths stay "
+                  "cells that the fastest wave may cross per substep, summed over the axes; depths stay "
                   "positive up to 0.5")
           .number("dry_depth", &D::dry_depth, "m", above(0),
-                  "depth up to which water stands still; without it a millionth of the deepest at the start")
+                  "depth up to which water is at rest; absent: a millionth of the largest initial depth")
           .check(check_basin)
           .build();
   return kTable;
@@ -112,26 +111,27 @@ const DefTable& heightfield_wave_table() {
 
 const Outputs& heightfield_wave_outputs() {
   static const Outputs kOutputs{
-      .rows = "a cell, x running fastest",
-      .fields = {{"surface", "m", 1, "height of the water's surface; of the ground where it is dry"},
+      .rows = "a cell, x fastest",
+      .fields = {{"surface", "m", 1, "height of the water's surface, or of dry ground"},
                  {"depth", "m", 1, "depth of the water"},
                  {"velocity", "m/s", 3, "mean velocity over the depth"},
                  {"speed", "m/s", 1, "its magnitude"},
                  {"bed", "m", 1, "height of the ground"}},
-      .observables = {{"mass", "kg", "of the water in the basin"},
-                      {"energy.kinetic", "J", "of its mean velocity"},
-                      {"energy.potential", "J", "in gravity, from height 0"},
-                      {"energy.total", "J", "their sum"},
-                      {"momentum.x", "kg m/s", "of the water along x"},
-                      {"momentum.y", "kg m/s", "of the water along y"},
-                      {"surface.min", "m", "lowest surface of a wet cell"},
-                      {"surface.max", "m", "highest surface of a wet cell"},
-                      {"depth.max", "m", "largest depth"},
-                      {"speed.max", "m/s", "largest speed"},
-                      {"wet", "1", "share of the cells that are wet"},
-                      {"cfl", "1", "cells that the fastest wave crosses in a substep"},
-                      {"substeps", "1", "substeps of the last step"},
-                      {"error.exact", "m", "mean distance from the depth under the scene's exact surface"}}};
+      .observables = {
+          {"mass", "kg", "of the water in the basin"},
+          {"energy.kinetic", "J", "of its mean velocity"},
+          {"energy.potential", "J", "in gravity, from height 0"},
+          {"energy.total", "J", "their sum"},
+          {"momentum.x", "kg m/s", "of the water along x"},
+          {"momentum.y", "kg m/s", "of the water along y"},
+          {"surface.min", "m", "lowest surface of a wet cell"},
+          {"surface.max", "m", "highest surface of a wet cell"},
+          {"depth.max", "m", "largest depth"},
+          {"speed.max", "m/s", "largest speed"},
+          {"wet", "1", "fraction of the cells that are wet"},
+          {"cfl", "1", "cells crossed by the fastest wave in a substep"},
+          {"substeps", "1", "substeps of the last step"},
+          {"error.exact", "m", "mean difference from the depth under the scene's exact surface"}}};
   return kOutputs;
 }
 

@@ -1,6 +1,6 @@
-// Rigid bodies in the fluid: walls that move, each flat over a kernel, which what they do to the particles
-// moves in turn. In the solves a body answers every pressure at once, so that body and water are one system
-// of equations; without bodies all of this is empty.
+// Rigid bodies in the fluid: moving walls, each treated as flat over a kernel's radius, that their effect on
+// the particles moves in turn. In the solves a body responds to every pressure at once, so body and water
+// form one system of equations. Without bodies all of this is empty.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -15,14 +15,14 @@
 
 namespace truestep::sph {
 
-/// How often a wall's gradient is in the force of a pressure (passes.h).
+/// How many times a wall's gradient enters the force of a pressure (passes.h).
 template <Answer A>
 inline constexpr double kTimes = A == Answer::mirror ? 2 : 1;
 
 template <int D, class T>
 class BodiesIn {
  public:
-  /// Bodies of one step.
+  /// The bodies of one step.
   void set(std::span<ImmersedBody> bodies, const Setting& setting) {
     bodies_ = D == 3 ? bodies : std::span<ImmersedBody>(), setting_ = &setting;
     touching_.resize(bodies_.size()), answer_.resize(bodies_.size()), map_of_.resize(bodies_.size());
@@ -31,14 +31,15 @@ class BodiesIn {
   }
   bool any() const { return !bodies_.empty(); }
 
-  /// m/s, of the fastest place of any body.
+  /// m/s, of the fastest point of any body.
   double fastest() const {
     double out = 0;
     for (const ImmersedBody& b : bodies_)
       out = std::max(out, norm(b.velocity) + norm(b.spin) * bounding_radius(*b.solid));
     return out;
   }
-  /// What accelerates the bodies besides the fluid, for h s; weight where that is not known or a blow.
+  /// Accelerates the bodies by everything but the fluid for h s: by their weight where that is unknown or a
+  /// blow.
   void pull(Fluid<D, T>& f, const Vec3& gravity, double h) {
     for (size_t k = 0; k < bodies_.size(); ++k) {
       ImmersedBody& b = bodies_[k];
@@ -59,7 +60,7 @@ class BodiesIn {
     for (ImmersedBody& b : bodies_) b.advance(h);
   }
 
-  /// Finds the particles beside bodies and adds the bodies to their walls, whose shares must be there.
+  /// Finds the particles near bodies and adds the bodies to their walls; the walls' shares must be there.
   void touch(Fluid<D, T>& f, const ThreadArena& arena) {
     for (const Touch& t : touches_) slot_of(recoil_, t) = 0, slot_of(give_, t) = 0;
     recoil_.resize(f.n), give_.resize(f.n);
@@ -72,7 +73,7 @@ class BodiesIn {
     weigh();
   }
 
-  /// The bodies' answers to the pressures q of a solve, and what they do to the rates of density.
+  /// The bodies' responses to the pressures q of a solve, and their effect on the rates of density.
   template <Answer A>
   void answer(const Aligned<T>& q) {
     constexpr double kTwice = kTimes<A>;
@@ -90,21 +91,21 @@ class BodiesIn {
     for (const Touch& t : touches_)
       slot_of(recoil_, t) -= static_cast<T>(kTwice * dot(t.slope, answer_[t.body].at(t.arm)));
   }
-  /// 1/s^2, of the last answer.
+  /// 1/s^2, of the last response.
   T recoil(size_t i) const { return recoil_[i]; }
-  /// 1/m^2, what the diagonal of a solve has to have more.
+  /// 1/m^2, to be added to the diagonal of a solve.
   template <Answer A>
   T give(size_t i) const {
     return static_cast<T>(kTimes<A> * kTimes<A>) * give_[i];
   }
-  /// Carries the last answer out for h s.
+  /// Applies the last response for h s.
   void follow(Fluid<D, T>& f, double h) {
     for (size_t k = 0; k < bodies_.size(); ++k) {
       const Vec3 by = answer_[k].velocity * h;
       change(f, k, push_[k] * h - by * image_[k], about_[k] * h - cross(image_arm_[k], by), by);
     }
   }
-  /// The last answer was to ways instead of accelerations: moves the bodies by it in h s.
+  /// The last response was in displacements, not accelerations: moves the bodies by it in h s.
   void shift(double h) {
     for (size_t k = 0; k < bodies_.size(); ++k) {
       bodies_[k].give(push_[k] / h, about_[k] / h);
@@ -112,8 +113,8 @@ class BodiesIn {
       bodies_[k].orientation = normalized(free_rotation::turn(answer_[k].spin) * bodies_[k].orientation);
     }
   }
-  /// Particles lean on bodies and bodies on them (walls.h) for h s, and the mirror image of the fluid in a
-  /// body gets the body's acceleration: it adds to the body's mass.
+  /// The weight of the fluid on bodies and their reaction (walls.h) for h s. The fluid's mirror image in a
+  /// body moves with the body: it adds to the body's mass.
   void lean(Fluid<D, T>& f, const Vec3& gravity, double h) {
     for (Touch& t : touches_) {
       const double rests = double{f.rests[t.slot]};
@@ -123,7 +124,7 @@ class BodiesIn {
       image_[t.body] += mass, image_arm_[t.body] += t.arm * mass;
     }
   }
-  /// Particles and bodies hold each other by viscosity for h s.
+  /// Viscous drag between particles and bodies for h s.
   void hold(Fluid<D, T>& f, double h) {
     const double nu = setting_->def.viscosity * h, least = kLeastGap * setting_->def.spacing;
     for (const Touch& t : touches_) {
@@ -137,10 +138,10 @@ class BodiesIn {
  private:
   struct Touch {
     uint32_t slot, body;
-    double share, distance, part;  ///< part: of all walls' share, what the body has
+    double share, distance, part;  ///< part: of the share of all walls, the body's
     Vec3 slope, arm, normal;       ///< slope: 1/m, into the body
   };
-  /// Of the square of gravity: what pulls more is a blow and does not last.
+  /// In squares of gravity: a stronger acceleration is a blow and does not last.
   static constexpr double kSteady = 2;
 
   static T& slot_of(Aligned<T>& a, const Touch& t) { return a[t.slot]; }
@@ -153,7 +154,7 @@ class BodiesIn {
     return maps_.size() - 1;
   }
 
-  /// Gives a body an impulse and a twist, and its velocity's change `by` to its image.
+  /// Gives a body an impulse and an angular impulse, and its change of velocity `by` to its image.
   void change(Fluid<D, T>& f, size_t k, const Vec3& impulse, const Vec3& twist, const Vec3& by) {
     ImmersedBody& b = bodies_[k];
     const ImmersedBody::Answer before{b.velocity, b.spin};
@@ -179,7 +180,7 @@ class BodiesIn {
     const ImmersedBody& b = bodies_[k];
     const VolumeMap& map = maps_[map_of_[k]].map;
     const Transform frame = b.frame();
-    // Particles may have gone a little way since they were sorted.
+    // Particles may have moved a little since they were sorted.
     const double reach = setting_->support, margin = reach + 0.5 * setting_->def.spacing;
     const Box box = bounds(*b.solid, frame);
     const double lows[3] = {box.low.x, box.low.y, box.low.z}, highs[3] = {box.high.x, box.high.y, box.high.z};
@@ -209,7 +210,7 @@ class BodiesIn {
     }
   }
 
-  /// Shares combine as in walls.h; every slope is left as it counts beside all others.
+  /// Shares combine as in walls.h; every slope is left as it counts with all other walls present.
   void merge(Fluid<D, T>& f) {
     for (const Touch& t : touches_) slot_of(recoil_, t) += static_cast<T>(t.share);
     for (Touch& t : touches_)
@@ -235,7 +236,8 @@ class BodiesIn {
     }
   }
 
-  /// Sums over a body's touches of how strongly each answers all others: no eigenvalue is larger.
+  /// Bounds the eigenvalues: for each touch of a body, the sum of the strengths with which it and all others
+  /// couple.
   void weigh() {
     push_.resize(bodies_.size()), about_.resize(bodies_.size());
     image_.assign(bodies_.size(), 0), image_arm_.assign(bodies_.size(), Vec3{});
@@ -259,7 +261,7 @@ class BodiesIn {
     }
   }
 
-  /// Rates of density after a change of a body's velocities.
+  /// Rates of density after a change in a body's velocities.
   void carry(Fluid<D, T>& f, size_t k, const ImmersedBody::Answer& by) const {
     for (const Touch& t : touching_from(k)) f.drive[t.slot] -= static_cast<T>(dot(t.slope, by.at(t.arm)));
   }
@@ -278,9 +280,9 @@ class BodiesIn {
   std::vector<size_t> map_of_;  ///< by body
   std::span<ImmersedBody> bodies_;
   std::vector<std::vector<Touch>> touching_;  ///< by body, as found
-  std::vector<Touch> touches_;                ///< of all bodies, one after the other
+  std::vector<Touch> touches_;                ///< of all bodies, in their order
   std::vector<double> image_;                 ///< kg, of the fluid's image in a body
-  std::vector<Vec3> image_arm_;               ///< kg m, that times its arm
+  std::vector<Vec3> image_arm_;               ///< kg m, image times its arm
   std::vector<Vec3> push_, about_;            ///< N and N m, of the last answer
   std::vector<ImmersedBody::Answer> answer_;
   Aligned<T> recoil_, give_;  ///< by slot; zero where no body is near

@@ -1,4 +1,4 @@
-// Particles that come by nozzles and leave by kill regions.
+// Particles emitted by nozzles and removed by kill regions.
 #include <vector>
 
 #include "engine/core/living_rows.h"
@@ -10,10 +10,10 @@ namespace truestep::sph {
 
 namespace {
 
-/// Spacings that a newborn keeps from what is there.
+/// Minimum distance, in spacings, of a new particle from existing ones.
 constexpr double kLeastRoom = 0.7;
 
-/// One particle more, at the end.
+/// Adds a particle at the end.
 void append(const Setting& set, State& s, const Vec3& x, const Inlet& inlet) {
   const size_t row = s.rows(columns::position);
   for (State::Column c = 0; c < columns::per_particle_end; ++c) s.resize(c, row + 1);

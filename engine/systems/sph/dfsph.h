@@ -1,8 +1,9 @@
-// Divergence-free SPH (Bender & Koschier 2015, 2017): pressures that take from the velocities what compresses
-// the fluid, then pressures that bring the density after the substep to that at rest. Both solves begin from
-// the pressures of the substep before, and pressure never pulls. In the first a wall is the fluid's mirror
-// image: were it a region at rest, a lattice of even rows could fall through its odd ones (the gradient of a
-// row sees the two beside it alone). In the second it is what the density sums up.
+// Divergence-free SPH (Bender & Koschier 2015, 2017): one solve for pressures that remove the compression
+// from the velocity field, one for pressures that bring the density at the end of the substep to the rest
+// density. Both start from the pressures of the previous substep; pressure never pulls. In the first a wall
+// is the fluid's mirror image: were it a region at rest, the even rows of a lattice could fall through the
+// odd ones (the gradient at a row sees only the two rows next to it). In the second it is what the density
+// sums up.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -13,7 +14,7 @@ namespace truestep::sph {
 
 struct SolveResult {
   int iterations = 0;
-  double mean = 0, most = 0;  ///< relative compression a substep that is left
+  double mean = 0, most = 0;  ///< relative compression left per substep
 };
 
 template <int D, class T>
@@ -24,8 +25,8 @@ class Dfsph {
   struct Solved {
     SolveResult flow, push;
   };
-  /// Takes from the velocities what would compress the fluid (what is torn open may close, a part of it a
-  /// substep), and then makes them such that the density is that at rest after a substep of `h` s.
+  /// Removes compression from the velocities (a torn region may close, by a part of the gap per substep),
+  /// then makes them such that the density after a substep of `h` s is the rest density.
   Solved solve(Fluid<D, T>& f, BodiesIn<D, T>& bodies, double h, const ThreadArena& arena) const {
     const T step = static_cast<T>(h), per_step = 1 / step, closing = static_cast<T>(kClosing / h);
     begin_from(f, f.flow, f.start);
@@ -37,7 +38,7 @@ class Dfsph {
           const T rate = compression<Answer::mirror, D, T>(f, f.v, i, c, begin, end) + 2 * f.drive[i];
           return per_step * (rate + closing * std::min(f.delta[i] - static_cast<T>(kGap), T{0}));
         });
-    // What the first solve has found and what the second begins from push in one pass.
+    // The result of the first solve and the start of the second push in one pass.
     begin_from(f, f.push, f.start);
     push_by_both(f, f.change, f.push, f.next, arena);
     if (bodies.any()) {
@@ -55,23 +56,22 @@ class Dfsph {
   }
 
  private:
-  /// The largest error may be this many times the mean that ends a solve.
+  /// A solve ends on the mean error; the largest may be this many times as large.
   static constexpr double kMostOverMean = 10;
   static constexpr int kLeastIterations = 2;
-  /// Where the density is below kGap of that at rest there is a gap, which may close by kClosing of it a
-  /// substep.
+  /// A density below kGap times the rest density is a gap, of which a substep may close kClosing.
   static constexpr double kGap = 0.9, kClosing = 0.1;
-  /// Compression is taken back by at most this a substep: what overlaps at the start comes apart calmly.
+  /// At most this much compression is removed per substep: an overlap at the start separates calmly.
   static constexpr double kMostAtOnce = 0.02;
 
-  /// The pressures q that a solve begins from, into `start` too: what nothing moves has none.
+  /// The start pressures q of a solve, copied into `start`; particles that nothing moves have none.
   static void begin_from(const Fluid<D, T>& f, Aligned<T>& q, Aligned<T>& start) {
     for (size_t i = 0; f.weighted && i < f.n; ++i) {
       if (f.fixed(i)) q[i] = 0;
     }
     std::copy(q.begin(), q.end(), start.begin());
   }
-  /// Carries out for h s what pressures q do; f.a is what they do to the particles.
+  /// Applies pressures q for h s; f.a is their effect on the particles.
   template <Answer A>
   static void move(Fluid<D, T>& f, BodiesIn<D, T>& bodies, const Aligned<T>& q, double h,
                    const ThreadArena& arena) {
@@ -79,11 +79,11 @@ class Dfsph {
     if (bodies.any()) bodies.template answer<A>(q), bodies.follow(f, h);
   }
 
-  /// Solves for q >= 0 such that no compression remains. Velocities have the pressures that q begins with in
-  /// them, and residual(slot, chunk, begin, end) says what compression (1/s^2) is left there; `error` makes
-  /// it relative. Leaves in f.change what is to be added to the pressures at the beginning. Projected
-  /// gradients, accelerated by Nesterov's sequence, which begins anew where it goes uphill (O'Donoghue &
-  /// Candes 2015): the matrix is symmetric and has no negative eigenvalue.
+  /// Solves for q >= 0 such that no compression remains. The velocities already contain the effect of the
+  /// initial q, and residual(slot, chunk, begin, end) is the compression (1/s^2) left in them; `error` makes
+  /// it relative. Leaves in f.change the change from the initial pressures. Projected gradient method with
+  /// Nesterov's acceleration, restarted where it goes uphill (O'Donoghue & Candes 2015): the matrix is
+  /// symmetric and has no negative eigenvalue.
   template <Answer A, class Residual>
   SolveResult relax(Fluid<D, T>& f, BodiesIn<D, T>& bodies, Aligned<T>& q, double error,
                     const ThreadArena& arena, const Residual& residual) const {
@@ -140,7 +140,7 @@ class Dfsph {
     go_to(f, q, f.iterate, arena);
     return out;
   }
-  /// q becomes `to`, f.change what that is more than at the beginning.
+  /// q becomes `to`, f.change its difference from the start.
   static void go_to(Fluid<D, T>& f, Aligned<T>& q, const Aligned<T>& to, const ThreadArena& arena) {
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) q[i] = to[i], f.change[i] = to[i] - f.start[i];

@@ -1,7 +1,6 @@
-// Particles in the order of the cells that they are in, and the lists of their neighbours: scratch that a
-// substep makes from the state's rows and that nothing outlives. A list holds, for each neighbour within the
-// kernel's radius, its slot, the gradient of the kernel there, and what the method needs besides
-// (pair_list.h).
+// Particles in the order of their cells, and their neighbour lists: scratch that a substep makes from the
+// state's rows and that does not outlive it. For each neighbour within the kernel's radius a list holds its
+// slot, the gradient of the kernel there, and whatever else the method needs (pair_list.h).
 #pragma once
 #include <algorithm>
 #include <array>
@@ -27,7 +26,7 @@ struct Cells {
     size_t all = 1;
     for (int a = 0; a < D; ++a) {
       low[a] = lows[a], width[a] = highs[a] - lows[a], wraps[a] = d.wraps(a);
-      // A little wider than the radius, for the rounding of places.
+      // A little wider than the radius, to allow for rounding of positions.
       count[a] = std::max(1, static_cast<int>(width[a] / (support * 1.0001)));
       per_metre[a] = count[a] / width[a];
       all *= static_cast<size_t>(count[a]);
@@ -43,7 +42,8 @@ struct Cells {
                static_cast<size_t>(count[0]) +
            static_cast<size_t>(c[0]);
   }
-  /// visit(begin, end, shift): runs of slots of the cells around c, and what brings them beside it (m).
+  /// visit(begin, end, shift): runs of slots of the cells around c, and the shift (m) that brings them next
+  /// to it.
   template <class Visit>
   void around(const int* c, const Visit& visit) const {
     double shift[3] = {};
@@ -91,32 +91,33 @@ struct Fluid {
   T unit = 1;  ///< 1/m, of the gradients in lists
   Cells<D> cells;
   std::vector<uint32_t> row, cell_of, cursor;
-  Aligned<T> x[3];               ///< m, kLanes more than rows
-  Aligned<T> v, a;               ///< m/s and m/s^2, four numbers a row
-  Aligned<T> delta;              ///< 1, density over that at rest
-  Aligned<T> push, flow;         ///< m^2/s^2 and m^2/s, solutions of the two solves
-  Aligned<T> iterate, next;      ///< of a solve
-  Aligned<T> start, change;      ///< of a solve: pressures at its beginning, and what they are more now
-  Aligned<T> omega;              ///< 1/s, four a row: vorticity and its size
-  Aligned<T> normal;             ///< 1, four a row: into the liquid at its surface; what it lacks (tension.h)
+  Aligned<T> x[3];           ///< m, kLanes more than rows
+  Aligned<T> v, a;           ///< m/s and m/s^2, four numbers a row
+  Aligned<T> delta;          ///< 1, density over the rest density
+  Aligned<T> push, flow;     ///< m^2/s^2 and m^2/s, solutions of the two solves
+  Aligned<T> iterate, next;  ///< of a solve
+  Aligned<T> start, change;  ///< of a solve: initial pressures, and their change since
+  Aligned<T> omega;          ///< 1/s, four a row: vorticity and its size
+  Aligned<T> normal;         ///< 1, four a row: into the liquid at its surface; what is missing (tension.h)
   Aligned<T> stiffness, source;  ///< of a solve: its diagonal (1/m^2) and right-hand side
   Aligned<T> pull;               ///< four a row: sum of gradients over neighbours and walls (1/m)
   Aligned<T> wall;               ///< four a row: gradient of the walls' share (1/m); the share
-  Aligned<T> drive;              ///< 1/s, of density by walls that move
+  Aligned<T> drive;              ///< 1/s, rate of density due to moving walls
   Aligned<T> light;              ///< 1, density of the system over the particle's; 0: nothing moves it
   Aligned<T> rest, way, image, scale, hold;  ///< of the solve for viscosity, four a row (viscosity.h)
-  bool weighted = false;                     ///< whether light is there; else it is 1 everywhere
-  std::vector<uint8_t> held;                 ///< by what nozzle, from 1 on; 0: by none
-  Aligned<T> rests;                          ///< 1, how far a particle's pressure is that of a fluid at rest
+  bool weighted = false;                     ///< whether light is in use; otherwise it is 1 everywhere
+  std::vector<uint8_t> held;                 ///< by which nozzle, from 1; 0: by none
+  Aligned<T> rests;  ///< 1, how nearly a particle's pressure is that of a fluid at rest
   std::vector<Chunk<T>> chunks;
   std::vector<double> partial;  ///< by chunk or block
 
-  /// Whether nothing moves a particle. It has no pressure either: what it cannot yield, others would have to.
+  /// Whether nothing moves a particle. It then has no pressure either: others would have to yield in its
+  /// place.
   bool fixed(size_t i) const { return weighted && light[i] == 0; }
   T lightness(size_t i) const { return weighted ? light[i] : T{1}; }
 
   size_t chunks_in_use() const { return (n + kChunk - 1) / kChunk; }
-  /// Room for so many rows with so many neighbours each: what a fluid that grows would allocate on its way.
+  /// Room for this many rows and neighbours: what a growing fluid would otherwise allocate as it runs.
   void reserve(size_t rows, double neighbours, size_t extras) {
     if (!chunks.empty()) return;
     resize(rows);
@@ -148,7 +149,7 @@ struct Fluid {
       }
     });
   }
-  /// Sum and largest of the first numbers that body(slot, chunk, begin, end) returns, none of them negative,
+  /// Sum and maximum of the first numbers that body(slot, chunk, begin, end) returns, none of them negative,
   /// and sum of the second.
   struct Tally {
     double sum = 0, most = 0, second = 0;

@@ -1,4 +1,4 @@
-// A nozzle that pours liquid out (collision/points/nozzle.h), of a density of its own.
+// A nozzle that emits liquid (collision/points/nozzle.h), with a density of its own.
 #pragma once
 #include "engine/collision/points/nozzle.h"
 #include "engine/systems/sph/sph_def.h"

@@ -1,4 +1,4 @@
-// Sorting particles into cells and listing their neighbours with kernels and gradients.
+// Sorting particles into cells and listing their neighbours with kernel values and gradients.
 #pragma once
 #include <type_traits>
 
@@ -11,7 +11,7 @@ class Neighbours {
  public:
   using W = Wide<T>;
   static constexpr size_t kLanes = W::kLanes;
-  /// What lists have besides gradients: slopes and weights, and distances too.
+  /// What lists hold besides gradients: slopes and weights; distances too.
   enum class Extras : uint8_t { none, slopes, distances };
 
   explicit Neighbours(const Setting& set) : set_(set) {
@@ -27,7 +27,7 @@ class Neighbours {
   T unit() const { return static_cast<T>(unit_); }
   Extras extras() const { return extras_; }
 
-  /// Order of cells for places given as n x 3, ties by row: fills row and x of f.
+  /// Order by cell for positions given as n x 3, ties by row: fills row and x of f.
   void sort(Fluid<D, T>& f, const T* place, const ThreadArena& arena) const {
     Cells<D>& cells = f.cells;
     if (cells.start.empty()) cells.set(set_.def, set_.support);
@@ -54,7 +54,7 @@ class Neighbours {
     }
   }
 
-  /// The same lists at the places where particles are now.
+  /// Updates the same lists for the current positions.
   void renew(Fluid<D, T>& f, const ThreadArena& arena) const {
     with_kernel([&](auto kernel) {
       arena.for_blocks(f.chunks_in_use(), 4, [&](size_t first, size_t last) {
@@ -71,8 +71,8 @@ class Neighbours {
     });
   }
 
-  /// Lists of all particles; density, stiffness and pull from them and from the walls' share, which must be
-  /// there (walls.h).
+  /// Lists of all particles; from them and the walls' share, which must be there (walls.h), density,
+  /// stiffness and pull.
   void list(Fluid<D, T>& f, const ThreadArena& arena) const {
     with_kernel([&](auto kernel) { list_with<decltype(kernel)::value>(f, arena); });
   }
@@ -115,7 +115,7 @@ class Neighbours {
     });
   }
 
-  /// What is in the cells around that of particle i.
+  /// Collects the particles in the cells around particle i's.
   void look_around(const Fluid<D, T>& f, size_t i, Chunk<T>& chunk) const {
     int c[3] = {};
     for (size_t a = 0; a < D; ++a) c[a] = f.cells.along(double{f.x[a][i]}, static_cast<int>(a));
@@ -127,7 +127,7 @@ class Neighbours {
     chunk.end_around();
   }
 
-  /// Appends the neighbours of particle i behind `used` entries, with offsets and squared distances; returns
+  /// Appends the neighbours of particle i, with offsets and squared distances, after `used` entries; returns
   /// the end.
   size_t find(const Fluid<D, T>& f, size_t i, Chunk<T>& chunk, size_t used) const {
     const T far = static_cast<T>(set_.support * set_.support);
@@ -137,7 +137,7 @@ class Neighbours {
     const size_t own = chunk.own + i;
     chunk.need(used, used, chunk.around_count + kLanes, static_cast<size_t>(extras_));
     size_t at = 0;
-    // Each group is stored, with or without neighbours: that costs less than a branch that is not foreseen.
+    // Every group is stored, with or without neighbours: that costs less than mispredicted branches.
     for (size_t k = 0; k < chunk.around_count; k += kLanes) {
       W way[D], square = W::zero();
       for (size_t a = 0; a < D; ++a) {
@@ -155,7 +155,7 @@ class Neighbours {
     return chunk.pack(used, used + at, far, static_cast<size_t>(extras_));
   }
 
-  /// Offsets and squared distances of the neighbours that a list has.
+  /// Offsets and squared distances of the neighbours in a list.
   void measure(const Fluid<D, T>& f, size_t i, Chunk<T>& chunk, size_t begin, size_t end) const {
     const T far = static_cast<T>(set_.support * set_.support);
     for (size_t k = begin; k < end; k += kLanes) {
@@ -171,14 +171,14 @@ class Neighbours {
         square += d * d;
       }
       store(chunk.square.data() + (k - begin), min(square, W::all(far)));
-      // A neighbour is in a list once: what has its group's first slot again fills the group up.
+      // A neighbour is in a list only once: a repeat of its group's first slot is padding.
       for (size_t last = kLanes; last-- > 1 && chunk.group(k).above(last) == 0;) {
         chunk.square[k - begin + last] = far;
       }
     }
   }
 
-  /// Gradients and what else is kept from offsets and squared distances, and what a list sums up.
+  /// Gradients, and whatever else is kept, from offsets and squared distances; and the sums over the list.
   template <Smoothing K>
   void evaluate(Fluid<D, T>& f, size_t i, Chunk<T>& chunk, size_t begin, size_t end) const {
     const W inverse = W::all(static_cast<T>(1 / set_.support)), one = W::all(1);

@@ -1,10 +1,9 @@
-// Lists of neighbours as the passes read them: for each entry a slot and the gradient of the kernel there
-// times a particle's volume, in groups of as many entries as Wide has lanes. Passes are bound by memory, so
-// that what they read is small: slots are 16 bits above the first one of their group, and gradients of floats
-// are 16-bit multiples of a unit, the steepest gradient over 32,700. Rounding is odd, so that two neighbours
-// have opposite gradients to the bit and momentum is kept; what a list sums up (density's gradient,
-// stiffness) is made of the rounded ones. A group that is not full is filled up with its first slot and
-// gradients of 0.
+// Neighbour lists as the passes read them: each entry a slot and the gradient of the kernel there times a
+// particle's volume, in groups of as many entries as Wide has lanes. Passes are bound by memory, so entries
+// are small: slots are stored as 16-bit offsets from the first of their group, and float gradients as 16-bit
+// multiples of a unit, the steepest gradient over 32,700. Rounding is odd, so two neighbours have exactly
+// opposite gradients and momentum is conserved; a list's sums (density's gradient, stiffness) use the rounded
+// ones. A partial group is padded with its first slot and gradients of 0.
 #pragma once
 #include <algorithm>
 #include <type_traits>
@@ -18,22 +17,22 @@ namespace truestep::sph {
 template <class T>
 using Aligned = std::vector<T, CacheLineAllocator<T>>;
 
-/// Particles that share a part of the lists.
+/// Number of particles that share a part of the lists.
 inline constexpr size_t kChunk = 256;
 
-/// Whether gradients are rounded, and to how many steps from 0 to the steepest of their kernel.
+/// Whether gradients are rounded, and to how many steps from 0 to the kernel's steepest.
 template <class T>
 inline constexpr bool kRounded = sizeof(T) == 4;
 inline constexpr double kGradientSteps = 32'700;
 
-/// As many entries as Wide has lanes: one run of memory that a pass reads from end to end. An entry is a row
-/// of four numbers, the gradient in the fluid's `unit` (1/m), volume times that of W, and of floats the slot
-/// over that of the first entry: sums over neighbours then need no transposing.
+/// As many entries as Wide has lanes, in one run of memory that a pass reads from end to end. An entry is a
+/// row of four numbers: the gradient in the fluid's `unit` (1/m), volume times that of W, and for floats the
+/// slot as an offset from the first entry's. Sums over neighbours then need no transposing.
 template <class T>
 struct Group {
   static constexpr size_t kLanes = Wide<T>::kLanes;
   T g[kLanes][4];
-  uint16_t slots[kLanes];  ///< over that of the first entry
+  uint16_t slots[kLanes];  ///< offsets from the first entry's
 
   uint16_t above(size_t lane) const { return slots[lane]; }
   void set_above(size_t lane, uint16_t slot) { slots[lane] = slot, g[lane][3] = 0; }
@@ -45,7 +44,7 @@ struct Group<float> {
   uint16_t above(size_t lane) const { return static_cast<uint16_t>(g[lane][3]); }
   void set_above(size_t lane, uint16_t slot) { g[lane][3] = static_cast<int16_t>(slot); }
 };
-/// What stands for an array of a group's slots, from entry `first` on.
+/// Acts as an array of a group's slots, from entry `first` on.
 template <class T>
 struct SlotsOf {
   const Group<T>& group;
@@ -53,7 +52,7 @@ struct SlotsOf {
   size_t operator[](size_t lane) const { return group.above(first + lane); }
 };
 
-/// Lists of the neighbours of kChunk particles. Entries are counted from 0 on; k is the first one of a group.
+/// Neighbour lists of kChunk particles. Entries are counted from 0; k is the first of a group.
 template <class T>
 struct Chunk {
   using W = Wide<T>;
@@ -64,12 +63,12 @@ struct Chunk {
   Aligned<T> s;                ///< 1/m^2, volume times dW/dr / r
   Aligned<T> w;                ///< 1, volume times W
   Aligned<T> q;                ///< 1, distance over the kernel's radius
-  /// Of the one list that is being made: slots, offsets (m) and squared distances (m^2).
+  /// The list being made: slots, offsets (m) and squared distances (m^2).
   std::vector<uint32_t> near;
   Aligned<T> away[3], square;
   uint32_t first[kChunk + 1];
-  /// Of the cells around the one that lists are being made of: places (m), filled up to whole groups with
-  /// what is far from everything, and slots. Slot i of that cell itself is at i + own.
+  /// The cells around the current one: positions (m), padded to whole groups with points far from everything,
+  /// and slots. Slot i of the current cell is at i + own.
   Aligned<T> around[3];
   std::vector<uint32_t> around_slots;
   size_t around_count = 0, own = 0;
@@ -90,7 +89,7 @@ struct Chunk {
   void rows_of(const Aligned<T>& rows, size_t k, W out[4]) const {
     gather_rows4(rows.data() + 4 * size_t{base[k / kLanes]}, SlotsOf<T>{group(k)}, out);
   }
-  /// Over the entries from `begin` to `end`: sums of gradient times numbers[slot] (the fourth is nothing).
+  /// Over the entries from `begin` to `end`: sums of gradient times numbers[slot] (the fourth is unused).
   void sum_times(const Aligned<T>& numbers, size_t begin, size_t end, T out[4]) const {
     sum_rows(over(begin, end,
                   [&](size_t from, const SlotsOf<T>& slots) {
@@ -98,22 +97,22 @@ struct Chunk {
                   }),
              out);
   }
-  /// The sum of the products of gradients and rows[slot], rows of four whose last number is 0.
+  /// Sum of the products of gradients and rows[slot], for rows of four whose last number is 0.
   T sum_dot(const Aligned<T>& rows, size_t begin, size_t end) const {
     return sum(over(begin, end, [&](size_t from, const SlotsOf<T>& slots) {
       return rows_side_by_side(rows.data() + 4 * from, slots);
     }));
   }
 
-  /// Puts the list that `near` and the rest hold, of the entries from `begin` to `end`, into groups; returns
-  /// the new end, of whole groups. What fills them up is `far` away (m^2).
+  /// Packs the list in `near` and its companions, entries `begin` to `end`, into groups; returns the new end,
+  /// a whole number of groups. Padding entries are `far` away (m^2).
   size_t pack(size_t begin, size_t end, T far, size_t extras) {
     for (size_t k = begin; k < end; k += kLanes) {
       const size_t at = k - begin;
       Group<T>& out = groups[k / kLanes];
       const uint32_t from = base[k / kLanes] = near[at];
       size_t full = 1;
-      // A slot below the first wraps around and is too far above, too.
+      // A slot below the first wraps around to a large offset and is rejected as well.
       for (; full < kLanes && k + full < end && near[at + full] - from <= 0xffff; ++full) {
         out.set_above(full, static_cast<uint16_t>(near[at + full] - from));
       }
@@ -133,7 +132,7 @@ struct Chunk {
     return end;
   }
 
-  /// Appends slots from `begin` to `end` to what is around, at their places x and `shift` (m) from there.
+  /// Appends slots `begin` to `end` to the surroundings, their positions x moved by `shift` (m).
   template <size_t D>
   void put_around(const Aligned<T>* x, size_t begin, size_t end, const double* shift) {
     const size_t at = around_count, count = end - begin;
@@ -158,8 +157,8 @@ struct Chunk {
     around_count = end;
   }
 
-  /// Room for `more` entries behind `used` of which those from `begin` on are one list, with gradients and
-  /// as many of slopes and weights, distances as `extras` says.
+  /// Room for `more` entries after `used`, where those from `begin` on are one list; `extras` says whether
+  /// slopes and weights, and distances, are kept with the gradients.
   void need(size_t begin, size_t used, size_t more, size_t extras) {
     constexpr size_t kLeastList = 512;
     const size_t least = used + more + 2 * kLanes, list = least - begin;
@@ -177,11 +176,11 @@ struct Chunk {
 
  private:
   static constexpr T kFar = T(1e18);  ///< m
-  /// Sums of entries times factor(slot of the first, slots above): four, so that no product waits for the one
+  /// Sums of entries times factor(slot of the first, offsets): four of them, so no product waits for the one
   /// before.
   template <class Factor>
   W over(size_t begin, size_t end, const Factor& factor) const {
-    // Lists are longer than the caches: what is fetched so many groups ahead is there when its turn comes.
+    // Lists are larger than the caches: a group fetched this far ahead has arrived when it is needed.
     constexpr size_t kSums = 4, kAhead = 16;
     W sums[kSums];
     for (auto& s : sums) s = W::zero();
@@ -196,7 +195,7 @@ struct Chunk {
     }
     return (sums[0] + sums[1]) + (sums[2] + sums[3]);
   }
-  /// Moves what the list has from `from` to `end` on by `by`.
+  /// Moves the list's entries from `from` to `end` up by `by`.
   void shift(size_t from, size_t end, size_t by) {
     const auto move = [&](auto& a) { std::copy_backward(&a[from], &a[0] + end, &a[0] + end + by); };
     move(near), move(square);

@@ -1,16 +1,16 @@
-// Sums over lists of neighbours that the methods share.
+// Sums over neighbour lists that the methods share.
 #pragma once
 #include "engine/systems/sph/fluid.h"
 
 namespace truestep::sph {
 
-/// How a wall answers a particle: as a region at rest in which there is no pressure, so that the force is
-/// that of the constraint on the density that the kernel sums up, or as the particle's mirror image, with its
-/// pressure and the opposite velocity. Either does exactly the work that the density takes up.
+/// How a wall responds to a particle: as a region at rest without pressure, so that the force is that of the
+/// constraint on the density the kernel sums up; or as the particle's mirror image, with its pressure and the
+/// opposite velocity. Both do exactly the work that goes into the density.
 enum class Answer : uint8_t { rest, mirror };
 
-/// m/s^2 into f.a: what pressures q = (p / rho0) / (rho / rho0)^2 (m^2/s^2) of all particles do, of which
-/// at_wall(slot) has its mirror image behind walls.
+/// f.a (m/s^2) = effect of all particles' pressures q = (p / rho0) / (rho / rho0)^2 (m^2/s^2), with
+/// at_wall(slot) the pressure of a particle's mirror image behind walls.
 template <int D, class T, class AtWall>
 inline void push_with(Fluid<D, T>& f, const Aligned<T>& q, const ThreadArena& arena, const AtWall& at_wall) {
   f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
@@ -28,8 +28,8 @@ template <Answer A, int D, class T>
 inline void push_by(Fluid<D, T>& f, const Aligned<T>& q, const ThreadArena& arena) {
   push_with(f, q, arena, [&q](size_t i) { return A == Answer::mirror ? q[i] : T{0}; });
 }
-/// What pressures `mirrored` do that walls answer as mirror images and `rests` that they answer at rest, at
-/// once; their sum is left in `both`.
+/// The joint effect of pressures `mirrored`, to which walls respond as mirror images, and `rests`, to which
+/// they respond at rest; leaves their sum in `both`.
 template <int D, class T>
 inline void push_by_both(Fluid<D, T>& f, const Aligned<T>& mirrored, const Aligned<T>& rests,
                          Aligned<T>& both, const ThreadArena& arena) {
@@ -39,7 +39,7 @@ inline void push_by_both(Fluid<D, T>& f, const Aligned<T>& mirrored, const Align
   push_with(f, both, arena, [&mirrored](size_t i) { return mirrored[i]; });
 }
 
-/// Sum of g (u_i - u_j) with walls that do not move, for rows u of four that end with 0: the rate of a
+/// Sum of g (u_i - u_j), with walls that do not move, for rows u of four that end with 0: the rate of a
 /// particle's density (1/s).
 template <Answer A, int D, class T>
 inline T compression(const Fluid<D, T>& f, const Aligned<T>& u, size_t i, const Chunk<T>& c, size_t begin,
@@ -53,8 +53,9 @@ inline T compression(const Fluid<D, T>& f, const Aligned<T>& u, size_t i, const 
   return out - f.unit * c.sum_dot(u, begin, end);
 }
 
-/// Of what two particles of different density do to each other's velocities, as a share of what two alike do,
-/// the part of particle i: 2 rho_j / (rho_i + rho_j), so that momentum is kept. 0 for what nothing moves.
+/// Particle i's factor on the velocity change that two particles of different density give each other,
+/// relative to a pair alike: 2 rho_j / (rho_i + rho_j), so momentum is conserved. 0 for a particle that
+/// nothing moves.
 template <int D, class T>
 inline Wide<T> part_of_pair(const Fluid<D, T>& f, size_t i, const Chunk<T>& c, size_t k) {
   const Wide<T> own = Wide<T>::all(f.light[i]), other = c.of(f.light, k);

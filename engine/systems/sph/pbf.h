@@ -1,6 +1,6 @@
-// Position based fluids (Macklin & Mueller 2013): places are put where the density is that at rest, by
-// corrections along the gradient of each particle's density; velocities follow from the places. Particles
-// that come too close push each other apart by an artificial pressure (their equation 13).
+// Position based fluids (Macklin & Mueller 2013): positions are corrected along the gradient of each
+// particle's density until it is the rest density; velocities follow from positions. Particles that come too
+// close push each other apart by an artificial pressure (their equation 13).
 #pragma once
 #include <algorithm>
 
@@ -19,7 +19,7 @@ class Pbf {
         walls_(walls),
         per_near_(static_cast<T>(1 / (set.kernel_w * smoothing_at(set.def.kernel, kNear).w[0]))) {}
 
-  /// Corrects the places of particles that have moved for h s, and their velocities; t is the substep's end.
+  /// Corrects the positions, and velocities, of particles that have moved for h s; t is the substep's end.
   void correct(Fluid<D, T>& f, BodiesIn<D, T>& bodies, double t, double h, const ThreadArena& arena) const {
     const T relief = static_cast<T>(kRelief / (set_.def.spacing * set_.def.spacing));
     const bool any = bodies.any();
@@ -36,13 +36,13 @@ class Pbf {
       if (set_.def.artificial_pressure > 0) part(f, arena);
       shift(f, t, static_cast<T>(1 / h), arena);
     }
-    // Densities where the particles are now.
+    // Densities at the current positions.
     renew(f, bodies, t, arena);
   }
 
  private:
   using W = Wide<T>;
-  static constexpr double kNear = 0.2;    ///< radii, where the artificial pressure has its strength
+  static constexpr double kNear = 0.2;  ///< radii, at which the artificial pressure has its nominal strength
   static constexpr double kRelief = 0.1;  ///< epsilon of their equation 11, over the square of the spacing
 
   void renew(Fluid<D, T>& f, BodiesIn<D, T>& bodies, double t, const ThreadArena& arena) const {
@@ -51,7 +51,7 @@ class Pbf {
     neighbours_.renew(f, arena);
   }
 
-  /// Adds to f.a what keeps particles from coming closer than they are at rest.
+  /// Adds to f.a the correction that keeps particles from coming closer than at rest.
   void part(Fluid<D, T>& f, const ThreadArena& arena) const {
     const T strength = static_cast<T>(set_.def.artificial_pressure * set_.def.spacing * set_.def.spacing);
     f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
@@ -66,7 +66,7 @@ class Pbf {
     });
   }
 
-  /// Places move by f.a (m), velocities by what that is in a substep.
+  /// Positions change by f.a (m), velocities by the same per substep.
   void shift(Fluid<D, T>& f, double t, T per_h, const ThreadArena& arena) const {
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {

@@ -10,8 +10,8 @@ namespace truestep::sph {
 
 namespace {
 
-/// Sum of the kernel over a lattice of unit volume about one of its points, and the derivative that its
-/// slopes find of what grows by 1 along an axis: both nearly 1.
+/// Sums over a lattice of unit volume about one of its points: of the kernel, and of the derivative that its
+/// slopes give for a field that grows by 1 along an axis. Both are nearly 1.
 struct LatticeSums {
   double values, slopes;
 };
@@ -32,7 +32,7 @@ LatticeSums lattice_sums(Smoothing kind, int dimension, double support) {
 }
 
 /// Largest eigenvalue of the pressure equation over its diagonal on a lattice: its symbol is the square of
-/// that of the gradient, sum of g sin(k x), over wave vectors along and across the axes.
+/// the gradient's, sum of g sin(k x), over wave vectors along the axes and diagonals.
 double largest_symbol(Smoothing kind, int dimension, double support) {
   constexpr double kPi = 3.14159265358979323846;
   constexpr int kWaves = 64;

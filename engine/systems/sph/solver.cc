@@ -1,4 +1,4 @@
-// A step of the fluid: substeps as short as its fastest particle asks for, each from rows sorted anew.
+// A step of the fluid: substeps as short as its fastest particle requires, each sorting the rows anew.
 #include <cmath>
 #include <string>
 
@@ -68,7 +68,7 @@ class SolverOf final : public Solver {
     double mean = 0, most = 0, substeps = 0, density = 0, flow = 0, viscous = 0, courant = 0;
   };
 
-  /// s that the fastest particle, the sound and the viscosity allow.
+  /// s, allowed by the fastest particle, sound and viscosity.
   double limit(const State& s, Fluid<D, T>& f, double bodies, const Vec3& gravity,
                const ThreadArena& arena) const {
     const auto v = s.span<T>(columns::velocity);
@@ -90,7 +90,7 @@ class SolverOf final : public Solver {
     }
     const double sound = d.solver == Method::wcsph ? set_.sound / std::sqrt(set_.lightest) : 0;
     const double half = 0.5 * (std::sqrt(most) + sound), reach = d.courant * d.spacing;
-    // Spacings crossed by a particle that gravity makes faster on its way.
+    // Speed that includes acceleration by gravity on the way.
     const double way = half + std::sqrt(half * half + norm(gravity) * reach);
     double out = way > 0 ? reach / way : way == 0 ? HUGE_VAL : way;
     if (const double g = norm(gravity); g > 0 && d.solver != Method::wcsph) {
@@ -109,8 +109,8 @@ class SolverOf final : public Solver {
     return out;
   }
 
-  /// m, of a pool as deep as this liquid is on the mean: of one that lies on its lowest particle the mean
-  /// square of the height is a third of the depth's.
+  /// m, depth of a pool with this liquid's mean depth: in a pool above its lowest particle, the mean square
+  /// of the height is a third of the squared depth.
   double depth(const State& s, Fluid<D, T>& f, const Vec3& down, const ThreadArena& arena) const {
     const T* x = s.span<T>(columns::position).data();
     const double n[3] = {down.x, down.y, down.z};
@@ -135,7 +135,7 @@ class SolverOf final : public Solver {
     return std::sqrt(3 * std::max((squares - 2 * low * sum) / count + low * low, 0.0));
   }
 
-  /// One substep of h s that begins at `t`.
+  /// One substep of h s from `t`.
   void substep(State& s, Fluid<D, T>& f, BodiesIn<D, T>& bodies, const Vec3& gravity, const StepInput& in,
                double t, double h, Tracks& tracks) const {
     const SphDef& d = set_.def;
@@ -180,7 +180,7 @@ class SolverOf final : public Solver {
     if (!set_.inlets.empty()) pour(set_, s, t + h, in.workspace);
   }
 
-  /// Gravity and viscosity.
+  /// Gravity, viscosity, surface tension.
   void forces(Fluid<D, T>& f, const Vec3& gravity, double t, T h, const ThreadArena& arena) const {
     const T g[3] = {static_cast<T>(gravity.x), static_cast<T>(gravity.y), static_cast<T>(gravity.z)};
     const SphDef& d = set_.def;
@@ -233,7 +233,7 @@ class SolverOf final : public Solver {
     if (!set_.inlets.empty()) keep_held(f, arena);
   }
 
-  /// How light particles are, and which are in a nozzle.
+  /// Sets how light particles are, and which are in a nozzle.
   void weigh(const State& s, Fluid<D, T>& f, double t, const ThreadArena& arena) const {
     const T* ratio = set_.ratio ? s.span<T>(set_.ratio).data() : nullptr;
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
@@ -243,14 +243,14 @@ class SolverOf final : public Solver {
       }
     });
   }
-  /// Nozzle that holds what is at x, from 1 on; 0: none.
+  /// The nozzle that holds a particle at x, from 1; 0: none.
   uint8_t nozzle_at(const Vec3& x, double t) const {
     for (size_t k = 0; k < set_.inlets.size(); ++k) {
       if (set_.inlets[k].holds(x, t)) return static_cast<uint8_t>(k + 1);
     }
     return 0;
   }
-  /// The velocities of what nozzles hold.
+  /// Sets the velocities of particles held by nozzles.
   void keep_held(Fluid<D, T>& f, const ThreadArena& arena) const {
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
@@ -262,7 +262,7 @@ class SolverOf final : public Solver {
     });
   }
 
-  /// Velocities and places after h s from t on under gravity alone.
+  /// Velocities and positions after h s from t under gravity alone.
   void fall(State& s, const Vec3& gravity, double t, T h, const ThreadArena& arena) const {
     const double after = t + double{h};
     T *x = s.span<T>(columns::position).data(), *v = s.span<T>(columns::velocity).data();
@@ -282,7 +282,8 @@ class SolverOf final : public Solver {
     });
   }
 
-  /// `weight` is the size of gravity. Particles rest where their pressure is at least that one spacing deep.
+  /// `weight` is the magnitude of gravity. Particles count as at rest where their pressure is at least that
+  /// of one spacing's depth.
   void load(const State& s, Fluid<D, T>& f, double weight, const ThreadArena& arena) const {
     const T *v = s.span<T>(columns::velocity).data(), *push = s.span<T>(columns::push).data(),
             *flow = s.span<T>(columns::flow).data(), *density = s.span<T>(columns::density).data();
@@ -302,7 +303,7 @@ class SolverOf final : public Solver {
     });
   }
 
-  /// Places after h s at the velocities that are there, and all rows back to the state.
+  /// Positions after h s at the current velocities; writes all rows back to the state.
   void move(State& s, const Fluid<D, T>& f, double t, T h, const ThreadArena& arena) const {
     T *x = s.span<T>(columns::position).data(), *v = s.span<T>(columns::velocity).data(),
       *push = s.span<T>(columns::push).data(), *flow = s.span<T>(columns::flow).data(),
@@ -329,22 +330,23 @@ class SolverOf final : public Solver {
 
   [[noreturn]] void refuse(double allowed) const {
     Instability failure(set_.id, "velocity", -1,
-                        "particles of fluid allow substeps of " + short_number(allowed, 3) +
+                        "the fluid's particles allow substeps of " + short_number(allowed, 3) +
                             " s, more than max_substeps (" + std::to_string(set_.def.max_substeps) +
                             ") a step");
     if (allowed > 0) failure.suggested_dt = allowed * set_.def.max_substeps;
     throw failure;
   }
 
-  /// Of the period of the shortest wave of surface tension: sqrt(rho s^3 / (2 pi sigma)) over 2.5.
+  /// Fraction of the period of the shortest wave of surface tension: sqrt(rho s^3 / (2 pi sigma)) over 2.5.
   static constexpr double kCapillary = 0.16;
-  /// Of the time in which a particle falls by half a spacing: longer substeps keep a pool from resting.
+  /// Fraction of the time in which a particle falls half a spacing: with longer substeps a pool does not come
+  /// to rest.
   static constexpr double kFall = 0.09;
-  /// Of pbf, the most of g H (h / s)^2 over the iterations of a substep, which a pool H deep is compressed by
-  /// in order: twice as much, and what is taken back shoots particles out. One iteration that nothing
-  /// corrects goes too far much earlier.
+  /// For pbf, the largest g H (h / s)^2 per iteration of a substep at which the compression of a pool H deep
+  /// stays in order: at twice as much, corrections shoot particles out. A single iteration, which no second
+  /// one corrects, overshoots much earlier.
   static constexpr double kCarried = 0.09, kCarriedByOne = 0.012;
-  static constexpr double kDiffusion = 0.03;  ///< of the support's square: Morris, Fox & Zhu 1997
+  static constexpr double kDiffusion = 0.03;  ///< of the squared kernel radius: Morris, Fox & Zhu 1997
 
   const Setting& set_;
   Neighbours<D, T> neighbours_;
@@ -353,7 +355,7 @@ class SolverOf final : public Solver {
   Wcsph<D, T> wcsph_;
   Pbf<D, T> pbf_;
   ImplicitViscosity<D, T> viscosity_;
-  bool viscous_ = false;   ///< by substeps that are short enough
+  bool viscous_ = false;   ///< explicit viscosity, by short enough substeps
   bool implicit_ = false;  ///< by a solve
 };
 

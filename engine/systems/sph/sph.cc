@@ -14,9 +14,10 @@ Sph::Sph(const SphDef& def, const BuildContext& context)
       setting_(settle(def, context.id, context.gravity)),
       solver_(make_solver(*setting_)) {
   if (def.dimension == 2) gravity_.z = 0;
-  const char* why = def.solver == Method::dfsph
-                        ? "no divergence, forces, density at rest: as many as the fastest particle asks for"
-                        : "pressure by density, explicit: as many as sound asks for";
+  const char* why =
+      def.solver == Method::dfsph
+          ? "zero divergence, forces, constant density: as many as the fastest particle requires"
+          : "pressure from density, explicit: as many as sound waves require";
   add_stage("substeps", why, [this](State& s, const StepInput& in) { solver_->step(s, in); });
   if (def.any_regions()) {
     add_stage("removal", "kill regions",
@@ -44,8 +45,8 @@ Vec3 reach_of(const BodyDef& b) {
   return b.shape == Shape::ball ? Vec3{b.radius, b.radius, b.radius} : b.half_extents;
 }
 
-/// Pressures of liquid that stands at the start: on the side of the box to which gravity along an axis
-/// points, or on another body that does. What falls has none.
+/// Initial pressures of standing liquid: liquid on the side of the box to which gravity along an axis points,
+/// or on another body that stands. Falling liquid has none.
 class StandingLiquid {
  public:
   StandingLiquid(const SphDef& d, const Vec3& gravity) : def_(d) {
@@ -68,7 +69,7 @@ class StandingLiquid {
       }
     }
   }
-  /// Pa, the weight of what stands above a place in body k.
+  /// Pa, weight of the liquid above a point in body k.
   double pressure(size_t k, const Vec3& place) const {
     double out = 0;
     for (size_t j = 0; j < def_.bodies.size() && stands_[k]; ++j) {
@@ -82,7 +83,7 @@ class StandingLiquid {
 
  private:
   double along(const Vec3& v) const { return axis_ == 0 ? v.x : axis_ == 1 ? v.y : v.z; }
-  /// m, of a body where a line along gravity passes it; 0 beside it.
+  /// m, half the length of a line along gravity inside a body; 0 where it misses.
   double half_height(const BodyDef& b, const Vec3& from) const {
     if (b.shape == Shape::ball) {
       const double beside = norm2(from) - along(from) * along(from);
@@ -100,7 +101,8 @@ class StandingLiquid {
   std::vector<char> stands_;
 };
 
-/// Relative density of Tait's equation at this pressure over density (m^2/s^2): the seventh root by Newton.
+/// Relative density of Tait's equation at this pressure over density (m^2/s^2): a seventh root by Newton's
+/// method.
 double density_at(double pressure, double sound) {
   const double power = 1 + 7 * pressure / (sound * sound);
   double out = power;
@@ -146,7 +148,7 @@ State Sph::initial_state() const {
       x.set_vector(i, place);
       v.set_vector(
           i, b.velocity + cross(b.spin, r) + Vec3{b.strain.x * r.x, b.strain.y * r.y, b.strain.z * r.z});
-      // Water that stands would ring for seconds if it had to be compressed by its weight first.
+      // Standing water would ring for seconds if its weight had to compress it first.
       const bool carried = d.solver == Method::wcsph;
       density.set(i, carried ? density_at(standing.pressure(body, place) / d.density, setting_->sound) : 1);
       if (setting_->ratio)
@@ -159,7 +161,7 @@ State Sph::initial_state() const {
 
 Ports Sph::ports() const {
   const SphDef& d = setting_->def;
-  // What bodies do to the liquid is written for one density, and for drag that is not solved for.
+  // The effect of bodies on the liquid is written for one density, and for drag that is not solved for.
   if (d.layered() || (d.solves_viscosity() && d.walls == Walls::no_slip)) return {};
   return {.medium = MediumPort{d.dimension, columns::position, d.spacing}};
 }
@@ -184,7 +186,7 @@ FieldView Sph::field(const State& s, size_t, size_t which, std::vector<double>& 
 void Sph::check(StateCheck& check, double t) const {
   const Setting& set = *setting_;
   if (!set.counts) return;
-  constexpr uint64_t kMostBehind = 1000;  // layers; a run leaves none behind, but rounds
+  constexpr uint64_t kMostBehind = 1000;  // layers; a run leaves none behind, but times are rounded
   const State& s = check.state();
   check.together(columns::position, columns::per_particle_end, set.capacity);
   if (set.ratio) check.together({columns::position, set.ratio}, set.capacity);
@@ -192,7 +194,7 @@ void Sph::check(StateCheck& check, double t) const {
   check.require(next.size() == set.inlets.size(), "emitters");
   for (size_t k = 0; k < set.inlets.size() && k < next.size(); ++k) {
     const bool near = next[k] <= UINT64_MAX / 2 && set.inlets[k].birth(next[k] + kMostBehind) >= t;
-    check.require(near, "an emitter is far behind the clock");
+    check.require(near, "an emitter is far behind the simulated time");
   }
 }
 
@@ -203,14 +205,14 @@ void Sph::apply(State& s, const Command& c) const {
     refuse_place(c, "particle");
     const size_t row = checked_command_row(c, s.rows(columns::position), "particle");
     if (plane && c.vector.z != 0) {
-      refuse_command("vector", "out_of_range", "a plane fluid stays in z = 0");
+      refuse_command("vector", "out_of_range", "a plane fluid must stay in z = 0");
     }
     RealColumn<double> v(s, columns::velocity);
     v.set_vector(row, v.vector(row) + c.vector / (setting_->mass * setting_->ratio_of(s, row)));
     return;
   }
   if (c.kind != CommandKind::set_parameter) {
-    refuse_command("kind", "not_supported", "particles of fluid take impulses and parameters alone",
+    refuse_command("kind", "not_supported", "fluid particles take only impulses and parameters",
                    "impulse, set_parameter");
   }
   if (c.name != "gravity") {

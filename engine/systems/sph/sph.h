@@ -1,5 +1,5 @@
 // The system type "sph": a liquid of particles by smoothed particle hydrodynamics, in the plane and in space.
-// Substeps as short as the fastest particle asks for. Commands: impulse, set_parameter (gravity).
+// Substeps as short as the fastest particle requires. Commands: impulse, set_parameter (gravity).
 #pragma once
 #include <memory>
 

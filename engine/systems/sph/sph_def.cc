@@ -17,23 +17,23 @@ const DefTable& body_table() {
   using D = BodyDef;
   static const DefTable t =
       TableOf<D>("fluid at the start")
-          .choice("shape", &D::shape, {"box", "ball"}, "what it fills")
+          .choice("shape", &D::shape, {"box", "ball"}, "region to fill")
           .vector("center", &D::center, "m", any(), "of the shape")
           .vector("half_extents", &D::half_extents, "m", above(0), "of a box")
           .number("radius", &D::radius, "m", above(0), "of a ball")
           .vector("velocity", &D::velocity, "m/s", any(), "initial, of its centre")
           .vector("spin", &D::spin, "rad/s", any(), "initial, about its centre")
           .vector("strain", &D::strain, "1/s", any(),
-                  "initial: velocity along each axis per distance from the centre along it")
-          .number("density", &D::density, "kg/m^3", above(0), "at rest; absent: the system's")
+                  "initial: along each axis, velocity per distance from the centre")
+          .number("density", &D::density, "kg/m^3", above(0), "at rest; absent: the system's density")
           .build();
   return t;
 }
 
 const DefTable& hollow_table() {
   using D = HollowDef;
-  static const DefTable t = TableOf<D>("a hollow in the fluid")
-                                .choice("shape", &D::shape, {"box", "ball"}, "what it leaves out")
+  static const DefTable t = TableOf<D>("a region without fluid")
+                                .choice("shape", &D::shape, {"box", "ball"}, "shape of the region")
                                 .vector("center", &D::center, "m", any(), "of the shape")
                                 .vector("half_extents", &D::half_extents, "m", above(0), "of a box")
                                 .number("radius", &D::radius, "m", above(0), "of a ball")
@@ -44,12 +44,13 @@ const DefTable& hollow_table() {
 const DefTable& inlet_table() {
   using D = InletDef;
   static const DefTable t = [] {
-    TableOf<D> table("a nozzle: a disk, in the plane a line, that liquid leaves in layers a spacing apart");
+    TableOf<D> table(
+        "a nozzle: a disk, or in the plane a line, that emits liquid in layers one spacing apart");
     return add_source_rows(table)
-        .number("density", &D::density, "kg/m^3", above(0), "at rest; absent: the system's")
+        .number("density", &D::density, "kg/m^3", above(0), "at rest; absent: the system's density")
         .check([](const D& d, const DefTable::Report& report) {
           check_source(d, report);
-          if (!(d.speed > 0)) report("/speed", "a nozzle pours only at a speed above 0");
+          if (!(d.speed > 0)) report("/speed", "a nozzle needs a speed above 0");
         })
         .build();
   }();
@@ -60,7 +61,7 @@ Vec3 reach_of(const BodyDef& b) {
   return b.shape == Shape::ball ? Vec3{b.radius, b.radius, b.radius} : b.half_extents;
 }
 
-/// Places along every axis of the lattice that fills a body; 1 across the plane.
+/// Points along each axis of the lattice that fills a body; 1 across the plane.
 std::array<double, 3> lattice_of(const SphDef& d, const BodyDef& b) {
   const Vec3 reach = reach_of(b);
   const auto places = [&](double r) { return std::max(1.0, std::floor(2 * r / d.spacing + 0.5)); };
@@ -78,12 +79,12 @@ void check_body(const SphDef& d, const BodyDef& b, const std::string& at, const 
     report(at + (b.velocity.z != 0 ? "/velocity"
                  : b.strain.z != 0 ? "/strain"
                                    : "/spin"),
-           "a plane body moves in the plane z = 0");
+           "a plane body must move in the plane z = 0");
   }
   if (inside && places_of(d, b).empty()) report(at, "is too small for a single particle");
 }
 
-/// The nozzle and what is behind it must lie in the box.
+/// The nozzle and the region behind it must lie in the box.
 void check_inlet(const SphDef& d, const InletDef& def, const std::string& at,
                  const DefTable::Report& report) {
   const bool plane = d.dimension == 2;
@@ -101,7 +102,7 @@ void check_inlet(const SphDef& d, const InletDef& def, const std::string& at,
   for (const Vec3& p : inlet.places) {
     if (inside(inlet.mouth + p) && inside(inlet.back() + p)) continue;
     return report(at + "/position",
-                  "the nozzle, as deep behind its position as a kernel reaches, must lie in the box");
+                  "the nozzle, one kernel radius deep behind its position, must lie in the box");
   }
 }
 
@@ -114,15 +115,17 @@ void check_def(const SphDef& d, const DefTable::Report& report) {
   const bool plane = d.dimension == 2;
   const double reach = d.support * d.spacing;
   const double least = plane ? std::min(size.x, size.y) : std::min({size.x, size.y, size.z});
-  // A wider pair sums up another density than its slopes correct, and the solve shakes the water.
+  // With a wider support the density that this pair sums up is not the one its slopes correct, and the solve
+  // shakes the water.
   if (d.kernel == Smoothing::poly6_spiky && d.solver == Method::dfsph && d.support > 2) {
-    report("/support", "of poly6_spiky with dfsph at most 2: wider, its slopes do not correct its density");
+    report("/support",
+           "at most 2 for poly6_spiky with dfsph: with a wider kernel its slopes do not correct its density");
   }
   if (!(least >= 3 * reach)) {
-    return report("/high", "the box must be at least three kernel radii wide (3 x support x spacing)");
+    return report("/high", "the box must be at least three kernel radii (3 x support x spacing) wide");
   }
   const double cells = size.x * size.y * (plane ? 1 : size.z) / (reach * reach * (plane ? 1 : reach));
-  if (cells > kMostCells) return report("/spacing", "more than 1e8 cells of a kernel's radius");
+  if (cells > kMostCells) return report("/spacing", "more than 1e8 cells of one kernel radius");
   if (expected_particles(d) > kMostParticles) return report("/bodies", "more than ten million particles");
   if (plane && d.wraps(2)) return report("/periodic", "a plane system has no direction z");
   if (plane && d.lid_velocity.z != 0) return report("/lid_velocity", "a plane system moves in z = 0");
@@ -156,7 +159,7 @@ size_t largest_count(const SphDef& d, size_t start) {
   if (d.max_particles) return std::max(static_cast<size_t>(*d.max_particles), start);
   double n = static_cast<double>(start);
   for (const InletDef& e : d.emitters) n += Inlet(d, e).most();
-  // Without an end in sight: a default that the scene can raise.
+  // The emitters' total is unbounded or too large: a default that the scene can raise.
   return n <= kMostParticles ? static_cast<size_t>(n) : std::max<size_t>(start, 100'000);
 }
 
@@ -167,7 +170,7 @@ bool HollowDef::contains(const Vec3& p) const {
 }
 
 std::vector<Vec3> places_of(const SphDef& d, const BodyDef& b) {
-  // A lattice in step with the shape, its points half a spacing from the faces of a box.
+  // A lattice aligned with the shape, its points half a spacing from the faces of a box.
   const Vec3 reach = reach_of(b);
   const double r[3] = {reach.x, reach.y, reach.z};
   const std::array<double, 3> count = lattice_of(d, b);
@@ -204,60 +207,58 @@ const DefTable& sph_table() {
   static const DefTable t = [] {
     using D = SphDef;
     TableOf<D> table("a liquid of particles (smoothed particle hydrodynamics)");
-    table.integer("dimension", &D::dimension, between(2, 3), "2: in z = 0, a metre thick; 3: space")
-        .vector("low", &D::low, "m", any(), "corner of the box that holds everything")
-        .vector("high", &D::high, "m", any(), "opposite corner; z does not count in the plane")
+    table.integer("dimension", &D::dimension, between(2, 3), "2: in z = 0, one metre thick; 3: space")
+        .vector("low", &D::low, "m", any(), "corner of the box that contains everything")
+        .vector("high", &D::high, "m", any(), "opposite corner; z is ignored in the plane")
         .number("spacing", &D::spacing, "m", above(0), "between particles at rest")
-        .objects("bodies", &D::bodies, body_table(), {0, 1000}, "where there is fluid at the start")
+        .objects("bodies", &D::bodies, body_table(), {0, 1000}, "fluid at the start")
         .objects("hollows", &D::hollows, hollow_table(), {0, 1000},
-                 "where there is none at the start, whatever fills the place: room for bodies in the fluid")
+                 "regions without fluid at the start, even inside bodies of fluid: room for immersed bodies")
         .objects("emitters", &D::emitters, inlet_table(), {0, 64}, "nozzles")
         .integer("max_particles", &D::max_particles, between(1, kMostParticles),
-                 "most particles at once; absent: what the emitters pour out, 100,000 where that has no end")
+                 "most particles at once; absent: enough for the emitters, 100,000 if they never end")
         .choice("solver", &D::solver, {"dfsph", "wcsph", "pbf"},
-                "dfsph: pressure solved for constant density and no divergence; wcsph: pressure from density "
-                "by Tait's equation; pbf: positions put where the density is right")
+                "dfsph: pressure solved for constant density and zero divergence; wcsph: pressure from "
+                "density by Tait's equation; pbf: positions corrected to constant density")
         .choice("kernel", &D::kernel, {"cubic", "wendland_c2", "wendland_c4", "poly6_spiky"},
-                "smoothing kernel; poly6_spiky: density by the first, pressure by the second")
+                "smoothing kernel; poly6_spiky: the first for density, the second for pressure")
         .number("support", &D::support, "1", between(1.5, 4), "radius of the kernel in spacings")
         .number("density", &D::density, "kg/m^3", above(0), "at rest")
         .number("viscosity", &D::viscosity, "m^2/s", at_least(0), "kinematic")
-        .choice(
-            "viscosity_step", &D::viscosity_step, {"explicit", "implicit", "weiler2018"},
-            "explicit: substeps short enough for `viscosity`; implicit: the same forces by a solve in each "
-            "substep of any length; weiler2018: a solve that keeps angular momentum, for thick liquids "
-            "with a free surface")
-        .number("surface_tension", &D::surface_tension, "N/m", at_least(0), "against what is no liquid")
+        .choice("viscosity_step", &D::viscosity_step, {"explicit", "implicit", "weiler2018"},
+                "explicit: substeps short enough for `viscosity`; implicit: the same forces, solved for in "
+                "substeps of any length; weiler2018: a solve that conserves angular momentum, for thick "
+                "liquids with a free surface")
+        .number("surface_tension", &D::surface_tension, "N/m", at_least(0), "at free surfaces")
         .choice("surface_tension_model", &D::surface_tension_model, {"cohesion", "interface"},
-                "cohesion: pairs attract each other (Akinci and others 2013); interface: the "
-                "surface has an energy, whose gradient acts")
+                "cohesion: pairs attract each other (Akinci et al. 2013); interface: forces from the "
+                "gradient of a surface energy")
         .number("artificial_viscosity", &D::artificial_viscosity, "1", between(0, 1),
                 "Monaghan's alpha, of solver wcsph")
-        .number(
-            "xsph", &D::xsph, "1", between(0, 1),
-            "share of the neighbours' mean velocity in a particle's own, every 1/60 s: the viscosity that "
-            "keeps particles in order; 0 where `viscosity` is resolved")
+        .number("xsph", &D::xsph, "1", between(0, 1),
+                "share of the neighbours' mean velocity mixed into a particle's own every 1/60 s: a "
+                "viscosity that keeps particles in order; 0 if `viscosity` is resolved")
         .number("vorticity", &D::vorticity, "1", between(0, 10), "strength of vorticity confinement")
         .number(
             "density_error", &D::density_error, "1", {.min = 1e-6, .max = 0.1},
-            "mean compression a substep at which a solve of dfsph ends; the largest may be ten times that")
+            "mean compression per substep at which a solve of dfsph ends; the largest may be ten times this")
         .integer("max_iterations", &D::max_iterations, between(2, 10'000), "of each solve of dfsph")
         .number("sound_speed", &D::sound_speed, "m/s", at_least(0),
-                "of wcsph; 0: ten times the fastest that the start can give")
+                "of wcsph; 0: ten times the largest speed that the initial state can lead to")
         .number("density_diffusion", &D::density_diffusion, "1", between(0, 0.5),
                 "delta of delta-SPH, of solver wcsph")
-        .integer("pbf_iterations", &D::pbf_iterations, between(1, 1000), "a substep, of solver pbf")
+        .integer("pbf_iterations", &D::pbf_iterations, between(1, 1000), "per substep, of solver pbf")
         .number("artificial_pressure", &D::artificial_pressure, "1", between(0, 1),
-                "of solver pbf, between particles that come too close: in relative density")
+                "of solver pbf, between particles that come too close; in relative density")
         .number("courant", &D::courant, "1", {.min = 0.01, .max = 0.8},
-                "spacings that a particle, of wcsph a sound wave, may cross in a substep")
-        .integer("max_substeps", &D::max_substeps, between(1, 1e6), "of a step, beyond which it is refused")
+                "spacings that a particle, or with wcsph a sound wave, may cross per substep")
+        .integer("max_substeps", &D::max_substeps, between(1, 1e6), "of a step; a step that needs more fails")
         .choice("walls", &D::walls, {"slip", "no_slip"},
-                "whether the box and colliders drag viscous fluid along")
-        .vector("lid_velocity", &D::lid_velocity, "m/s", any(), "of the upper side in y, along itself")
+                "no_slip: the box and colliders drag viscous fluid along")
+        .vector("lid_velocity", &D::lid_velocity, "m/s", any(), "of the upper side in y, parallel to it")
         .choice("periodic", &D::periodic, {"none", "x", "z", "xz"},
-                "directions in which what leaves the box comes back on the other side");
-    // The rest is shared with every system of points.
+                "directions in which fluid that leaves the box re-enters at the other side");
+    // The rest is common to all systems of points.
     add_kill_rows(table);
     add_collider_rows(table, &D::colliders);
     table.choice("precision", &D::precision, {"f32", "f64"}, "of the particles");
@@ -292,7 +293,7 @@ Cost sph_cost(const void* def) {
   const double n = static_cast<double>(largest_count(d, static_cast<size_t>(expected_particles(d)))),
                scalar = d.precision == Precision::f32 ? 4 : 8;
   const bool plane = d.dimension == 2;
-  // Lists with room to grow: a slot, a gradient (of floats 16 bits), a slope and a weight.
+  // Lists with room to grow: a slot, a gradient (for floats 16 bits), a slope and a weight.
   const double pairs = n * expected_neighbours(d);
   const Vec3 size = d.high - d.low;
   const double reach = d.support * d.spacing;

@@ -30,12 +30,12 @@ struct BodyDef {
   std::optional<double> density;
 };
 
-/// A nozzle that pours liquid out.
+/// A nozzle that emits liquid.
 struct InletDef : SourceDef {
   std::optional<double> density;
 };
 
-/// A shape in which there is none.
+/// A shape without fluid at the start.
 struct HollowDef {
   Shape shape = Shape::box;
   Vec3 center, half_extents{0.1, 0.1, 0.1};
@@ -74,9 +74,9 @@ struct SphDef : KillDefs {
 
   /// Whether viscosity is solved for in every substep.
   bool solves_viscosity() const { return viscosity > 0 && viscosity_step != Viscous::explicit_step; }
-  /// Whether particles come or go.
+  /// Whether the number of particles can change.
   bool changes() const { return !emitters.empty() || any_regions(); }
-  /// Whether not all of the liquid has one density.
+  /// Whether parts of the liquid have different densities.
   bool layered() const;
   bool wraps(int axis) const {
     return axis == 0 ? periodic == Periodic::x || periodic == Periodic::xz
@@ -89,13 +89,13 @@ const Outputs& sph_outputs();
 const Resolution& sph_resolution();
 Cost sph_cost(const void* def);
 
-/// m, where the particles of a body are at t = 0, in the order of rows.
+/// m, initial positions of a body's particles, in the order of rows.
 std::vector<Vec3> places_of(const SphDef& def, const BodyDef& body);
-/// Most particles that there may be at once, `start` of them from the beginning.
+/// Largest number of particles at once, given `start` of them at the start.
 size_t largest_count(const SphDef& def, size_t start);
-/// Of a particle in the midst of the fluid, with what lists of them are filled up with.
+/// Neighbours of a particle inside the fluid, including the padding of its list.
 double expected_neighbours(const SphDef& def);
-/// Particles of all bodies, by the lattices that fill them.
+/// Number of particles of all bodies, from the lattices that fill them.
 double expected_particles(const SphDef& def);
 
 }  // namespace truestep::sph

@@ -1,4 +1,4 @@
-// What a state of the fluid measures, and the words for it.
+// Observables of a fluid's state, its warnings, and the descriptions of its outputs.
 #include <algorithm>
 #include <cmath>
 
@@ -39,7 +39,7 @@ void Sph::observe(const State& s, double, Observables& out) const {
   };
   add("momentum", p, "kg m/s");
   add("angular_momentum", l, "kg m^2/s");
-  if (n == 0) low = high = centre / mass;  // nothing is nowhere: not a number
+  if (n == 0) low = high = centre / mass;  // the position of no particles is not a number
   add("centre", centre / mass, "m");
   const Vec3 at = centre / mass;
   const auto spread = [&](double square, double middle) {
@@ -71,8 +71,8 @@ void Sph::observe(const State& s, double, Observables& out) const {
   out.add("refused", static_cast<double>(c[counts::refused]), "1");
 }
 
-// Density off by more than 1 % on the mean: more than weakly compressible flow may be (Monaghan 1994), and
-// than solves are run with. How many spacings are crossed is no question: longer steps are divided.
+// A mean density error above 1 %: more than weakly compressible flow should have (Monaghan 1994), and more
+// than solves are run with. The number of spacings crossed needs no check: long steps are divided.
 void Sph::warn(const State& s, double h, std::vector<Warning>& out) const {
   constexpr double kMostOff = 0.01, kSpare = 1.1;
   const SphDef& d = setting_->def;
@@ -80,13 +80,13 @@ void Sph::warn(const State& s, double h, std::vector<Warning>& out) const {
   const double value = r[report::mean_error], limit = std::max(kMostOff, d.density_error);
   if (!(value > limit)) return;
   Warning w{.quantity = "density.mean_error", .value = value, .limit = limit};
-  w.detail = "density is " + short_number(100 * value, 2) + " % off on the mean: ";
+  w.detail = "density is " + short_number(100 * value, 2) + " % off on average: ";
   if (d.solver == Method::wcsph) {
-    // Of the same pressures sound sqrt(k) times as fast makes a k-th.
+    // At the same pressures, sound sqrt(k) times as fast gives a k-th of the error.
     w.detail += "a sound_speed of " + short_number(kSpare * setting_->sound * std::sqrt(value / limit), 2) +
                 " m/s would do";
   } else {
-    // What a substep compresses grows with its square.
+    // A substep's compression grows with its square.
     w.suggested_dt = h / std::max(1.0, r[report::substeps]) * std::sqrt(limit / value) / kSpare;
     w.detail += "dt " + short_number(w.suggested_dt, 2) + " s, or more " +
                 (d.solver == Method::pbf ? "pbf_iterations" : "max_iterations") + " would do";
@@ -97,11 +97,10 @@ void Sph::warn(const State& s, double h, std::vector<Warning>& out) const {
 const Outputs& sph_outputs() {
   static const Outputs kOutputs{
       .rows =
-          "a particle, body after body; rows of particles that are removed are closed up, new ones come at "
-          "the end",
+          "a particle, body after body; rows of removed particles are closed up, new ones come at the end",
       .fields = {{"position", "m", 3, ""},
                  {"velocity", "m/s", 3, ""},
-                 {"density", "kg/m^3", 1, "by the kernel; of wcsph by continuity"},
+                 {"density", "kg/m^3", 1, "from the kernel; with wcsph from continuity"},
                  {"pressure", "Pa", 1, "of the last substep"},
                  {"speed", "m/s", 1, ""}},
       .observables = {
@@ -120,30 +119,31 @@ const Outputs& sph_outputs() {
           {"spread.x", "m", "root mean square distance of the particles' mass from its centre along x"},
           {"spread.y", "m", ""},
           {"spread.z", "m", ""},
-          {"low.x", "m", "least coordinate of any particle"},
+          {"low.x", "m", "smallest coordinate of any particle"},
           {"low.y", "m", ""},
           {"low.z", "m", ""},
-          {"high.x", "m", "greatest coordinate of any particle"},
+          {"high.x", "m", "largest coordinate of any particle"},
           {"high.y", "m", ""},
           {"high.z", "m", ""},
           {"mass", "kg", "of all particles"},
           {"pressure.mean", "Pa", "of the particles"},
           {"speed.max", "m/s", "of the fastest particle"},
           {"density.mean_error", "1",
-           "mean compression that the pressure solve of the last substep left; of wcsph mean "
-           "deviation of density"},
+           "mean compression left by the last substep's pressure solve; with wcsph mean deviation of "
+           "density"},
           {"density.max_error", "1", "the largest"},
-          {"compression.mean", "1", "mean of what density had over that at rest when the last substep began"},
+          {"compression.mean", "1",
+           "mean relative excess over the rest density at the start of the last substep"},
           {"compression.max", "1", "the largest"},
-          {"courant", "1", "spacings crossed in a substep by what limits it, at most"},
+          {"courant", "1", "largest number of spacings crossed in a substep by what limits it"},
           {"substeps", "1", "of the last step"},
-          {"iterations.density", "1", "a substep, for constant density"},
-          {"iterations.divergence", "1", "a substep, for no divergence"},
-          {"iterations.viscosity", "1", "a substep, where viscosity is solved for"},
-          {"count", "1", "particles that there are, where they come or go"},
+          {"iterations.density", "1", "per substep, for constant density"},
+          {"iterations.divergence", "1", "per substep, for zero divergence"},
+          {"iterations.viscosity", "1", "per substep, if viscosity is solved for"},
+          {"count", "1", "present particles, if they come or go"},
           {"emitted", "1", "particles born from nozzles"},
           {"killed", "1", "particles removed by kill regions"},
-          {"refused", "1", "births that the most particles allowed left no room for"}}};
+          {"refused", "1", "births refused because max_particles was reached"}}};
   return kOutputs;
 }
 

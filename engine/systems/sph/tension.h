@@ -1,8 +1,8 @@
-// Surface tension. `cohesion`: pairs attract each other (kernels/sph/cohesion.h); what a particle at the
-// surface lacks on one side draws it in, pressure keeps the density. `interface`: the
-// surface has an energy (kernels/sph/interface.h). Walls draw nothing: drops bead on them. A force by the
-// colour's curvature (Brackbill, Kothe & Zemach 1992) was tried: normals of particles that leave the surface
-// are noise, and fed drops energy until they burst.
+// Surface tension. `cohesion`: pairs attract each other (kernels/sph/cohesion.h); a particle at the surface
+// lacks neighbours on one side and is drawn in, pressure maintains the density. `interface`: the surface has
+// an energy (kernels/sph/interface.h). Walls do not attract: drops bead on them. A force from the colour
+// field's curvature (Brackbill, Kothe & Zemach 1992) was tried: the normals of particles that leave the
+// surface are noise, and fed energy to drops until they burst.
 #pragma once
 #include "engine/kernels/sph/cohesion.h"
 #include "engine/kernels/sph/interface.h"
@@ -10,13 +10,13 @@
 
 namespace truestep::sph {
 
-/// The ways to neighbours: gradients, whose size makes them directions (g / size), and distances in radii of
-/// the kernel. What fills lists up has the direction 0 and the distance 1.
+/// Offsets to neighbours: gradients, divided by whose size they are directions (g / size), and distances in
+/// kernel radii. Padding has direction 0 and distance 1.
 template <int D, class T>
 struct Ways {
   Wide<T> g[D], size, q;
 
-  /// Needs slopes, and of rounded gradients distances.
+  /// Needs slopes, or distances where gradients are rounded.
   Ways(const Chunk<T>& c, size_t k, T support) {
     using W = Wide<T>;
     // Gradients point to the neighbour.
@@ -51,7 +51,7 @@ inline void draw_together(Fluid<D, T>& f, T strength, T support, const ThreadAre
   });
 }
 
-/// Adds what the energy of the interface does, over `strength` = e / (H m) (m/s^2), to f.a.
+/// Adds the force of the interface's energy, with `strength` = e / (H m) (m/s^2), to f.a.
 template <int D, class T>
 inline void shrink_interface(Fluid<D, T>& f, T strength, const PlaneInterface& plane, T support,
                              const ThreadArena& arena) {

@@ -1,10 +1,10 @@
-// Implicit viscosity: velocities v = v* + h a(v), by conjugate gradients with the matrix's diagonal, so that
-// any substep holds. The forces a are those of the explicit step, 2 nu sum V |W'| / r (v_j - v_i) (Morris,
-// Fox & Zhu 1997), or 2 (d + 2) nu sum V (v_ij . x_ij) / |x_ij|^2 grad W (Weiler, Koschier, Brand & Bender
-// 2018, equations 8 to 11; without their 0.01 h^2: pairs at the kernel's rim, where the gradient vanishes,
-// are left out instead). Both keep momentum; the second keeps angular momentum too, but is a third too weak
-// along the rows of a lattice whose kernel reaches two spacings. Walls that hold the fluid enter the matrix.
-// Particles that nothing moves are given velocities.
+// Implicit viscosity: velocities v = v* + h a(v) by conjugate gradients with a diagonal preconditioner,
+// stable for any substep. The forces a are those of the explicit step, 2 nu sum V |W'| / r (v_j - v_i)
+// (Morris, Fox & Zhu 1997), or 2 (d + 2) nu sum V (v_ij . x_ij) / |x_ij|^2 grad W (Weiler, Koschier, Brand &
+// Bender 2018, equations 8 to 11; without their 0.01 h^2: pairs at the kernel's rim, where the gradient
+// vanishes, are left out instead). Both conserve momentum; the second also conserves angular momentum, but is
+// a third too weak along the rows of a lattice if the kernel reaches two spacings. No-slip walls enter the
+// matrix. Particles that nothing moves act as given velocities.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -19,14 +19,14 @@ class ImplicitViscosity {
  public:
   ImplicitViscosity(const Setting& set, const BoxWalls<D, T>& walls) : set_(set), walls_(walls) {}
 
-  /// Changes f.v by h s of viscosity at time t; the iterations that it took.
+  /// Applies h s of viscosity to f.v at time t; returns the number of iterations.
   int solve(Fluid<D, T>& f, double t, double h, const ThreadArena& arena) const {
     for (auto* c : {&f.rest, &f.way, &f.image, &f.scale}) c->resize(4 * f.n);
     const double strength = (turns() ? 2 * (D + 2) : 2) * set_.def.viscosity * h;
     if (holds()) hold(f, t, h, arena);
     precondition(f, static_cast<T>(strength), arena);
     multiply(f, f.v, static_cast<T>(strength), arena);
-    // What is left of v* - (1 + h A) v at v = v*.
+    // The residual v* - (1 + h A) v at v = v*.
     const double start = sum_of(f, arena, [&](size_t i, size_t k) {
       T left = f.v[k] - f.image[k];
       if (holds()) left += f.hold[kHold * i + 6 + k % 4];
@@ -61,15 +61,15 @@ class ImplicitViscosity {
 
  private:
   using W = Wide<T>;
-  /// Of what viscosity changes in a substep, in the norm of the conjugate gradients.
+  /// Relative to the change by viscosity in a substep, in the norm of the conjugate gradients.
   static constexpr double kTolerance = sizeof(T) == 8 ? 1e-6 : 1e-4;
-  /// Numbers a row: a symmetric matrix (xx yy zz xy xz yz) and what walls that move add.
+  /// Numbers per row: a symmetric matrix (xx yy zz xy xz yz) and the contribution of moving walls.
   static constexpr size_t kHold = 9;
 
   bool turns() const { return set_.def.viscosity_step == Viscous::weiler2018; }
   bool holds() const { return set_.def.walls == Walls::no_slip; }
 
-  /// Sum of body(row, component) over all rows, of each weighted by its density.
+  /// Sum of body(row, component) over all rows, each weighted by its density.
   template <class Body>
   double sum_of(Fluid<D, T>& f, const ThreadArena& arena, const Body& body) const {
     f.partial.resize((f.n + kBlockRows - 1) / kBlockRows);
@@ -87,7 +87,7 @@ class ImplicitViscosity {
     return out;
   }
 
-  /// Weight of a pair, of g g^T or of the unit matrix; at least 0.
+  /// Weight of a pair, on g g^T or the unit matrix; at least 0.
   W weight(const Fluid<D, T>& f, size_t i, const Chunk<T>& c, size_t k, const W* g, T strength) const {
     W out = W::all(-strength) * load(c.s.data() + k);
     if (turns()) {
@@ -152,7 +152,7 @@ class ImplicitViscosity {
     });
   }
 
-  /// What walls do along themselves: h nu friction (1 - n n^T) (v - their velocity).
+  /// Drag of walls along themselves: h nu friction (1 - n n^T) (v - their velocity).
   void hold(Fluid<D, T>& f, double t, double h, const ThreadArena& arena) const {
     f.hold.resize(kHold * f.n);
     const double nu = set_.def.viscosity * h, least = kLeastGap * set_.def.spacing;

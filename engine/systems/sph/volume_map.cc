@@ -10,7 +10,7 @@ namespace {
 constexpr double kMostNodes = 1e6;
 constexpr double kFinest = 0.5, kCoarsest = 1;  ///< spacings between nodes
 
-/// Nodes within the kernel of one, with its weights and gradients times the node's volume.
+/// Nodes within a kernel's radius of one, with the kernel's weights and gradients times the node's volume.
 struct Stencil {
   struct Entry {
     int x, y, z;
@@ -39,7 +39,7 @@ struct Stencil {
   }
 };
 
-/// Share of a node's cell that is inside, by its distance from the surface.
+/// Fraction of a node's cell that is inside, from its distance to the surface.
 double inside(double distance, double width) {
   return std::clamp(0.5 - distance / width, 0.0, 1.0);
 }
@@ -70,7 +70,7 @@ struct Flat {
 
 }  // namespace
 
-// Chooses the grid; false where it would have to be too coarse.
+// Chooses the grid; false if it would have to be too coarse.
 bool VolumeMap::lay(const Solid& solid, const Setting& setting) {
   const Box box = bounds(solid, Transform{rotation(Quat{}), {}});
   const double s = setting.def.spacing;
@@ -122,7 +122,7 @@ VolumeMap::VolumeMap(const Solid& solid, const Setting& setting) : sides_(mesh_s
       const double in = double{filled[index(at)]};
       share += in * e.w, slope += e.g * in;
     }
-    // Where hardly any of the kernel is in it, what little it adds does not matter.
+    // Where hardly any of the kernel is inside, its small contribution does not matter.
     constexpr double kLittle = 1e-3;
     const auto [whole, steep] = flat.at(d);
     const double per = 1 / (steep + kLittle / support);

@@ -1,5 +1,5 @@
-// How much of a kernel lies in a solid, over how much would lie in a half space as near: 1 beside a flat
-// face, less at edges, corners and round surfaces. A map over the solid's surroundings in its own frame, made
+// How much of a kernel lies inside a solid, relative to a half space at the same distance: 1 next to a flat
+// face, less at edges, corners and round surfaces. A map of the solid's surroundings in its own frame, made
 // once (compare the volume maps of Bender et al. 2019); what a half space adds is in
 // kernels/sph/half_space.h.
 #pragma once
@@ -18,11 +18,11 @@ class VolumeMap {
 
   struct At {
     double share;  ///< 1
-    Vec3 slope;    ///< 1, of the share's gradient into the solid: beside a flat face its unit normal, inwards
+    Vec3 slope;    ///< 1, of the share's gradient into the solid: at a flat face its inward unit normal
   };
-  /// At a place in the solid's frame whose nearest surface has the outward normal.
+  /// At a point in the solid's frame; `normal` is the outward normal of the nearest surface.
   At at(const Vec3& p, const Vec3& normal) const;
-  /// How distances from the solid are to be asked for.
+  /// How to query distances from the solid.
   MeshSides sides() const { return sides_; }
 
  private:

@@ -1,18 +1,18 @@
-// What the sides of the box and the colliders add to the sums of particles, and how particles stay off them.
-// Shares of several walls combine as if the kernel were a product over directions, so that an edge is not
-// counted twice: 1 - share = product of (1 - share of each).
+// Contributions of the box's sides and the colliders to the sums of particles, and keeping particles off
+// them. Shares of several walls combine as if the kernel were a product over directions, so that an edge is
+// not counted twice: 1 - share = product of (1 - share of each).
 #pragma once
 #include "engine/systems/sph/fluid.h"
 
 namespace truestep::sph {
 
-/// Particles are kept this many spacings off every wall.
+/// Minimum distance of particles from every wall, in spacings.
 inline constexpr double kLeastGap = 0.25;
 
-/// m/s^2, what is missing where a fluid at rest has the same pressure all over its mirror image in a wall:
-/// the image's pressure goes on as the fluid's, along a straight line (compare Adami, Hu & Adams 2012). The
-/// integral over the wall of the kernel's gradient times the way is -share, and -(share + d slope) across it.
-/// This is that second part, of a wall at distance d (m) with the outward normal n and the slope `into` it.
+/// m/s^2, the term missing for a fluid at rest if its mirror image in a wall has one pressure throughout: the
+/// image's pressure continues the fluid's along a straight line (compare Adami, Hu & Adams 2012). The
+/// integral over the wall of the kernel's gradient times the offset is -share, and -(share + d slope) across
+/// it. This is that second part, for a wall at distance d (m) with outward normal n and slope `into` it.
 inline Vec3 leaning(const Vec3& into, const Vec3& n, double d, const Vec3& gravity) {
   return into * (std::max(d, 0.0) * dot(gravity, n));
 }
@@ -26,7 +26,8 @@ class BoxWalls {
     for (int a = 0; a < D; ++a) low_[a] = lows[a], high_[a] = highs[a];
   }
 
-  /// visit(distance, normal into the fluid, velocity) for every wall that the kernel at x reaches at time t.
+  /// visit(distance, normal into the fluid, velocity) for every wall within the kernel's reach of x at time
+  /// t.
   template <class Visit>
   void near(const double* x, double t, const Visit& visit) const {
     const SphDef& d = set_.def;
@@ -41,7 +42,7 @@ class BoxWalls {
     if (s.distance < set_.support) visit(s.distance, s.normal, s.velocity);
   }
 
-  /// Gradient and share of all walls, and what their motion does to density.
+  /// Gradient and share of all walls, and the rate of density due to their motion.
   void shares(Fluid<D, T>& f, double t, const ThreadArena& arena) const {
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
@@ -50,7 +51,7 @@ class BoxWalls {
         Vec3 slope;
         near(x, t, [&](double d, const Vec3& n, const Vec3& velocity) {
           const HalfSpace::At at = set_.wall.at(d);
-          // d (1 - product) = sum of slopes times the others' rests.
+          // d (1 - product) = sum of each slope times the others' factors 1 - share.
           const Vec3 g = n * -at.slope;
           slope = slope * (1 - at.share) + g * rest;
           drive = drive * (1 - at.share) - dot(g, velocity) * rest;
@@ -64,7 +65,7 @@ class BoxWalls {
     });
   }
 
-  /// m/s^2, how a particle of a fluid at rest leans on these walls; `share` is that of all.
+  /// m/s^2, effect of the weight of a fluid at rest on a particle at these walls; `share` is that of all.
   Vec3 lean(const double* x, const Vec3& gravity, double share, double t) const {
     Vec3 out;
     near(x, t, [&](double d, const Vec3& n, const Vec3&) {
@@ -75,7 +76,7 @@ class BoxWalls {
     return out;
   }
 
-  /// m/s^2, what walls that hold the fluid do to a particle at x with velocity v.
+  /// m/s^2, drag of no-slip walls on a particle at x with velocity v.
   Vec3 drag(const double* x, const Vec3& v, double t) const {
     Vec3 out;
     near(x, t, [&](double d, const Vec3& n, const Vec3& velocity) {
@@ -86,8 +87,8 @@ class BoxWalls {
     return out;
   }
 
-  /// Puts a particle back off the walls that it has come too close to, without the velocity into them; what
-  /// leaves by a periodic side stays outside.
+  /// Moves a particle that is too close to a wall back off it, and removes its velocity into the wall; a
+  /// particle that has left through a periodic side stays outside.
   void keep_inside(T* x, T* v, double t) const {
     const double least = kLeastGap * set_.def.spacing;
     if (!set_.colliders.empty()) {
@@ -112,10 +113,10 @@ class BoxWalls {
     }
   }
 
-  /// The same, and into the box by its periodic sides.
+  /// The same, then wraps the particle through periodic sides.
   void keep_off(T* x, T* v, double t) const { keep_inside(x, v, t), wrap(x); }
 
-  /// Into the box by its periodic sides.
+  /// Wraps a position into the box through its periodic sides.
   void wrap(T* x) const {
     for (int a = 0; a < D; ++a) {
       if (!set_.def.wraps(a)) continue;

@@ -1,12 +1,12 @@
 // Weakly compressible SPH: pressure by Tait's equation (Monaghan 1994), density by continuity with the
-// diffusion of delta-SPH (Molteni & Colagrossi 2009; the hydrostatic part left out as by Fourtakas et al.
-// 2019), Monaghan's artificial viscosity. Velocity first, then density and places with it.
+// diffusion of delta-SPH (Molteni & Colagrossi 2009; without the hydrostatic part, as by Fourtakas et al.
+// 2019), Monaghan's artificial viscosity. Velocity first, then density and position with it.
 #pragma once
 #include "engine/systems/sph/bodies.h"
 
 namespace truestep::sph {
 
-/// p / rho0 (m^2/s^2) of the relative density.
+/// p / rho0 (m^2/s^2) as a function of relative density.
 template <class T>
 inline T tait(T delta, T sound) {
   const T d2 = delta * delta, d7 = d2 * d2 * d2 * delta;
@@ -18,7 +18,7 @@ class Wcsph {
  public:
   explicit Wcsph(const Setting& set) : set_(set) {}
 
-  /// Velocities and densities (f.delta, which is not what list() counts) after h s.
+  /// Velocities and densities (f.delta, which here is not list()'s sum) after h s.
   void advance(Fluid<D, T>& f, BodiesIn<D, T>& bodies, const Vec3& gravity, double h,
                const ThreadArena& arena) const {
     const T sound = static_cast<T>(set_.sound), step = static_cast<T>(h);
@@ -41,7 +41,7 @@ class Wcsph {
       }
       const T *pull = f.pull.data() + 4 * i, *wall = f.wall.data() + 4 * i;
       T spread = 2 * sum(sums);
-      // Still liquid is denser by its weight: that part is not spread.
+      // Liquid at rest is denser with depth: that part is not diffused.
       const T weight = per_sound / std::max(f.lightness(i), static_cast<T>(1e-3));
       for (size_t a = 0; a < D; ++a) spread -= weight * g[a] * (pull[a] - wall[a]);
       f.source[i] =
@@ -58,7 +58,7 @@ class Wcsph {
   using W = Wide<T>;
   static constexpr T kLeastDensity = T(0.5), kMostDensity = T(2);
 
-  /// Adds alpha h c sum (v_ij . x_ij) / r^2 g to f.a, of particles that approach each other.
+  /// Adds alpha h c sum (v_ij . x_ij) / r^2 g to f.a, over pairs that approach each other.
   void brake(Fluid<D, T>& f, const ThreadArena& arena) const {
     const T alpha = static_cast<T>(set_.def.artificial_viscosity * set_.support / 2 * set_.sound);
     f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {

@@ -11,7 +11,7 @@ export interface FieldArray {
   count: number;
   width: number;
   data: Float32Array | Float64Array | Uint32Array | Int32Array;
-  /** Greatest distance between two numbers that can be told apart; 0 where they came as they are. */
+  /** Largest rounding step of the numbers; 0 if they were sent unrounded. */
   quantum: number;
 }
 
@@ -33,7 +33,7 @@ type ArrayType<T> = { new (buffer: ArrayBufferLike, offset: number, length: numb
 /** The bytes as an array of `Type`: a view where they are aligned, a copy where not. */
 function view<T>(bytes: Uint8Array, Type: ArrayType<T>): T {
   const size = Type.BYTES_PER_ELEMENT;
-  if (bytes.byteLength % size !== 0) throw new RangeError(`${bytes.byteLength} bytes are no array of ${size}-byte elements`);
+  if (bytes.byteLength % size !== 0) throw new RangeError(`${bytes.byteLength} bytes are not an array of ${size}-byte elements`);
   const aligned = bytes.byteOffset % size === 0 ? bytes : bytes.slice();
   return new Type(aligned.buffer, aligned.byteOffset, aligned.byteLength / size);
 }
@@ -77,7 +77,7 @@ export class Decoder {
 
   /** All blocks of a frame; 64-bit counters become numbers, exact up to 2^53. */
   frame(frame: Frame, arrived: number, bytes: number): DecodedFrame {
-    if (frame.baseSeq !== 0n && frame.baseSeq !== this.seq) throw new MissingBase(`frame ${frame.seq} refers to frame ${frame.baseSeq}, here is ${this.seq}`);
+    if (frame.baseSeq !== 0n && frame.baseSeq !== this.seq) throw new MissingBase(`frame ${frame.seq} refers to frame ${frame.baseSeq}, but ${this.seq} is held`);
     const fields = frame.blocks.map((block) => this.block(block));
     this.seq = frame.seq;
     return {

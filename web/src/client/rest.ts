@@ -60,9 +60,9 @@ export interface Session {
   teaches?: string;
   viewer?: ViewerSettings;
   links: Record<string, string>;
-  /** Present when the session stopped because its numbers left what makes sense. */
+  /** Present when the session stopped because its numbers no longer made sense. */
   instability?: Instability;
-  /** Results that are not to be trusted though nothing has failed. */
+  /** Results that may be wrong although nothing has failed. */
   warnings?: { system: string; quantity: string; detail: string; suggested_dt?: number }[];
   [key: string]: unknown;
 }

@@ -94,7 +94,7 @@ export class Stream {
   private timer: ReturnType<typeof setTimeout> | undefined;
   private decoder = new Decoder();
   private newest: DecodedFrame | undefined;
-  /** What belongs to `newest` beside its fields; frames that were replaced leave their shapes to it. */
+  /** What belongs to `newest` besides its fields; it inherits the shapes of frames that were replaced. */
   private shapes: Shape[] | undefined;
   private marks: Marks | undefined;
   private owed = 0;

@@ -1,6 +1,6 @@
 // Solids that rows of a system carry: one instanced drawable for all boxes, one for all spheres, capsules and
 // cylinders each, one per mesh. What never changes (size, colour) is uploaded once; a frame brings positions,
-// orientations and who sleeps. Fixed bodies are drawn apart, so that wide ones can be floors with shadows on them.
+// orientations and sleep states. Fixed bodies are drawn separately: wide ones can be floors with shadows on them.
 import {
   Box3, BoxGeometry, BufferAttribute, BufferGeometry, CapsuleGeometry, Color, CylinderGeometry, DynamicDrawUsage, Group,
   InstancedBufferAttribute, InstancedBufferGeometry, Mesh, ShaderMaterial, SphereGeometry, SRGBColorSpace, Vector3, type IUniform,
@@ -81,7 +81,7 @@ export class Bodies {
     }
   }
 
-  /** Moves every body to its row. `values` colour them (0 to 1) if `byValue`, otherwise they say who sleeps. */
+  /** Moves every body to its row. `values` colour them (0 to 1) if `byValue`, otherwise they mark sleeping bodies. */
   update(position: Float32Array, orientation: ArrayLike<number>, values: ArrayLike<number> | undefined, scale: number, byValue: boolean): void {
     for (const batch of this.batches) {
       const { rows, parts } = batch;

@@ -107,7 +107,7 @@ export class Extent {
   }
 
   /**
-   * From where a camera that looks along -back sees everything, as near as that can be; `least` (m) is the smallest
+   * The nearest position from which a camera looking along -back sees everything; `least` (m) is the smallest
    * height or width that it may see. A ball of radius r at c is seen if s (c . axis) + k (c . back) + r sqrt(1 + k^2)
    * is at most s x + k d for s = +1 and -1: four planes through the eye.
    */

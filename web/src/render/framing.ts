@@ -1,6 +1,6 @@
-// Where the camera stands: so that all that was seen of the scene is inside the uncovered part of the window. What
-// grows out of it moves the camera back once, with room to spare; a person who turns the camera has it for good,
-// until they ask for everything again.
+// The camera's position: everything seen of the scene so far is inside the uncovered part of the window. A scene
+// that outgrows it moves the camera back once, with room to spare; a user who turns the camera keeps it until they
+// ask for the whole scene again.
 import { MOUSE, Vector3, type PerspectiveCamera } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Extent, type Frustum } from "./extent";
@@ -9,7 +9,7 @@ const kFill = 0.9; // share of the free part that the scene may take
 const kLabelled = 0.82; // with ticks and names around it
 const kGrow = 1.22; // room for more when it outgrew its frame
 const kMove = 550; // ms of a move of the camera
-const kLargest = 12; // times the first extent: what is farther has left the scene
+const kLargest = 12; // times the first extent: anything farther away has left the scene
 const kAuthored = 0.8; // share of a scene's own frame that matters
 const kAspect = 4 / 3; // of the pictures that scenes' cameras are made for
 

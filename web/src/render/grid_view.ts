@@ -1,4 +1,4 @@
-// A grid on the screen: a curve in one dimension; in the plane colours, or a surface that stands out by the value;
+// A grid on the screen: a curve in one dimension; in the plane colours, or a surface raised by the value;
 // in space a slice, or a few translucent ones.
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, DynamicDrawUsage, Group, Mesh, ShaderMaterial, type IUniform } from "three";
 import type { FieldArray } from "../client/decode";

@@ -1,10 +1,10 @@
-// Particles of a liquid as its smooth surface, computed anew from the places of every frame.
+// A liquid's particles as a smooth surface, recomputed from the positions of every frame.
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, Mesh, ShaderMaterial, type IUniform } from "three";
 import { particleSurface } from "./particle_surface";
 import { litVertexGlsl, rampGlsl, rampUniform, shadeGlsl } from "./shading";
 
-const kCell = 0.75; // of the lattice, in spacings
-const kMany = 30000; // particles from which it is as coarse as their spacing
+const kCell = 0.75; // width of the lattice's cells, in spacings
+const kMany = 30000; // from this many particles on, cells are one spacing wide
 
 const vertex = litVertexGlsl(
   `uniform float valueScale, valueStart;
@@ -41,7 +41,7 @@ export class Liquid {
     this.object.frustumCulled = false;
   }
 
-  /** Takes `count` places and, to colour by, a value for each and the range that colours stand for. */
+  /** Takes `count` positions and, for colouring, a value for each and the range of the colours. */
   update(positions: Float32Array, count: number, values: Float32Array | undefined, range: [number, number] | undefined): void {
     const found = particleSurface(positions, count, values, this.spacing, (count > kMany ? 1 : kCell) * this.spacing);
     const geometry = new BufferGeometry();

@@ -1,13 +1,13 @@
-// The smooth surface of a liquid that particles fill, as the server's pictures show it (engine/geometry/particle_surface.h):
+// The smooth surface of a liquid given by particles, as in the server's pictures (engine/geometry/particle_surface.h):
 // each particle spreads its volume over an ellipsoid that follows its neighbours (after Yu & Turk 2013), surface nets
-// (Gibson 1998) take the level 1/2 off a lattice, Taubin's smoothing (1995) its ripples. The lattice is coarser here.
+// (Gibson 1998) extract the level 1/2 on a lattice, and Taubin smoothing (1995) removes ripples. The lattice is coarser.
 
-const kReach = 2; // spacings, within which neighbours shape a particle
-const kSupport = 2.5; // spacings, radius of the kernel where a particle is not stretched
-const kInside = 0.15; // covariance along an axis in the midst of the liquid, over the square of the reach
+const kReach = 2; // spacings: neighbours this near shape a particle
+const kSupport = 2.5; // spacings: kernel radius of a particle that is not stretched
+const kInside = 0.15; // covariance along an axis inside the liquid, over the squared reach
 const kLeastStretch = 0.15;
-const kWhole = 25; // neighbours that say all of a shape
-const kLone = 0.5; // size of a drop, over that in the midst
+const kWhole = 25; // this many neighbours determine a shape fully
+const kLone = 0.5; // size of a drop, relative to a particle inside the liquid
 const kLevel = 0.5;
 const kShrink = 0.5;
 const kGrow = -0.53;
@@ -16,9 +16,9 @@ const kMostBins = 2e6;
 export interface ParticleSurface {
   /** n x 3, m. */
   positions: Float32Array;
-  /** n, or undefined where particles have none. */
+  /** n, or undefined if the particles have none. */
   values: Float32Array | undefined;
-  /** Three each, anticlockwise seen from outside. */
+  /** Three per triangle, anticlockwise seen from outside. */
   triangles: Uint32Array;
 }
 
@@ -28,7 +28,7 @@ interface Box {
   count: number[];
 }
 
-/** The box of cubes `size` wide, or wider where there were too many. */
+/** A box of cubes `size` wide, or wider if that would be too many. */
 function boxOf(low: number[], high: number[], size: number, extra: number, most: number): Box {
   for (;;) {
     const count = low.map((l, a) => Math.floor((high[a]! - l) / size) + 1 + extra);
@@ -37,7 +37,7 @@ function boxOf(low: number[], high: number[], size: number, extra: number, most:
   }
 }
 
-/** Symmetric 3 x 3 matrices xx yy zz xy xz yz: how each of the particles in `kept` is stretched. */
+/** The stretch of each particle in `kept`, as symmetric 3 x 3 matrices xx yy zz xy xz yz. */
 function stretches(x: Float32Array, kept: Uint32Array, low: number[], high: number[], spacing: number): Float32Array {
   const reach = kReach * spacing;
   const { size, count } = boxOf(low, high, reach, 0, kMostBins);
@@ -88,7 +88,7 @@ function stretches(x: Float32Array, kept: Uint32Array, low: number[], high: numb
   return out;
 }
 
-/** A vertex in every cell that the level crosses, a quad round every edge that it crosses. */
+/** A vertex in every cell, and a quad around every edge, that the level crosses. */
 function surfaceNets({ low, size, count }: Box, field: Float32Array, sums: Float32Array | undefined): ParticleSurface {
   const [nx, ny, nz] = count as [number, number, number];
   const steps = [1, nx, nx * ny];
@@ -147,7 +147,7 @@ function surfaceNets({ low, size, count }: Box, field: Float32Array, sums: Float
   return { positions: Float32Array.from(places), values: sums ? Float32Array.from(values) : undefined, triangles: Uint32Array.from(triangles) };
 }
 
-/** Vertices towards the mean of their neighbours, and farther back. */
+/** Moves vertices towards the mean of their neighbours, then farther back. */
 function smooth({ positions: x, triangles: t }: ParticleSurface, rounds: number): void {
   const mean = new Float32Array(x.length);
   const count = new Float32Array(x.length / 3);
@@ -169,8 +169,8 @@ function smooth({ positions: x, triangles: t }: ParticleSurface, rounds: number)
 }
 
 /**
- * Of `count` places (x, y, z; m) of particles that are `spacing` apart at rest. `values` has a number for each, or is
- * undefined. `cell` is the lattice's, and larger where that had more than `mostNodes` nodes.
+ * The surface of `count` particles at positions x, y, z (m), `spacing` apart at rest. `values` has a number for each, or
+ * is undefined. `cell` is the lattice's cell width, enlarged if there would be more than `mostNodes` nodes.
  */
 export function particleSurface(x: Float32Array, count: number, values: ArrayLike<number> | undefined, spacing: number, cell: number, mostNodes = 1e6): ParticleSurface {
   const low = [Infinity, Infinity, Infinity];
@@ -209,7 +209,7 @@ export function particleSurface(x: Float32Array, count: number, values: ArrayLik
       first[a] = Math.max(Math.ceil(at - far), 0);
       last[a] = Math.min(Math.floor(at + far), box.count[a]! - 1);
     }
-    // The cubic spline's norm in space is 8 / pi.
+    // The cubic spline is normalized by 8 / pi in space.
     const share = 8 / Math.PI / (kSupport ** 3 * det);
     const value = values ? (Number.isFinite(values[i]!) ? values[i]! : 0) : 0;
     for (let c = first[2]!; c <= last[2]!; ++c) {

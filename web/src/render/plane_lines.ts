@@ -46,7 +46,7 @@ export interface PlaneField extends Plane {
 
 const kMostArrows = 28; // along a side
 
-/** Arrows at every few nodes; one of magnitude `most` is nine tenths of their spacing long. */
+/** Arrows at every few nodes; one of magnitude `most` is 0.9 of their spacing long. */
 export function arrows({ nx, ny, u, v }: PlaneField, most: number, out: number[]): void {
   if (!(most > 0)) return;
   const stride = Math.max(1, Math.ceil(nx / kMostArrows), Math.ceil(ny / kMostArrows));

@@ -1,4 +1,4 @@
-// Information from a scene besides what is drawn.
+// Information about a scene that is not itself drawn.
 import type { Scene } from "../client/rest";
 
 export interface SceneInfo {

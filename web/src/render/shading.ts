@@ -8,7 +8,7 @@ export const keyDirection = new Vector3(0.42, 0.8, 0.43).normalize();
 
 export type Theme = "dark" | "light";
 
-/** Colours that everything around the scene has; all of them change in place with the theme. */
+/** Colours of everything around the scene; all of them change in place with the theme. */
 export const scenery = { background: new Color(), ground: new Color(), lines: new Color(), ink: new Color(), shadow: { value: 0.62 } };
 
 const themes: Record<Theme, { background: string; ground: string; lines: string; ink: string; shadow: number }> = {
@@ -37,7 +37,7 @@ vec3 shade(vec3 albedo, vec3 n, vec3 toEye) {
 }
 `;
 
-/** A vertex shader that hands on the normal and the place in the world, with what else is declared and done. */
+/** A vertex shader that passes on the normal and the world position, plus the given declarations and statements. */
 export function litVertexGlsl(declared = "", done = ""): string {
   return /* glsl */ `
 ${declared}

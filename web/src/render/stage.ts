@@ -21,7 +21,7 @@ import { SystemView, type Has, type Visibility } from "./system_view";
 const kMany = 20000; // points
 const kCheckEvery = 200; // ms between two checks whether the scene has outgrown its frame
 const kSmall = 4000; // rows whose names follow them with every frame
-const kRest = 350; // ms without a new picture, after which one is drawn at its best
+const kRest = 350; // ms without a new picture, after which one is drawn in full quality
 const kFlatFov = 12; // degrees: a plane scene shows its faces, not its sides
 const kNames = 8; // systems that are named on the picture
 

@@ -36,7 +36,7 @@ export function splitLabel(label: string): { label: string; unit: string } {
 
 const sentence = (text: string): string => (text.startsWith("/") || /^\w+\.\w/.test(text) ? text : text.charAt(0).toUpperCase() + text.slice(1));
 
-/** The best methods first, then those beside them until there are kAllInColour. */
+/** The best methods first, then those next to them until there are kAllInColour. */
 function frontOf(result: StudyResult, names: string[]): string[] {
   if (names.length <= kAllInColour) return names;
   const best = [...new Set(wordsOf(result).winners.map((winner) => winner.method))].filter((name) => names.includes(name));

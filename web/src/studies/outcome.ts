@@ -73,7 +73,7 @@ function said(words: Words): HTMLElement[] {
   }
   const basis: HTMLElement[] = words.basis.map((text) => make("p", { class: "basis" }, text));
   if (words.refused.length > 0) {
-    basis.push(make("details", { class: "more" }, make("summary", {}, words.refused.length === 1 ? "1 method does not serve this scene" : `${words.refused.length} methods do not serve this scene`), make("ul", {}, ...words.refused.map(({ method, reason }) => make("li", {}, make("b", {}, method), ` ${reason}`)))));
+    basis.push(make("details", { class: "more" }, make("summary", {}, words.refused.length === 1 ? "1 method does not suit this scene" : `${words.refused.length} methods do not suit this scene`), make("ul", {}, ...words.refused.map(({ method, reason }) => make("li", {}, make("b", {}, method), ` ${reason}`)))));
   }
   if (parts.length + basis.length === 0) return [];
   const how = basis.length > 0 ? [make("div", { class: "how" }, make("h3", {}, "How it was measured"), ...basis)] : [];

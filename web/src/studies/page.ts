@@ -94,7 +94,7 @@ export class StudyPage {
     if (mine !== this.chosen) return;
     const methods = all.find((some) => some.length > 0) ?? [];
     this.refuse(needsMethods.has(kind.kind) && this.scene !== undefined && methods.length === 0
-      ? `This question compares methods of time integration, and ${types.join(" and ")} ${types.length === 1 ? "has" : "have"} a solver of ${types.length === 1 ? "its" : "their"} own. A parameter sweep serves this scene.` : "");
+      ? `This question compares methods of time integration, and ${types.join(" and ")} ${types.length === 1 ? "has" : "have"} a solver of ${types.length === 1 ? "its" : "their"} own. Use a parameter sweep for this scene.` : "");
     const quantities = ["energy.total", ...(this.scene?.expect ?? []).map((expectation) => expectation.quantity)];
     const offers: Offers = { methods, quantities: [...new Set(quantities)], ...(this.scene ? { scene: this.scene } : {}) };
     this.form.show(kind.parameters, offers);

@@ -33,8 +33,8 @@ const questions: Record<string, string> = {
   work_precision: "Which method is the cheapest at each error?",
   convergence: "How fast does the error fall when the step is halved?",
   stability: "How large may the step be before the scene breaks?",
-  cross_check: "How far do two methods or engines part over time?",
-  sweep: "What becomes of a quantity when parameters change?",
+  cross_check: "How far do two methods or engines drift apart over time?",
+  sweep: "How does a quantity depend on parameters?",
 };
 
 /** What a kind of study answers; for unknown kinds, the service's own sentence. */
@@ -121,8 +121,8 @@ function stability(result: StudyResult, words: Words): void {
   const always = result.rows.filter((row) => /^stable at every/.test(String(row.status)));
   if (always.length > 0) words.findings.push(`Stable at every step tried: ${always.map((row) => row.integrator).join(", ")}.`);
   const suggested = number(summary.suggested_dt);
-  if (suggested !== undefined) words.findings.push(`Suggested step for the scene's own method: ${duration(suggested)}, a tenth below its border.`);
-  if (omega) words.basis.push(`The stiffest mode at the start turns with ${quantity(omega)} rad/s, a period of ${duration((2 * Math.PI) / omega)}.`);
+  if (suggested !== undefined) words.findings.push(`Suggested step for the scene's own method: ${duration(suggested)}, a tenth below its limit.`);
+  if (omega) words.basis.push(`The stiffest mode at the start oscillates at ${quantity(omega)} rad/s, a period of ${duration((2 * Math.PI) / omega)}.`);
   const damping = number(summary.damping_max);
   if (damping) words.basis.push(`The strongest damping acts at ${quantity(damping)} per second.`);
 }

@@ -59,7 +59,7 @@ export class Editor {
       const message = error instanceof Error ? error.message : String(error);
       const offset = Number(/position (\d+)/.exec(message)?.[1] ?? Number.NaN);
       const line = Number.isNaN(offset) ? undefined : this.lineOf(offset);
-      this.say(make("p", { class: "bad" }, line === undefined ? `This is no JSON yet: ${message}` : `Line ${line + 1} is no JSON yet: ${message}`));
+      this.say(make("p", { class: "bad" }, line === undefined ? `This is not valid JSON yet: ${message}` : `Line ${line + 1} is not valid JSON yet: ${message}`));
       this.number(line === undefined ? [] : [line]);
       return undefined;
     }

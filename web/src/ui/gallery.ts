@@ -80,7 +80,7 @@ export function showGallery(entries: GalleryEntry[], open: (name: string) => voi
     const section = make("section", { class: "chapter", "aria-label": name }, make("h2", {}, name), ...cards.map(({ card }) => card));
     return { section, cards };
   });
-  const empty = make("p", { class: "empty" }, entries.length > 0 ? "No scene says that." : "The gallery is empty. The scene editor takes any scene.");
+  const empty = make("p", { class: "empty" }, entries.length > 0 ? "No scene matches." : "The gallery is empty. The scene editor takes any scene.");
   const search = byId<HTMLInputElement>("search");
   const filter = (): void => {
     let any = false;

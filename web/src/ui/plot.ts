@@ -166,7 +166,7 @@ export class Plot {
     this.plot = undefined;
     const units = [...new Set(this.chosen.map((name) => this.units.get(name) ?? ""))];
     const unit = units.length === 1 && units[0] !== "1" ? units[0] : "";
-    byId("energy-title").textContent = this.title + (this.fromStart ? ", change since the start over its value there" : unit ? ` [${unit}]` : "");
+    byId("energy-title").textContent = this.title + (this.fromStart ? ", change since the start relative to the initial value" : unit ? ` [${unit}]` : "");
     this.figure.hidden = false;
     const ink = style("--soft");
     this.values = this.chosen.map(() => make("b", {}));

@@ -37,7 +37,7 @@ export class SpeedChoice {
     this.list.value = String(speed);
     const late = achieved > 0 && achieved < 0.9 * speed;
     const comesTo = `${Number(achieved.toPrecision(2))}x`;
-    this.list.title = late ? `The service is at its limit: ${comesTo} is what it comes to` : "";
+    this.list.title = late ? `The service is at its limit: it reaches ${comesTo}` : "";
     const hint = late && !this.late ? `the service is at its limit: ${comesTo}` : undefined;
     this.late = late;
     return hint;

@@ -6,7 +6,7 @@
 namespace truestep::grid_fluid {
 
 namespace {
-// Faces that hardly touch the liquid weigh this much, so that the matrix stays well conditioned.
+// Minimum weight of faces that hardly touch the liquid, so that the matrix stays well conditioned.
 constexpr double kLeastShare = 0.05;
 
 double dot(const std::vector<double>& a, const std::vector<double>& b) {
@@ -62,7 +62,7 @@ void FaceViscosity::join_faces(size_t c, double amount, const double* u) {
           if (g.periodic[a]) {
             at = end == 0 ? face_[row] + last * s : face_[row] - last * s;
           } else {
-            // Beyond a side, half a cell away. (Across the component's own axis faces on sides are no rows.)
+            // Beyond a side, half a cell away. (Along the component's own axis, faces on sides are not rows.)
             if (model_->kinds[a][end] == SideKind::wall) diagonal += 2 * per * share_[row];
             continue;
           }

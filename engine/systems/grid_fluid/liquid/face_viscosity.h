@@ -1,10 +1,10 @@
-// Viscosity of a liquid with a surface by one step of Euler backwards, component by component, on the faces
+// Viscosity of a liquid with a surface by one backward Euler step, component by component, on the faces
 // that the liquid reaches:
 //   V (u - u*) = h viscosity sum over neighbours of W (u_n - u) / dx^2
-// V the wet share of the volume around a face, W that of the area between two of them (the weights of Batty,
-// Bridson 2008, "Accurate viscous free surfaces for buckling, coiling, and rotating liquids", with div grad u
-// in place of their div(grad u + grad u^T): components do not meet, so that a surface which turns feels some
-// friction). Nothing acts from the air; walls and shut faces hold the liquid. Conjugate gradients with the
+// V the wet fraction of the volume around a face, W that of the area between two of them (the weights of
+// Batty, Bridson 2008, "Accurate viscous free surfaces for buckling, coiling, and rotating liquids", with
+// div grad u instead of their div(grad u + grad u^T): components do not couple, so a rotating surface feels
+// some friction). The air exerts no friction; walls and closed faces do. Conjugate gradients with the
 // diagonal as preconditioner.
 #pragma once
 #include <vector>
@@ -16,11 +16,11 @@ namespace truestep::grid_fluid {
 
 class FaceViscosity {
  public:
-  /// Sets aside what every later solve needs.
+  /// Reserves what every later solve needs.
   void bind(const FlowModel& model, const MovingSolids& solids);
-  /// u of component c, in place; faces that are shut have the velocity of their obstacle. `depth` (cells of
-  /// liquid above each centre) and `liquid` are those of cells, wrapped where the grid is periodic; `amount`
-  /// = h viscosity (m^2).
+  /// Steps component c of u in place; closed faces have the velocity of their obstacle. `depth` (cells of
+  /// liquid above each centre) and `liquid` are cell values, wrapped if the grid is periodic; `amount` = h
+  /// viscosity (m^2).
   lattice::CutPoisson::Outcome solve(size_t c, const uint8_t* liquid, const double* depth, double amount,
                                      double tolerance, double* u, const ThreadArena& arena);
 
@@ -37,8 +37,8 @@ class FaceViscosity {
   std::vector<int32_t> row_;    ///< per face of the grid
   std::vector<uint32_t> face_;  ///< per row
   std::vector<double> share_, diagonal_;
-  std::vector<double> push_;    ///< of obstacles beside a row's face
-  std::vector<int32_t> other_;  ///< 2 d a row, kNone where there is none
+  std::vector<double> push_;    ///< from obstacles next to a row's face
+  std::vector<int32_t> other_;  ///< 2 d per row, kNone if absent
   std::vector<double> weight_;  ///< of them
   std::vector<double> x_, r_, p_, q_, z_;
 };

@@ -32,7 +32,7 @@ Liquid::Liquid(const GridFluidDef& def, const BuildContext& context)
   model_.texts.place_obstacles(def.obstacles, 0, start);
   const std::vector<StartingPlace> places = starting_places(def, start.obstacles);
   if (places.empty()) {
-    const std::string why = "the bodies of liquid are too small for a single particle, or lie outside";
+    const std::string why = "the bodies of liquid contain no particle: too small, or outside the box";
     throw Error("scene_invalid", why, {{"/bodies", "empty", why, "", "larger bodies or more cells", "", ""}});
   }
   rows_ = places.size();
@@ -76,12 +76,12 @@ Liquid::Liquid(const GridFluidDef& def, const BuildContext& context)
   const bool apic = def.advection == GridFluidDef::Advection::apic;
   add_stage("liquid",
             std::to_string(rows_) + " particles through " + std::to_string(g.cell_count()) + " cells, " +
-                (apic ? "affine (APIC)" : "by what the grid changes (FLIP)") +
+                (apic ? "affine (APIC)" : "changes from the grid (FLIP)") +
                 "; pressure and density by conjugate gradients and multigrid",
             [this](State& s, const StepInput& in) { advance(s, in); });
-  if (def.obstacles.empty()) skip_stage("obstacles", "nothing stands in the flow");
-  if (def.viscosity == 0) skip_stage("viscosity", "the liquid has none");
-  if (!model_.texts.forced) skip_stage("force", "nothing but gravity pushes the liquid");
+  if (def.obstacles.empty()) skip_stage("obstacles", "no obstacles given");
+  if (def.viscosity == 0) skip_stage("viscosity", "viscosity is 0");
+  if (!model_.texts.forced) skip_stage("force", "no force but gravity given");
 }
 
 LiquidFields Liquid::fields(State& s) const {
@@ -201,11 +201,11 @@ void Liquid::draw(const State&, double t, Wish wishes, Drawing& out) const {
 void Liquid::apply(State& s, const Command& c) const {
   check_command_numbers(c);
   if (c.kind != CommandKind::impulse)
-    refuse_command("kind", "unknown_command", "a liquid on a grid knows no such command", "impulse");
+    refuse_command("kind", "unknown_command", "a liquid on a grid takes no such command", "impulse");
   refuse_place(c, "particle");
   const size_t row = checked_command_row(c, rows_, "particle");
   if (model_.grid.dimensions == 2 && c.vector.z != 0)
-    refuse_command("vector", "out_of_range", "a plane liquid stays in z = 0");
+    refuse_command("vector", "out_of_range", "a plane liquid must stay in z = 0");
   double* v = s.f64(velocity_).data();
   store3(v, row, load3(v, row) + c.vector / mass_);
 }
@@ -213,14 +213,14 @@ void Liquid::apply(State& s, const Command& c) const {
 void Liquid::warn(const State& s, double h, std::vector<Warning>& out) const {
   const auto numbers = s.f64(numbers_);
   warn_of_crossing(numbers[kCfl], kMostTraced, h / std::max(1.0, numbers[kSubsteps]), out);
-  // Twice the mean of a dam break at the moment when it runs out thinnest.
+  // Twice the mean of a dam break at its thinnest.
   constexpr double kMostCompressed = 0.05;
   if (!(numbers[kMeanCompression] > kMostCompressed)) return;
   out.push_back({.quantity = "density.mean_error",
                  .value = numbers[kMeanCompression],
                  .limit = kMostCompressed,
                  .detail = "cells hold " + short_number(100 * numbers[kMeanCompression]) +
-                           " % more liquid than fits in them: more cells or a smaller cfl would do"});
+                           " % more liquid than fits into them: more cells or a smaller cfl would do"});
 }
 
 std::vector<std::string> Liquid::remedies() const {

@@ -1,5 +1,5 @@
-// A liquid with a surface in a box (liquid_flow.h): its one part is its particles. A step is divided into as
-// many equal substeps as its fastest particle asks for. Commands: impulse on a particle.
+// A liquid with a surface in a box (liquid_flow.h); its only part is its particles. A step is divided into as
+// many equal substeps as its fastest particle requires. Commands: impulse on a particle.
 #pragma once
 #include "engine/core/system.h"
 #include "engine/systems/grid_fluid/liquid/liquid_flow.h"
@@ -35,6 +35,6 @@ class Liquid final : public StagedSystem {
   State start_;
 };
 
-/// Obstacles as drawings show them.
+/// Obstacles for drawings.
 void draw_obstacles(const std::vector<ObstacleDef>& obstacles, Drawing& out);
 }  // namespace truestep::grid_fluid

@@ -1,4 +1,4 @@
-// Where the particles of a liquid are at the start.
+// Initial positions of a liquid's particles.
 #include <algorithm>
 #include <cmath>
 
@@ -45,7 +45,7 @@ double expected_particles(const GridFluidDef& d) {
       volume += plane ? kPi * r * r : 4 * kPi / 3 * r * r * r;
       continue;
     }
-    // The part of a box that lies in the grid.
+    // The part of a box inside the grid.
     const double center[] = {b.center.x, b.center.y, b.center.z}, half[] = {b.half.x, b.half.y, b.half.z};
     double part = 1;
     for (size_t a = 0; a < g.dimensions; ++a) {

@@ -10,9 +10,9 @@ namespace truestep::grid_fluid {
 using mac::kCentre;
 
 namespace {
-// Cells along the last axis that one task spreads to at a time; tasks of one colour never meet.
+// Cells along the last axis that one task spreads to at a time; tasks of one colour never overlap.
 constexpr size_t kSlab = 4;
-constexpr size_t kParticles = 1024;  // a task, where none touches another's values
+constexpr size_t kParticles = 1024;  // per task, in passes where tasks share no values
 }  // namespace
 
 void LiquidFlow::bind(const FlowModel& m, size_t rows, const ThreadArena& arena) {
@@ -50,7 +50,7 @@ void LiquidFlow::bind(const FlowModel& m, size_t rows, const ThreadArena& arena)
   measure_room();
 }
 
-// What the weights of particles that stand everywhere outside of obstacles add up to in each cell.
+// Sum of weights in each cell if particles fill all space outside obstacles.
 void LiquidFlow::measure_room() {
   const mac::MacGrid& g = model_->grid;
   const auto per = static_cast<size_t>(model_->def.particles_per_axis);
@@ -75,7 +75,7 @@ void LiquidFlow::measure_room() {
     }
   }
   mac::fold_periodic(g, room_.data());
-  // Beyond the box there is none.
+  // There are none beyond the box.
   std::copy(room_.begin(), room_.end(), work_.begin());
   std::fill(room_.begin(), room_.end(), 0.0);
   mac::for_rows(g, kCentre, *arena_,
@@ -131,13 +131,13 @@ double LiquidFlow::crossing_rate(double t) {
     const double* v = now_.data() + width_ * p + d;
     double sum = 0;
     for (size_t a = 0; a < d; ++a) sum += std::abs(v[a]) / g.spacing[a];
-    // What is not finite is found too.
+    // Also finds values that are not finite.
     most = sum <= most ? most : sum;
   }
   return most;
 }
 
-// Particles in the order of their cells, those of one cell in the order that they had.
+// Sorts particles by cell, keeping their order within a cell.
 template <size_t D>
 void LiquidFlow::sort() {
   const mac::MacGrid& g = model_->grid;
@@ -154,7 +154,7 @@ void LiquidFlow::sort() {
   for (const uint32_t c : cell_) ++first_[c + 1];
   for (size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
   for (size_t p = 0; p < rows_; ++p) cell_[p] = first_[cell_[p]]++;
-  // Each cell's end has become the next one's beginning.
+  // Each cell's end has become the start of the next.
   for (size_t c = first_.size() - 1; c > 0; --c) first_[c] = first_[c - 1];
   first_[0] = 0;
   arena_->for_blocks(rows_, kParticles, [&](size_t begin, size_t end) {
@@ -282,7 +282,7 @@ LiquidReport LiquidFlow::substep(LiquidFields& f, double t, double h) {
   project(f, h, report);
   take_back_compression(f, report);
   continue_outwards();
-  // Particles are kept out of where obstacles will be.
+  // Keeps particles out of where obstacles will be.
   place_obstacles(t + h);
   plane ? carry<2>(h) : carry<3>(h);
   return report;

@@ -1,12 +1,12 @@
-// One substep of a liquid with a surface: its particles carry it, the grid gives it its pressure.
+// One substep of a liquid with a surface: particles carry it, the grid computes its pressure.
 //   spread: velocities and fill from particles to faces and cells (kernels/mac/particles.h)
-//   project: u + h force - grad phi with div u = 0 where there is liquid, phi = 0 at the surface
-//            (kernels/mac/surface.h), and the displacement that takes compression back: lap psi = -(fill -
+//   project: u + h force - grad phi with div u = 0 in the liquid, phi = 0 at the surface
+//            (kernels/mac/surface.h), and the displacement that undoes compression: lap psi = -(fill -
 //            1), dx = -grad psi (Kugelstadt, Longva, Thuerey, Bender 2019, "Implicit density projection for
 //            volume conserving liquids"; here with the same cells and matrix as the pressure)
 //   apply_viscosity: viscosity, before the pressure (face_viscosity.h)
 //   carry: what particles keep of their own velocity (Zhu, Bridson 2005; Jiang et al. 2015), paths by the
-//          midpoint rule through the new velocity, continued beyond the surface.
+//          midpoint rule through the new velocity, extrapolated beyond the surface.
 // Scratch of one thread's run; everything that lasts is in the state.
 #pragma once
 #include "engine/kernels/mac/surface.h"
@@ -16,15 +16,15 @@
 
 namespace truestep::grid_fluid {
 
-/// Arrays of a state that a liquid moves.
+/// The arrays of a state that a liquid changes.
 struct LiquidFields {
   size_t rows = 0;
-  double *position = nullptr, *velocity = nullptr;  ///< m, m/s; three a particle
-  double* affine = nullptr;                         ///< 1/s; d x d a particle; null: flip
+  double *position = nullptr, *velocity = nullptr;  ///< m, m/s; three per particle
+  double* affine = nullptr;                         ///< 1/s; d x d per particle; null: flip
   double *pressure = nullptr, *fill = nullptr;      ///< m^2/s^2 and 1, in cells
 };
 
-/// What the last substep found.
+/// Results of the last substep.
 struct LiquidReport {
   lattice::CutPoisson::Outcome pressure, density;
   int viscosity_iterations = 0;  ///< of the component that took most
@@ -35,10 +35,10 @@ class LiquidFlow {
  public:
   void bind(const FlowModel& model, size_t rows, const ThreadArena& arena);
 
-  /// Takes the particles out of the state, and puts them back.
+  /// Copies the particles out of the state, and back.
   void load(const LiquidFields& f);
   void store(LiquidFields& f);
-  /// 1/s, cells that the fastest particle or obstacle crosses at time t (s), summed over the axes.
+  /// 1/s, cells crossed by the fastest particle or obstacle at time t (s), summed over the axes.
   double crossing_rate(double t);
   LiquidReport substep(LiquidFields& f, double t, double h);
 
@@ -58,29 +58,29 @@ class LiquidFlow {
   void accelerate_beside(size_t c);
   void continue_outwards();
   void measure_room();
-  /// Obstacles as they are at time t (s).
+  /// Places obstacles for time t (s).
   void place_obstacles(double t);
   void fill_sides(size_t c, double* u) { mac::fill_ghosts(model_->grid, c, sides_[c], u, *arena_); }
   double* particle(Array& from, size_t p) const { return from.data() + width_ * p; }
-  /// f(offset, low cell's offset, side) for the faces of a component; side: the sign of inwards on the box's
-  /// sides, 0 elsewhere.
+  /// f(offset, low cell's offset, side) for the faces of a component; side: the sign of the inward direction
+  /// on the box's sides, 0 elsewhere.
   template <class F>
   void for_faces(size_t c, F&& f) const;
   void clear_of_obstacles(double* x, double* v) const;
 
   const FlowModel* model_ = nullptr;
   const ThreadArena* arena_ = nullptr;
-  size_t rows_ = 0, width_ = 0;  ///< numbers a particle: place in cells, velocity, slopes
+  size_t rows_ = 0, width_ = 0;  ///< numbers per particle: position in cells, velocity, slopes
   bool affine_ = false;
   std::array<mac::Sides, 3> sides_;  ///< faces on the box's sides keep their values
   mac::Sides cell_sides_;
-  Array now_, sorted_;  ///< particles, in any order and in that of cells
+  Array now_, sorted_;  ///< particles, in any order and sorted by cell
   std::vector<uint32_t> row_, rows_sorted_, cell_, first_;
   std::array<Array, 3> u_, before_, mass_, factor_, shift_;  ///< on faces
   std::array<std::vector<uint8_t>, 3> known_;                ///< faces that have a velocity
   std::vector<uint8_t> liquid_, fresh_;
-  Array room_, depth_, work_;  ///< room: what the weights of liquid at rest add up to in a cell
-  double whole_ = 1;           ///< the same far from everything
+  Array room_, depth_, work_;  ///< room: sum of weights of liquid at rest in a cell
+  double whole_ = 1;           ///< the same far from sides and obstacles
   std::array<std::vector<double>, 3> force_;
   std::optional<lattice::CutPoisson> solver_;
   FaceViscosity viscosity_;

@@ -1,5 +1,5 @@
-// What the grid does to a liquid: velocities on its faces, its surface, its pressure, and the displacement
-// that takes compression back.
+// The grid's part of a liquid's step: velocities on faces, surface, pressure, and the displacement that
+// undoes compression.
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +9,7 @@ namespace truestep::grid_fluid {
 
 using mac::kCentre;
 
-// Momentum over mass; faces that no particle reaches by their neighbours; what acts from outside.
+// Momentum over mass; faces that no particle reaches from their neighbours; external forces.
 void LiquidFlow::settle_faces(double t, double h) {
   const mac::MacGrid& g = model_->grid;
   const double along[] = {model_->gravity.x, model_->gravity.y, model_->gravity.z};
@@ -36,7 +36,7 @@ void LiquidFlow::settle_faces(double t, double h) {
 
 void LiquidFlow::find_surface(LiquidFields& f) {
   const mac::MacGrid& g = model_->grid;
-  // A cell that an obstacle nearly fills says little about the liquid around it.
+  // A cell almost filled by an obstacle says little about the liquid around it.
   constexpr double kLeastRoom = 0.2;
   mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
     for (size_t i = at; i < at + n; ++i) {
@@ -50,7 +50,7 @@ void LiquidFlow::find_surface(LiquidFields& f) {
     mac::surface_faces(g, c, liquid_.data(), depth_.data(), factor_[c].data(), *arena_);
   if (solids_->any()) {
     for (size_t c = 0; c < g.dimensions; ++c) {
-      // Between the matrix and the differences of pressure: shares of faces belong to the matrix alone.
+      // Between the matrix and the pressure differences: open fractions of faces belong in the matrix alone.
       const double* open = solids_->open[c].data();
       for_faces(c, [&](size_t at, size_t, int) { shift_[c][at] = factor_[c][at] * open[at]; });
       mac::wrap_periodic(g, shift_[c].data());
@@ -79,7 +79,7 @@ void LiquidFlow::project(LiquidFields& f, double h, LiquidReport& report) {
   double* phi = f.pressure;
   const bool solid = solids_->any(), moves = model_->texts.obstacles_move;
   for (size_t c = 0; c < g.dimensions; ++c) {
-    // Sides hold liquid back; drops may leave them.
+    // Sides stop liquid that moves outwards; drops may leave them.
     for_faces(c, [&](size_t at, size_t low, int side) {
       if (side == 0) return;
       const bool away = u_[c][at] * side > 0 && mass_[c][at] > 0;
@@ -87,7 +87,7 @@ void LiquidFlow::project(LiquidFields& f, double h, LiquidReport& report) {
     });
     mac::wrap_periodic(g, u_[c].data());
   }
-  // What passes a face: the liquid by its open share, the obstacle by the rest.
+  // Flow through a face: liquid through its open fraction, the obstacle through the rest.
   std::array<const double*, 3> passing{};
   for (size_t c = 0; c < g.dimensions; ++c) {
     passing[c] = u_[c].data();
@@ -129,8 +129,8 @@ void LiquidFlow::project(LiquidFields& f, double h, LiquidReport& report) {
   });
 }
 
-// Faces that particles reach but no pressure: beside the liquid they are accelerated as it is (a still
-// surface would rain otherwise), further away they fall freely.
+// Faces reached by particles but not by the pressure: next to the liquid they accelerate as it does
+// (otherwise a still surface would rain), further away they fall freely.
 void LiquidFlow::accelerate_beside(size_t c) {
   const mac::MacGrid& g = model_->grid;
   double *change = shift_[c].data(), *u = u_[c].data();
@@ -139,7 +139,7 @@ void LiquidFlow::accelerate_beside(size_t c) {
   const double* open = solids_->any() ? solids_->open[c].data() : nullptr;
   for_faces(c, [&](size_t at, size_t, int) { change[at] = known[at] ? u[at] - before[at] : 0; });
   mac::extrapolate(g, c, 1, change, known, work_.data(), fresh_.data(), *arena_);
-  // Those that the last layer found.
+  // Faces found by the last layer.
   for_faces(c, [&](size_t at, size_t low, int side) {
     if (side || liquid_[at] || liquid_[low]) return;
     if (fresh_[at]) u[at] = before[at] + change[at];
@@ -147,12 +147,12 @@ void LiquidFlow::accelerate_beside(size_t c) {
   });
 }
 
-// shift_ becomes the displacement of what crosses each face, in cells.
+// shift_ becomes the displacement across each face, in cells.
 void LiquidFlow::take_back_compression(LiquidFields& f, LiquidReport& report) {
   const mac::MacGrid& g = model_->grid;
   double* psi = work_.data();
   double sum = 0, most = 0, cells = 0;
-  // Beside the surface a cell is less than full of its own accord; inside, gaps close again.
+  // A cell next to the surface is naturally less than full; inside, gaps are closed again.
   mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
     for (size_t i = at; i < at + n; ++i) {
       bool inside = liquid_[i];
