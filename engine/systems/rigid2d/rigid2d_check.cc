@@ -1,4 +1,4 @@
-// What a state from outside may hold: contacts of shapes and hands on bodies that are there.
+// Checks of a state from outside: contacts between existing shapes, user forces on existing bodies.
 #include "engine/systems/rigid2d/columns.h"
 #include "engine/systems/rigid2d/rigid2d.h"
 #include "engine/systems/rigid2d/small_steps.h"

@@ -1,4 +1,4 @@
-// What the system type "rigid2d" gives out, in words.
+// Fields and observables of the system type "rigid2d", in words.
 #include "engine/core/outputs.h"
 #include "engine/systems/rigid2d/rigid2d_def.h"
 
