@@ -37,10 +37,10 @@ Solid part_solid(const AnyPartDef& d) {
   return std::visit(Make{}, d);
 }
 
-// Distances are compared by their squares, which underflow or overflow beyond these.
+// Distances are compared by their squares, which underflow or overflow outside this range.
 constexpr double kSmallest = 1e-150, kLargest = 1e150;  // m
-/// Radius of the patch on which balls and capsule ends touch, as a share of theirs: that of hard balls of a
-/// centimetre to a metre under their own weight (Hertz).
+/// Radius of the contact patch of balls and capsule ends, as a fraction of theirs: the value for hard balls
+/// of a centimetre to a metre under their own weight (Hertz).
 constexpr double kPatchShare = 0.01;
 
 std::vector<uint32_t> checked_triangles(const MeshBodyDef& d) {
@@ -55,7 +55,7 @@ std::vector<uint32_t> checked_triangles(const MeshBodyDef& d) {
   return out;
 }
 
-/// The scene's shape seen from `frame`.
+/// Builds the scene's shape in the body's frame.
 struct MakeSolid {
   Transform to_body;  // from the scene's frame
   Pose to_body_pose;
@@ -149,7 +149,7 @@ Quat random_orientation(const std::array<double, 4>& u) {
   return normalized(Quat{b * c2, a * s1, a * c1, b * s2});
 }
 
-/// Places of the copies relative to the body, in order.
+/// Positions of the copies relative to the body, in order.
 void add_copies(const BodyKind& kind, const BodyDef& d, uint32_t index, uint64_t seed,
                 std::vector<BodyStart>& out) {
   const Quat base = orientation(d);
@@ -196,7 +196,7 @@ bool is_surface(const BodyKind& k) {
   return k.solid.kind == SolidKind::mesh || k.solid.kind == SolidKind::height_field;
 }
 
-/// Of the scene's kinds.
+/// Reports pairs of the scene's kinds that would fall through each other.
 void refuse_surfaces_that_meet(const BodyList& list, std::vector<Issue>& issues) {
   std::vector<size_t> copies(list.kinds.size(), 0);
   for (const BodyStart& b : list.starts) ++copies[b.kind];

@@ -65,7 +65,7 @@ TableOf<D>& add_drive(TableOf<D>& t, const DriveUnits& unit) {
               "how fast it comes to its target: what is left fades at this rate");
 }
 
-/// What is wrong between a drive's members.
+/// Reports contradictions between the members of a drive.
 void check_row(const DriveDef& d, const std::string& at, const DefTable::Report& report) {
   if (d.lower && d.upper && *d.lower > *d.upper) report(at + "/lower", "lower must not be above upper");
   if (d.hertz && (d.stiffness || d.damping)) {

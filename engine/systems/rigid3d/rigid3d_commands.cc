@@ -7,7 +7,7 @@ namespace truestep::rigid3d {
 
 namespace {
 
-// Where a command acts, about the centre of mass in the body's frame.
+// Point of action of a command, about the centre of mass in the body's frame.
 std::optional<Vec3> place_on(const State& s, const Command& c, size_t body) {
   if (!c.at) return std::nullopt;
   const Rotation r = rotation(load_quat(s.f64(columns::orientation).data(), body));
@@ -16,7 +16,7 @@ std::optional<Vec3> place_on(const State& s, const Command& c, size_t body) {
 
 }  // namespace
 
-/// The command's row, refused unless forces move that body.
+/// Row of the command; refused unless the body is dynamic.
 size_t Rigid3d::checked_body(const State& s, const Command& c) const {
   const size_t i = checked_command_row(c, s.rows(columns::position), "body");
   if (!bodies_.kinds[s.span<uint32_t>(columns::kind)[i]].moved_by_forces()) {
@@ -65,7 +65,7 @@ void Rigid3d::apply(State& s, const Command& c) const {
         refuse_command("kind", "full", "the system holds its largest number of bodies",
                        std::to_string(most_bodies_));
       }
-      // "name" is the id of an entry of "bodies"; without one the last dynamic entry is taken.
+      // "name" is the id of an entry of "bodies"; the default is the last dynamic entry.
       std::optional<uint32_t> chosen;
       for (uint32_t k = 0; k < bodies_.kinds.size(); ++k) {
         const BodyKind& b = bodies_.kinds[k];

@@ -24,7 +24,7 @@ const DefTable& copies_table() {
   return t;
 }
 
-/// Rows that bodies of all shapes share.
+/// Rows common to bodies of all shapes.
 template <class D>
 TableOf<D>& add_common(TableOf<D>& t) {
   BodyDef::Motion D::*motion = &BodyDef::motion;

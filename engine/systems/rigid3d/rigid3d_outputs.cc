@@ -1,4 +1,4 @@
-// What the system type "rigid3d" gives out, in words.
+// Fields and observables of the system type "rigid3d", in words.
 #include "engine/core/outputs.h"
 #include "engine/systems/rigid3d/rigid3d_def.h"
 
