@@ -16,7 +16,7 @@ struct MotionDef {
   double frequency = 0, phase = 0;
 };
 
-/// Members of colliders of every type.
+/// Members common to colliders of every type.
 struct ColliderCommonDef {
   std::string id;
   double friction = 0.3, restitution = 0.5, rest_speed = 0.01;

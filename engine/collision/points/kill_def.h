@@ -1,5 +1,5 @@
-// Regions in which points are removed: "kill_planes" and "kill_boxes", shared by systems whose points come
-// and go.
+// Regions in which points are removed: "kill_planes" and "kill_boxes", shared by systems with a variable
+// number of points.
 #pragma once
 #include <vector>
 
