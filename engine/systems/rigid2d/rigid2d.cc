@@ -50,13 +50,13 @@ Rigid2d::Rigid2d(const Rigid2dDef& def, const BuildContext& context)
 
 void Rigid2d::add_stages() {
   const auto scratch = [](const StepInput& in) -> Scratch& { return in.workspace.object<Scratch>(kScratch); };
-  add_stage("hands", "pushes, drags, and whether anything is awake",
+  add_stage("hands", "pushes, drags, and a check whether any body is awake",
             [this](State& s, const StepInput& in) { take_hands(s, in); });
-  add_stage("contacts", std::to_string(model_.shapes.size()) + " shapes may touch",
+  add_stage("contacts", std::to_string(model_.shapes.size()) + " shapes that may touch",
             [this, scratch](State& s, const StepInput& in) {
               if (!scratch(in).idle) find_contacts(model_, s, in.h, scratch(in).pairs, in.arena);
             });
-  add_stage("small steps", "more for tall columns and for what is heavy on what is light",
+  add_stage("small steps", "more for tall columns and for heavy bodies on light ones",
             [this, scratch](State& s, const StepInput& in) {
               if (!scratch(in).idle) choose_small_steps(s, in);
             });
@@ -68,17 +68,18 @@ void Rigid2d::add_stages() {
               if (scratch(in).idle) return;
               settings_.precision == Precision::f32 ? solve<float>(s, in) : solve<double>(s, in);
             });
-  add_stage("stop", "fast bodies must not pass thin ones", [this, scratch](State& s, const StepInput& in) {
-    Scratch& w = scratch(in);
-    if (!w.idle) stop_fast_bodies(model_, s, w.pairs, w.travels, in.h, in.arena);
-  });
+  add_stage("stop", "fast bodies must not pass through thin ones",
+            [this, scratch](State& s, const StepInput& in) {
+              Scratch& w = scratch(in);
+              if (!w.idle) stop_fast_bodies(model_, s, w.pairs, w.travels, in.h, in.arena);
+            });
   if (settings_.sleeping) {
-    add_stage("sleep", "islands at rest cost nothing",
+    add_stage("sleep", "islands at rest are not computed",
               [this](State& s, const StepInput& in) { end_step(s, in); });
   } else {
     skip_stage("sleep", "sleeping is false");
   }
-  if (model_.joints.empty()) skip_stage("joints", "there are none");
+  if (model_.joints.empty()) skip_stage("joints", "the scene has none");
 }
 
 State Rigid2d::initial_state() const {

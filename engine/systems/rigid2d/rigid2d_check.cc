@@ -22,7 +22,7 @@ void Rigid2d::check(StateCheck& check, double) const {
   }
   for (const auto column : {columns::push_body, columns::drag_body}) {
     for (const uint32_t body : s.span<uint32_t>(column))
-      check.require(body < model_.count(), "a hand's body");
+      check.require(body < model_.count(), "the body of a push or drag");
   }
   const auto most = static_cast<uint32_t>(SmallSteps::kMostTimes * settings_.substeps);
   check.require(s.span<uint32_t>(columns::small_steps)[0] <= most, "small_steps");

@@ -13,7 +13,7 @@ void Rigid2d::apply(State& s, const Command& c) const {
   const auto dynamic = [&] {
     const uint32_t r = row();
     if (model_.bodies[r].motion != Motion::dynamic) {
-      refuse_command("index", "not_dynamic", "the body of this row is not moved by forces");
+      refuse_command("index", "not_dynamic", "the body in this row is not dynamic: forces do not move it");
     }
     return r;
   };
@@ -95,7 +95,8 @@ void Rigid2d::apply(State& s, const Command& c) const {
     case CommandKind::spawn:
       break;
   }
-  refuse_command("kind", "unsupported_command", "the bodies of this system are those of its scene",
+  refuse_command("kind", "unsupported_command",
+                 "this system has only the bodies of its scene: none can be spawned",
                  "push, impulse, drag, release, pin, unpin, remove, set_parameter");
 }
 
