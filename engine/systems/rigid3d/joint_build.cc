@@ -208,7 +208,8 @@ class Builder {
       std::visit([&](const auto& d) { add(i, d); }, def_.joints[i]);
     }
     for (const auto& [entry, row] : gears_) mesh(entry, row);
-    if (!issues_.empty()) throw Error("scene_invalid", "a joint holds nothing together", std::move(issues_));
+    if (!issues_.empty())
+      throw Error("scene_invalid", "a joint does not connect two bodies", std::move(issues_));
     return std::move(out_);
   }
 
@@ -303,8 +304,8 @@ class Builder {
       const bool turns = j.form == Joint::Form::hinge && !j.locked[3] && j.locked[0];
       const bool slides = j.form == Joint::Form::locked && !j.locked[0] && j.locked[1] && j.locked[2];
       if (!turns && !slides) {
-        return report(entry, member, "wrong_joint", "a gear couples hinges and sliders", std::to_string(at),
-                      "row of a hinge or slider");
+        return report(entry, member, "wrong_joint", "a gear couples revolute and prismatic joints",
+                      std::to_string(at), "row of a revolute or prismatic joint");
       }
       out_.joints[row].geared[e] = coordinate(static_cast<uint32_t>(at), turns ? 3 : 0);
       out_.joints[row].bodies[e] = moved(j.bodies[1]) ? j.bodies[1] : j.bodies[0];

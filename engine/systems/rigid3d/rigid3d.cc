@@ -49,16 +49,16 @@ Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
   };
   add_stage("forces", "gravity and pushes", awake(&Rigid3d::apply_forces));
   add_stage("substeps", "more for tall columns", awake(&Rigid3d::choose_substeps));
-  add_stage("contacts", "which bodies touch, and where", awake(&Rigid3d::find_contacts));
+  add_stage("contacts", "finds which bodies touch, and where", awake(&Rigid3d::find_contacts));
   add_stage("solve",
-            "bodies that touch, in substeps; " + says_slowest_bounce(restitution_speed(gravity_, context.dt)),
+            "bodies in contact, in substeps; " + says_slowest_bounce(restitution_speed(gravity_, context.dt)),
             awake(&Rigid3d::solve));
-  add_stage("integrate_free", "bodies that touch nothing", awake(&Rigid3d::integrate_free));
-  add_stage("fast bodies", "none passes another within a step", awake(&Rigid3d::stop_fast_bodies));
+  add_stage("integrate_free", "bodies without contacts", awake(&Rigid3d::integrate_free));
+  add_stage("fast bodies", "none passes through another within a step", awake(&Rigid3d::stop_fast_bodies));
   if (def.sleeping) {
-    add_stage("sleep", "groups that rest are left alone", awake(&Rigid3d::update_sleeping));
+    add_stage("sleep", "groups of bodies at rest are not computed", awake(&Rigid3d::update_sleeping));
   } else {
-    skip_stage("sleep", "switched off");
+    skip_stage("sleep", "sleeping is false");
   }
 }
 

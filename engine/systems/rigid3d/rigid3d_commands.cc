@@ -62,7 +62,7 @@ void Rigid3d::apply(State& s, const Command& c) const {
           s, c.index == -1 ? std::nullopt : std::optional(s.span<uint64_t>(columns::id)[checked_body(s, c)]));
     case CommandKind::spawn: {
       if (s.rows(columns::position) >= most_bodies_) {
-        refuse_command("kind", "full", "the system holds its largest number of bodies",
+        refuse_command("kind", "full", "the system has its maximum number of bodies",
                        std::to_string(most_bodies_));
       }
       // "name" is the id of an entry of "bodies"; the default is the last dynamic entry.
@@ -75,7 +75,8 @@ void Rigid3d::apply(State& s, const Command& c) const {
       for (const uint32_t k : s.span<uint32_t>(columns::kind)) {
         if (!falls_through(bodies_.kinds[*chosen], bodies_.kinds[k])) continue;
         refuse_command("name", "surfaces_do_not_meet",
-                       "a mesh does not meet other meshes and height fields, and one is there: it would fall "
+                       "a mesh does not collide with other meshes and height fields, and the scene has one: "
+                       "it would fall "
                        "through",
                        "a hull, a compound or a box");
       }

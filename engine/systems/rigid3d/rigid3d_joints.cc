@@ -122,7 +122,8 @@ void Rigid3d::set_motor(State& s, const Command& c) const {
   const size_t k = checked_command_row(c, joints_.joints.size(), "joint");
   const Joint& j = joints_.joints[k];
   const bool strength = c.name == "max_motor";
-  if (strength && c.value < 0) refuse_command("value", "out_of_range", "the motor's most must be at least 0");
+  if (strength && c.value < 0)
+    refuse_command("value", "out_of_range", "the maximum of the motor must be at least 0");
   const auto wants = c.name == "motor_speed" ? Drive::Wants::speed : Drive::Wants::place;
   size_t changed = 0;
   for (uint32_t d = j.first_drive; d < j.first_drive + j.drives; ++d) {
