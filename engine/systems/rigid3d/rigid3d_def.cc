@@ -13,8 +13,7 @@ const DefTable& copies_table() {
       TableOf<CopiesDef>("many bodies from one, arranged about its position")
           .choice("layout", &CopiesDef::layout, {"grid", "wall", "pyramid", "circle"},
                   "grid: count along x, y, z; wall: count[0] in the lowest row, one less in each row above; "
-                  "pyramid: "
-                  "the same in both directions; circle: count[0] on a circle about y")
+                  "pyramid: the same in both directions; circle: count[0] on a circle about y")
           .integers("count", &CopiesDef::count, between(1, kMostBodies), {1, 3},
                     "number of bodies along x, y, z")
           .vector("spacing", &CopiesDef::spacing, "m", any(), "distance between neighbours along x, y, z")
@@ -99,8 +98,7 @@ TableOf<D>& add_common(TableOf<D>& t) {
 
 void check_inertia(const std::vector<double>& I, const DefTable::Report& report) {
   if (I.empty()) return;
-  if (I.size() != 3 && I.size() != 6)
-    return report("/inertia", "must have three or six numbers: xx yy zz or xx yy zz xy xz yz");
+  if (I.size() != 3 && I.size() != 6) return report("/inertia", "must be xx yy zz or xx yy zz xy xz yz");
   const Symmetric3 inertia = inertia_of(I);
   const Vec3 m = principal_axes(inertia).moments;
   if (const auto fault = inertia_fault(inertia)) {
