@@ -56,7 +56,7 @@ ColliderSet build_colliders(const ColliderDefs& defs);
 template <class D>
 TableOf<D>& add_collider_rows(TableOf<D>& table, ColliderDefs D::*m) {
   return table.variants("colliders", m, collider_variants(), {0, kMaxColliders},
-                        "solids that points bounce off, and containers that hold them");
+                        "solids that points collide with, and containers that hold them");
 }
 
 }  // namespace truestep
