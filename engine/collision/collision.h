@@ -15,9 +15,9 @@
 //              you match in the State, here nothing is remembered.
 //   fast ones  bodies that move further than inner_radius(s) in a step: time_of_impact.h from pose to pose,
 //              and stop them there.
-//   asking     queries/queries.h: rays, casts, nearest points, overlap; over one solid or the broad phase.
+//   queries    queries/queries.h: rays, casts, nearest points, overlap; over one solid or the broad phase.
 //
-// Everything uses + - * / and sqrt only and runs in the frame of one of the two bodies: the same bits on
+// All operations are + - * / and sqrt, and run in the frame of one of the two bodies: the same bits on
 // every machine, and far from the origin as accurate as the poses are.
 #pragma once
 #include "engine/collision/broad/broad_phase.h"

@@ -99,7 +99,7 @@ std::shared_ptr<const DrawnMesh> creased_mesh(std::span<const Vec3> points,
   }
   const Around around(points.size(), triangles);
   auto mesh = std::make_shared<DrawnMesh>();
-  // A point appears once per normal it needs.
+  // A point appears once for each normal that it needs.
   struct Corner {
     Vec3 normal;
     uint32_t index = 0;

@@ -13,7 +13,8 @@ struct PointDistance {
   Vec3 normal;          ///< unit, outward
 };
 
-/// Whether a mesh is only the front sides of its triangles, or also has the enclosed volume as its inside.
+/// Whether a mesh consists only of the front sides of its triangles, or also has the enclosed volume as its
+/// inside.
 enum class MeshSides : uint8_t { front, enclosed };
 /// `front` for a mesh with a border, otherwise `enclosed`.
 MeshSides mesh_sides(const Solid& solid);

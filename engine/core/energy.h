@@ -1,5 +1,5 @@
-// What a system's energy says about its steps. Energy out of nowhere is the surest sign of a method beyond
-// its limit, long before numbers overflow.
+// Checks the steps of a system by its energy. An unexplained gain of energy is the surest sign of a method
+// beyond its limit, long before numbers overflow.
 #pragma once
 #include <algorithm>
 #include <cstdint>

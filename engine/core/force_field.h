@@ -54,7 +54,7 @@ class ForceField {
   virtual void project(std::span<double> x, std::span<double> v, const State& state) const {}
 
   virtual Dependence dependence() const = 0;
-  /// V(x, t) in J when the forces have one (dissipative parts left out); nothing otherwise.
+  /// V(x, t) in J if the forces are conservative (dissipative parts left out); empty otherwise.
   virtual std::optional<double> potential(const Phase& at, Evaluation& e) const { return std::nullopt; }
   /// J, the size of terms of V that cancel, so that their rounding is not mistaken for a change of V; |V|
   /// itself is always included.

@@ -43,28 +43,26 @@ TableOf<D>& add_integrator_rows(TableOf<D>& table) {
   std::optional<int> D::*descents = &IntegratorParams::descent_iterations;
   return table
       .text("integrator", integrator, "time integration method; GET /v1/systems/{type} lists those that fit")
-      .number(
-          "tolerance", tolerance, "1", above(0),
-          "adaptive methods: stands for relative_tolerance and absolute_tolerance where they are not given")
+      .number("tolerance", tolerance, "1", above(0),
+              "adaptive methods: default of relative_tolerance and absolute_tolerance")
       .number("newton_tolerance", newton_tolerance, "1", above(0),
               "implicit methods: relative residual at which Newton's method stops")
-      .number(
-          "relative_tolerance", relative, "1", at_least(0),
-          "adaptive methods: the error of an unknown in a step may be absolute_tolerance + this times its "
-          "value, root mean square over all unknowns")
-      .number("absolute_tolerance", absolute, "1", above(0), "adaptive methods: see there")
+      .number("relative_tolerance", relative, "1", at_least(0),
+              "adaptive methods: allowed error of an unknown per step is absolute_tolerance + this times its "
+              "value, root mean square over all unknowns")
+      .number("absolute_tolerance", absolute, "1", above(0), "adaptive methods: see relative_tolerance")
       .number("spectral_radius", radius, "1", between(0, 1),
-              "generalized_alpha: share of the highest modes' amplitude that a step leaves; default 0.9")
+              "generalized_alpha: factor on the amplitude of the highest modes per step; default 0.9")
       .number("newmark_beta", beta, "1", between(0, 1),
               "newmark: weight of the new acceleration in the position; default 1/4, unconditionally stable "
-              "where 2 beta >= gamma")
+              "if 2 beta >= gamma")
       .number("newmark_gamma", gamma, "1", between(0.5, 1.5),
-              "newmark: the same in the velocity; default 1/2, more damps and leaves order 1")
+              "newmark: the same for the velocity; default 1/2, larger values damp and reduce the order to 1")
       .integer("max_internal_steps", most, between(1, 1e7),
-               "adaptive methods: internal steps that one step may take before the run is given up; default "
+               "adaptive methods: maximum number of internal steps per step; then the run fails; default "
                "100000")
       .integer("descent_iterations", descents, between(1, 1e5),
-               "projective_dynamics, vertex_block_descent: iterations of a step; default 10");
+               "projective_dynamics, vertex_block_descent: iterations per step; default 10");
 }
 
 }  // namespace truestep

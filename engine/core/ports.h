@@ -94,7 +94,6 @@ struct PublishedSolids {
 
 class AnswersImpulses;  // core/impulse_answer.h
 
-/// Corners of `solids` are rows of `points`.
 /// A medium that fills space and takes bodies (core/medium.h).
 struct MediumPort {
   int dimension = 3;
@@ -102,6 +101,7 @@ struct MediumPort {
   double spacing = 0;       ///< m, between them
 };
 
+/// What a system offers to couplings; corners of `solids` are rows of `points`.
 struct Ports {
   std::optional<PointPort> points;
   PublishedSolids solids;  ///< with which points of other systems collide

@@ -24,9 +24,9 @@ const DefTable& hair_shape_table() {
           .integer("strands", &HairShape::strands, between(1, 1e5), "number of strands")
           .integer("links", &HairShape::links, between(2, 1000), "springs per strand")
           .number("length", &HairShape::length, "m", above(0), "of a strand")
-          .vector("direction", &HairShape::direction, "1", any(), "in which the strands grow")
+          .vector("direction", &HairShape::direction, "1", any(), "direction in which the strands grow")
           .check([](const HairShape& h, const DefTable::Report& report) {
-            if (!(norm2(h.direction) > 0)) report("/direction", "a direction must not be zero");
+            if (!(norm2(h.direction) > 0)) report("/direction", "the direction must not be zero");
           })
           .build();
   return t;
@@ -35,21 +35,21 @@ const DefTable& hair_shape_table() {
 const DefTable& helix_shape_table() {
   static const DefTable t =
       TableOf<HelixShape>("chain of points on a helix; with pitch 0 an arc or a ring")
-          .vector("centre", &HelixShape::centre, "m", any(), "on the axis, level with the first point")
-          .vector("axis", &HelixShape::axis, "1", any(), "along which it rises")
+          .vector("centre", &HelixShape::centre, "m", any(), "point of the axis, level with the first point")
+          .vector("axis", &HelixShape::axis, "1", any(), "direction in which it rises")
           .vector("start", &HelixShape::start, "1", any(), "from the centre towards the first point")
           .number("radius", &HelixShape::radius, "m", above(0), "of the points")
           .number("pitch", &HelixShape::pitch, "m", any(), "rise in a whole turn; negative: left-handed")
           .number("turns", &HelixShape::turns, "1", above(0), "from the first to the last point")
           .integer("links", &HelixShape::links, between(1, 1e6), "springs between the two ends")
           .check([](const HelixShape& h, const DefTable::Report& report) {
-            if (!(norm2(h.axis) > 0)) return report("/axis", "a direction must not be zero");
+            if (!(norm2(h.axis) > 0)) return report("/axis", "the direction must not be zero");
             if (!(norm(cross(h.axis, h.start)) > 1e-9 * norm(h.axis) * norm(h.start))) {
-              report("/start", "must lead away from the axis");
+              report("/start", "must have a component perpendicular to the axis");
             }
             if (h.turns > h.links / 3.0) {
               report("/turns",
-                     "needs at least three links a turn, " + std::to_string(h.links) + " are given");
+                     "needs at least three links per turn, but " + std::to_string(h.links) + " are given");
             }
           })
           .build();
@@ -76,7 +76,7 @@ const DefTable& cloth_grid_shape_table() {
 const DefTable& mesh_shape_table() {
   static const DefTable t =
       TableOf<MeshShape>("triangle mesh: a spring along every edge, a bending spring across it")
-          .vectors("vertices", &MeshShape::vertices, "m", any(), {3, 1'000'000}, "where the points are")
+          .vectors("vertices", &MeshShape::vertices, "m", any(), {3, 1'000'000}, "positions of the points")
           .required()
           .integers("triangles", &MeshShape::triangles, at_least(0), {3, 6'000'000},
                     "three vertex indices per triangle, one after another")
@@ -101,7 +101,7 @@ const DefTable& mesh_shape_table() {
 
 const DefTable& soft_block_shape_table() {
   static const DefTable t =
-      TableOf<SoftBlockShape>("box of tetrahedra, five a cell")
+      TableOf<SoftBlockShape>("box of tetrahedra, five per cell")
           .vector("origin", &SoftBlockShape::origin, "m", any(), "corner with the smallest coordinates")
           .vector("size", &SoftBlockShape::size, "m", above(0), "lengths of the edges")
           .integer("cells_x", &SoftBlockShape::cells_x, between(1, 200), "cells along x")

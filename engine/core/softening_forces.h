@@ -1,8 +1,8 @@
-// Interface of fields whose stiffest forces pull points to lengths: temporarily softer, with lengths shifted
-// so that the full tensions arise at the lengths where they belong. With T = k (l - L) wanted and only s k in
-// use, 0 < s < 1, the shifted L' = L - T (1 - s) / (s k) gives T at l = L + T / k. Newton's method then meets
-// neither the narrow valley of the whole forces nor their rounding (the method of multipliers of Hestenes
-// 1969 and Powell 1969, whose multipliers are the tensions).
+// Interface of fields whose stiffest forces hold points at given distances: they can be made temporarily
+// softer, with shifted lengths, so that the full tensions arise at the right lengths. With T = k (l - L)
+// wanted and only s k in use, 0 < s < 1, the shifted L' = L - T (1 - s) / (s k) gives T at l = L + T / k.
+// Newton's method then meets neither the narrow valley of the full forces nor their rounding (the method of
+// multipliers of Hestenes 1969 and Powell 1969, whose multipliers are the tensions).
 #pragma once
 #include "engine/core/force_field.h"
 

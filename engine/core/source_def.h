@@ -29,12 +29,11 @@ TableOf<D>& add_source_rows(TableOf<D>& table) {
   double D::*start = &SourceDef::start;
   std::optional<double> D::*stop = &SourceDef::stop;
   return table.vector("position", position, "m", any(), "centre, or one end of a line")
-      .vector("direction", direction, "1", any(),
-              "in which it pours, axis of a disk and of a cone; any length")
+      .vector("direction", direction, "1", any(), "direction of the flow, axis of a disk or cone; any length")
       .number("radius", radius, "m", at_least(0), "of a disk or ball")
       .number("speed", speed, "m/s", any(), "mean speed")
       .number("start", start, "s", at_least(0), "time of the first particle")
-      .number("stop", stop, "s", at_least(0), "no particle from then on; absent: goes on");
+      .number("stop", stop, "s", at_least(0), "no particles from then on; absent: never stops");
 }
 
 }  // namespace truestep

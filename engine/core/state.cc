@@ -159,7 +159,7 @@ std::vector<std::byte> State::serialize() const {
 
 State State::deserialize(std::span<const std::byte> bytes) {
   Reader r(bytes);
-  if (r.get<uint32_t>() != kMagic) throw Error("bad_snapshot", "these bytes are no serialised state");
+  if (r.get<uint32_t>() != kMagic) throw Error("bad_snapshot", "these bytes are not a serialised state");
   State state;
   const auto count = r.get<uint32_t>();
   // More than any system has; columns are distinguished one by one.

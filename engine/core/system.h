@@ -91,7 +91,7 @@ class System {
   /// Changes when the constant part of the drawing does.
   virtual uint32_t drawing_version(const State& state) const { return 1; }
 
-  /// The row of the table that advances this system, and what it advances. Valid while the system lives.
+  /// The row of the table that advances this system, and the field it advances. Valid while the system lives.
   virtual Integration integration() const { return {}; }
   /// Where couplings reach into this system's states. Valid while the system lives.
   virtual Ports ports() const { return {}; }
@@ -99,14 +99,14 @@ class System {
   virtual std::optional<double> limit(Limit which, const State& state, double h) const {
     return std::nullopt;
   }
-  /// What helps when a step fails, one sentence each, in this system's own terms; empty: a shorter step,
+  /// Remedies when a step fails, one sentence each, in this system's own terms; empty: a shorter step,
   /// another method or softer forces.
   virtual std::vector<std::string> remedies() const { return {}; }
-  /// Adds what makes the last step's result one that is not to be trusted; `h` (s) is that step's length.
-  /// Asked for every few steps: it looks at what the step has noted, not at rows.
+  /// Adds reasons not to trust the result of the last step; `h` (s) is the length of that step. Called every
+  /// few steps: it reads values that the step has stored, not rows.
   virtual void warn(const State& state, double h, std::vector<Warning>& out) const {}
-  /// Energies of this state at time t (s); nothing when the system knows none. Asked for every few steps, and
-  /// allocates nothing after the first time.
+  /// Energies of this state at time t (s); empty if the system has none. Called every few steps, and
+  /// allocates nothing after the first call.
   virtual std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
                                        const ThreadArena& arena) const {
     return std::nullopt;

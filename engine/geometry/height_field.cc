@@ -12,12 +12,12 @@ HeightField::HeightField(size_t nx, size_t nz, double spacing, std::vector<doubl
     throw Error("bad_solid", "a height field needs nx x nz heights, both at least 2");
   }
   if (!(spacing > 0) || !std::isfinite(spacing))
-    throw Error("bad_solid", "a height field's spacing must be positive");
+    throw Error("bad_solid", "the spacing of a height field must be positive");
   for (size_t j = 0; j < nz; ++j) {
     for (size_t i = 0; i < nx; ++i) {
       const double h = heights_[j * nx + i];
       if (std::isinf(h))
-        throw Error("bad_solid", "a height field's heights must be finite, or NaN for holes");
+        throw Error("bad_solid", "the heights of a height field must be finite, or NaN for holes");
       if (!std::isnan(h)) bounds_.cover(vertex(i, j));
     }
   }

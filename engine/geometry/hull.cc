@@ -55,7 +55,7 @@ Quickhull::Quickhull(std::span<const Vec3> points) {
   }
   const Vec3 e = high - low, middle = (low + high) * 0.5;
   const double extent = std::max({e.x, e.y, e.z});
-  if (!(extent > 0)) throw Error("bad_hull", "a hull needs points that are not all the same");
+  if (!(extent > 0)) throw Error("bad_hull", "a hull needs points that do not all coincide");
   const double scale = 0x1p39 / extent;
   const auto whole = [&](double a) { return static_cast<int64_t>(std::nearbyint(a * scale)); };
   for (const Vec3& p : points) {
@@ -208,7 +208,7 @@ Hull convex_hull(std::span<const Vec3> points) {
   if (points.size() < 4) throw Error("bad_hull", "a hull needs at least four points");
   for (const Vec3& p : points) {
     if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
-      throw Error("bad_hull", "a hull's points must be finite");
+      throw Error("bad_hull", "the points of a hull must be finite");
     }
   }
   Hull hull = merge_triangles(points, Quickhull(points).run());

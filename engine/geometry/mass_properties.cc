@@ -41,7 +41,7 @@ class Polyhedron {
     for (const Vec3& k : {a, b, c, s}) second_ += outer(k) * (v / 20);
   }
   MassProperties result(double density) const {
-    if (!(volume_ > 0)) throw Error("no_mass", "a mesh whose triangles look inwards has no mass");
+    if (!(volume_ > 0)) throw Error("no_mass", "a mesh with inward-facing triangles has no mass");
     const Vec3 c = first_ / volume_;
     const Symmetric3 m = second_;
     MassProperties out{

@@ -38,10 +38,11 @@ bool MeshTriangle::allows(const Vec3& d) const {
 TriangleMesh::TriangleMesh(std::vector<Vec3> vertices, std::vector<uint32_t> triangles) {
   for (const Vec3& v : vertices) {
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) {
-      throw Error("bad_solid", "a mesh's vertices must be finite");
+      throw Error("bad_solid", "the vertices of a mesh must be finite");
     }
   }
-  if (triangles.size() % 3 != 0) throw Error("bad_solid", "a mesh's triangles are triples of indices");
+  if (triangles.size() % 3 != 0)
+    throw Error("bad_solid", "the triangles of a mesh must be triples of indices");
   struct Side {
     uint32_t triangle, edge;
   };
@@ -53,7 +54,7 @@ TriangleMesh::TriangleMesh(std::vector<Vec3> vertices, std::vector<uint32_t> tri
     for (size_t k = 0; k < 3; ++k) {
       id[k] = triangles[t + k];
       if (id[k] >= vertices.size())
-        throw Error("bad_solid", "a mesh's triangle names a vertex that is not there");
+        throw Error("bad_solid", "a triangle of the mesh refers to a vertex that does not exist");
       m.corner[k] = vertices[id[k]], m.vertex[k] = id[k];
     }
     if (!m.complete()) continue;
@@ -73,7 +74,7 @@ TriangleMesh::TriangleMesh(std::vector<Vec3> vertices, std::vector<uint32_t> tri
       open.erase(other);
     }
   }
-  if (triangles_.empty()) throw Error("bad_solid", "a mesh needs a triangle with an area");
+  if (triangles_.empty()) throw Error("bad_solid", "a mesh needs at least one triangle with an area");
   std::vector<Box> boxes;
   for (const MeshTriangle& t : triangles_) {
     Box b = Box::nothing();

@@ -65,9 +65,9 @@ template <class T>
 }
 
 /// Fraction of the sideways stopping impulse that friction may apply while the surfaces spin on one another.
-/// Slipping at the speed s then changes the friction of points that move at w r by no more than s / (w r), so
-/// that sideways friction is a drag, slide = -most s / (w r), taken implicitly; with the full impulse at a
-/// centre of pressure beside the axis, a body that spins on the spot would be driven round in circles.
+/// Slipping at the speed s then changes the friction of points that move at w r by no more than s / (w r):
+/// sideways friction is a drag, slide = -most s / (w r), taken implicitly. The full impulse at a centre of
+/// pressure off the axis would drive a body that spins on the spot round in circles.
 template <class T>
 Wide<T> grip(const ContactGroup<T>& g, const Wide<T> v[6], const Wide<T>& torque, const Wide<T>& most) {
   using W = Wide<T>;
@@ -115,8 +115,8 @@ void solve_friction(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6]) {
     for (int t = 0; t < 2; ++t) add_impulse(g, 1 + t, added[t], v, f);
   }
 }
-/// The relative velocity that a point should have, negated. Points that are apart may close their gap within
-/// one substep.
+/// The relative velocity that a point should have, negated. Separated points may close their gap within one
+/// substep.
 template <ContactSolve kind, class T>
 Wide<T> wanted(const Wide<T>& s, const ContactPass<T>& pass, const Wide<T>& push_out) {
   using W = Wide<T>;

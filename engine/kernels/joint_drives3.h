@@ -48,8 +48,8 @@ void prepare_drive(const JointGroup<T>& g, JointDrive<T>& d) {
     k[q] = r::dot(g.ja[q], g.ja[row]) + r::dot(g.jb[q], g.jb[row]);
     if (q == row && q < 3) k[q] += linear;
   }
-  // The line between the anchors is not perpendicular to the other two axes, but no joint locks those beside
-  // a line.
+  // The line between the anchors is not perpendicular to the other two axes, but no joint locks these in
+  // addition to a line.
   for (int p = 0, at = 0; p < 6; ++p) {
     for (int q = 0; q <= p; ++q, ++at) {
       c[p] = madd(g.inverse[at], g.locked[q] * k[q], c[p]);

@@ -1,10 +1,10 @@
 // How contacts recover the penetration that their loads cause. A contact is a damped spring on the bodies'
-// reduced mass m (soft_constraint.h), which gives way by load / (m w^2): stacks would sink. The surfaces
+// reduced mass m (soft_constraint.h), which yields by load / (m w^2): stacks would sink. The surfaces
 // therefore have an offset that grows by a fraction of the depth in every step, until they almost touch under
-// that load: an integral term beside the spring. It is the same for all points of a contact, because a tower
-// whose contacts could learn a tilt would lean. A mode with the damping rate s is excited by offsets that
-// adapt within T < 1 / (2 s), and a pile with redundant contacts never reaches zero depth everywhere: so an
-// offset is frozen while the depth is small beside it (docs/standing.md).
+// that load: an integral term in addition to the spring. It is the same for all points of a contact, because
+// a tower whose contacts could learn a tilt would lean. A mode with the damping rate s is excited by offsets
+// that adapt within T < 1 / (2 s), and a pile with redundant contacts never reaches zero depth everywhere: an
+// offset is therefore frozen while the depth is small compared with it (docs/standing.md).
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -41,7 +41,7 @@ inline double penetration_offset_at_rest(const PenetrationOffsetRule& rule) {
 /// 1/m_a + 1/m_b (m/s).
 inline double next_penetration_offset(double offset, double depth, double load,
                                       const PenetrationOffsetRule& rule) {
-  /// m; larger offsets adapt more slowly: what compresses contacts that much sways slowly.
+  /// m; larger offsets adapt more slowly: modes that compress contacts this much are slow
   constexpr double kThickOffset = 4e-3;
   const double thickest = rule.per_load * load, gives_way = offset + depth;
   const double slower = gives_way > kThickOffset ? std::sqrt(kThickOffset / gives_way) : 1;

@@ -1,5 +1,5 @@
-// How near two features of a surface are (a point and a triangle, or two segments), and when they first come
-// within a distance of each other along straight paths:
+// Distance between two features of a surface (a point and a triangle, or two segments), and the time at which
+// they first come within a distance of each other along straight paths:
 //   separation s = sum_i c_i x_i,   distance = |s|,   normal = s / |s|, towards the first feature,
 // with the weights c of the closest points (Ericson 2004, "Real-time collision detection", sections 5.1.5 and
 // 5.1.9). The time is found by conservative advancement with the common motion removed (Li, Kaufman, Jiang

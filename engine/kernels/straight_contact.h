@@ -1,6 +1,6 @@
 // First contact of a point with a triangle whose corners all move along straight lines, for thin cloth that
 // rotates fast. The advancement of kernels/point_hull.h keeps one direction, along which a rotating triangle
-// comes near long before it touches; here the distance from the triangle's own plane decides as well:
+// comes close long before it touches; here the distance from the triangle's own plane counts as well:
 //   L(s) = (e1(s) x e2(s)) . (p(s) - c(s)),  a cubic (Provot 1997, "Collision and self-collision handling in
 //          cloth model dedicated to design garments", eq. 2),
 // and until |L| falls to target * max |e1 x e2| the point is clear. Both bounds are safe, so nothing is

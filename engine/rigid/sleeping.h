@@ -21,14 +21,14 @@ struct SleepRule {
 
   /// m, largest distance of a resting body's points from where its rest began.
   double drift() const { return share * speed * time; }
-  /// m, largest distance between the midpoint of its path in sleep_time and the midpoint of its ends: a
+  /// m, largest distance between the midpoint of the path in sleep_time and the midpoint of its ends: a
   /// residual acceleration a, as at a pendulum's turning point, bends the path by a (time / 2)^2 / 2.
   double bend() const { return 0.0125 * speed * time; }
 };
 
-/// s for which a body has rested after a step of h. `before`: at the start of the step (0: its rest begins at
-/// this place); `speed`, `moved`: bounds of its points' speed (m/s) and of their distance (m) from where its
-/// rest began.
+/// s for which a body has rested after a step of h. `before`: value at the start of the step (0: its rest
+/// begins at this position); `speed`, `moved`: bounds on the speed of its points (m/s) and on their distance
+/// (m) from where its rest began.
 inline double rest_after(double before, double h, double speed, double moved, const SleepRule& rule) {
   return speed <= rule.speed && (before == 0 || moved <= rule.drift()) ? before + h : 0;
 }
@@ -36,9 +36,9 @@ inline double rest_after(double before, double h, double speed, double moved, co
 /// Speed of a body that must not rest.
 inline constexpr double kNoRest = HUGE_VAL;
 
-/// Counts a step of h into `timer`, the s that a body has rested. `way` knows its path: begin() notes the
-/// position where its rest begins, moved() is the distance from there (m), pass() notes the position halfway
-/// through sleep_time, bend() how far that is from the midpoint of both ends (m).
+/// Counts a step of h into `timer`, the s for which the body has rested. `way` tracks its path: begin()
+/// stores the position where its rest begins, moved() is the distance from there (m), pass() stores the
+/// position halfway through sleep_time, bend() is its distance from the midpoint of both ends (m).
 template <class Way>
 void count_rest(double& timer, double h, double speed, const SleepRule& rule, Way&& way) {
   const double before = timer;

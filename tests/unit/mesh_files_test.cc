@@ -65,19 +65,19 @@ TEST(Obj, CutsFacesIntoFansAndKeepsPointsAlone) {
 TEST(Obj, NamesTheLineOfAFault) {
   EXPECT_EQ(fault(read_obj, replaced(kObj, "v 1 0 0 0.5", "v 1 0")), "line 4: a coordinate is missing");
   EXPECT_EQ(fault(read_obj, replaced(kObj, "v 1 0 0 0.5", "v 1 0 zero")),
-            "line 4: \"zero\" stands where a coordinate should be");
+            "line 4: \"zero\" instead of a coordinate");
   EXPECT_EQ(fault(read_obj, replaced(kObj, "v 1 0 0 0.5", "v 1 0 nan")),
-            "line 4: \"nan\" is no coordinate: numbers of at most 1e12 are");
+            "line 4: \"nan\" is not a coordinate: use a number of at most 1e12");
   EXPECT_EQ(fault(read_obj, replaced(kObj, "v 1 0 0 0.5", "v 1 0 1e400")),
-            "line 4: \"1e400\" is no coordinate: numbers of at most 1e12 are");
+            "line 4: \"1e400\" is not a coordinate: use a number of at most 1e12");
   EXPECT_EQ(fault(read_obj, replaced(kObj, "f -3", "f -5")),
             "line 11: a face has vertex -5, and 4 vertices come before it");
   EXPECT_EQ(fault(read_obj, replaced(kObj, "f -3", "f 0")),
             "line 11: a face has vertex 0, and 4 vertices come before it");
   EXPECT_EQ(fault(read_obj, replaced(kObj, "f -3 -2 -1", "f 1 2")),
-            "line 11: a face has 2 corners: three or more are wanted");
+            "line 11: a face has 2 corners: it needs at least three");
   EXPECT_EQ(fault(read_obj, replaced(kObj, "usemtl", "usenothing")),
-            "line 8: \"usenothing\" is no statement of an OBJ file");
+            "line 8: \"usenothing\" is not a statement of an OBJ file");
   EXPECT_NE(fault(read_obj, replaced(kObj, "usemtl red", "curv 0 1 1 2")).find("line 8: free-form"),
             std::string::npos);
   EXPECT_EQ(fault(read_obj, "g one \\"), "line 2: the file ends without a vertex (v x y z)");
@@ -113,9 +113,9 @@ TEST(Stl, TextAndBinaryWeldCornersAtOnePlace) {
 }
 TEST(Stl, NamesTheLineOrTheByteOfAFault) {
   EXPECT_EQ(fault(read_stl, replaced(kStl, "vertex 0 1 0", "vertex 0 1")),
-            "line 6: \"vertex\" stands where a coordinate should be");
+            "line 6: \"vertex\" instead of a coordinate");
   EXPECT_EQ(fault(read_stl, replaced(kStl, "endloop", "vertex 1 1 1")),
-            "line 7: \"vertex\" stands where endloop should be");
+            "line 7: \"vertex\" instead of endloop");
   EXPECT_EQ(fault(read_stl, kStl.substr(0, kStl.size() - 25)), "line 16: the file ends without endsolid");
   EXPECT_EQ(fault(read_stl, "solid\nendsolid"), "line 3: the file ends without a facet");
   EXPECT_EQ(fault(read_stl, "nothing of the kind").substr(0, 8), "byte 20:");
@@ -164,11 +164,11 @@ TEST(Ply, TextAndBothByteOrdersSayTheSame) {
 }
 TEST(Ply, NamesTheLineOrTheByteOfAFault) {
   EXPECT_EQ(fault(read_ply, replaced(kPly, "property short z", "property half z")),
-            "line 7: \"half\" is no type: char, uchar, short, ushort, int, uint, float, double");
+            "line 7: \"half\" is not a type: use char, uchar, short, ushort, int, uint, float, double");
   EXPECT_EQ(fault(read_ply, replaced(kPly, "4 0 1 2 3 0", "4 0 1 2 4 0")),
             "line 18: a face has vertex 4, and the file has 4");
   EXPECT_EQ(fault(read_ply, replaced(kPly, "4 0 1 2 3 0", "2 0 1 0")),
-            "line 17: face 0 has 2 corners: 3 to 10000 are possible");
+            "line 17: face 0 has 2 corners: it must have 3 to 10000");
   EXPECT_EQ(fault(read_ply, replaced(kPly, "1 1 0 9", "1 inf 0 9")),
             "line 15: vertex 2 has no x, y and z of at most 1e12");
   EXPECT_EQ(fault(read_ply, replaced(kPly, "property float y", "property float why")),
@@ -180,7 +180,7 @@ TEST(Ply, NamesTheLineOrTheByteOfAFault) {
   const std::string binary = binary_ply(false);
   EXPECT_NE(fault(read_ply, binary.substr(0, binary.size() - 1)).find("the file ends in weights"),
             std::string::npos);
-  EXPECT_EQ(fault(read_ply, "ply\nformat ascii 2.0\n"), "line 2: version \"2.0\" is not read, 1.0 is");
+  EXPECT_EQ(fault(read_ply, "ply\nformat ascii 2.0\n"), "line 2: version \"2.0\" is not supported: use 1.0");
   EXPECT_EQ(fault(read_ply, "plywood\n"), "line 1: a PLY file begins with a line \"ply\"");
 }
 
@@ -224,16 +224,17 @@ TEST(Msh, ItsSurfaceIsClosedAndSeenFromOutside) {
 TEST(Msh, NamesTheLineOfAFault) {
   EXPECT_EQ(fault(read_msh, replaced(kMsh2, "2.2 0 8", "2.2 1 8")),
             "line 2: binary MSH files are not read: set Gmsh's Mesh.Binary to 0");
-  EXPECT_NE(fault(read_msh, replaced(kMsh2, "2.2 0 8", "3 0 8")).find("line 2: version \"3\" is not read"),
-            std::string::npos);
+  EXPECT_NE(
+      fault(read_msh, replaced(kMsh2, "2.2 0 8", "3 0 8")).find("line 2: version \"3\" is not supported"),
+      std::string::npos);
   EXPECT_EQ(fault(read_msh, replaced(kMsh2, "2 3 4 9", "2 3 4 10")),
-            "line 23: an element has node 10, which the file does not have");
-  EXPECT_EQ(fault(read_msh, replaced(kMsh2, "9 1 1 1", "4 1 1 1")), "line 16: node 4 is there twice");
+            "line 23: an element refers to node 10, which is not in the file");
+  EXPECT_EQ(fault(read_msh, replaced(kMsh2, "9 1 1 1", "4 1 1 1")), "line 16: node 4 is defined twice");
   EXPECT_EQ(
       fault(read_msh, replaced(kMsh2, "4 4 2 1 1 2 3 4 9", "4 11 2 1 1 2 3 4 9 1 2 3 4 9 1")).substr(0, 43),
       "line 23: elements of type 11 are not read: ");
   EXPECT_EQ(fault(read_msh, replaced(kMsh2, "4 4 2 1 1 2 3 4 9", "4 5 2 1 1 1 2 3 4 9 2 3 4")),
-            "line 25: the file has tetrahedra and hexahedra: a mesh is made of one form");
+            "line 25: the file has tetrahedra and hexahedra: a mesh must consist of one form");
   EXPECT_EQ(fault(read_msh, replaced(kMsh2, "$Nodes\n6", "$Nodes\n1900000")).substr(0, 43),
             "line 10: the number of nodes is 1900000, an");
   EXPECT_EQ(fault(read_msh, replaced(kMsh2, "$Nodes\n6", "$Nodes\n2000001")).substr(0, 42),

@@ -104,7 +104,7 @@ TEST(Stuffing, ASurfaceHoldsItsVolume) {
                   .tetrahedra.empty());
   // A surface that is not closed is reported with the edge.
   t[3] = {0, 3, 4};
-  EXPECT_NE(surface_fault(t)->what.find("same way"), std::string::npos);
+  EXPECT_NE(surface_fault(t)->what.find("same direction"), std::string::npos);
   t.pop_back();
   EXPECT_TRUE(surface_fault(t).has_value());
   t.push_back({0, 3, 5}), t[3] = {3, 0, 4}, t.push_back({3, 0, 2});

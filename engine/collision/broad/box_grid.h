@@ -1,7 +1,6 @@
-// Boxes sorted into the cells of a grid that they overlap, for finding those
-// near another box. Cells are about as large as the boxes; memory is linear in
-// the boxes, whatever their sizes. The order of what is found is a function of
-// the boxes alone.
+// Boxes sorted into the cells of a grid that they overlap, for finding the boxes near another one. Cells are
+// about as large as the boxes; memory is linear in the number of boxes, whatever their sizes. The order of
+// results is a function of the boxes alone.
 #pragma once
 #include <cstdint>
 #include <span>

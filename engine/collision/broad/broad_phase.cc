@@ -9,8 +9,8 @@ namespace {
 uint64_t key(uint32_t a, uint32_t b) {
   return a < b ? uint64_t{a} << 32 | b : uint64_t{b} << 32 | a;
 }
-/// Number of updates for which a body is expected to keep moving as before, and the most body sizes that this
-/// may be.
+/// Number of updates for which a body is assumed to keep its motion, and the maximum distance of that motion
+/// in body sizes.
 constexpr float kAhead = 4, kMostAhead = 1;
 
 /// The grown box, extended ahead by the body's motion since the last update.
@@ -94,8 +94,7 @@ void BroadPhase::sort_in(std::span<const Box> boxes, std::span<const Mobility> m
   }
 }
 
-/// Pairs of grown boxes: those of bodies that stayed are still right, those of bodies that moved are queried
-/// again.
+/// Pairs of grown boxes: those of bodies that stayed remain valid, bodies that moved are queried again.
 void BroadPhase::renew_candidates(std::span<const Mobility> mobility) {
   if (moved_list_.empty()) return;
   const auto stale = [&](uint64_t k) { return moved_[k >> 32] || moved_[static_cast<uint32_t>(k)]; };

@@ -1,7 +1,7 @@
-// Which bodies may touch: all pairs of overlapping boxes, sorted. Two dynamic trees (fixed, moving) hold the
-// boxes grown by a margin and ahead of what moves, so that most bodies cost one comparison; pairs of grown
-// boxes are kept and tested against the true boxes at every update. What comes out is a function of the boxes
-// given, never of earlier updates: the object may be discarded between any two steps.
+// Pairs of bodies that may touch: all pairs of overlapping boxes, sorted. Two dynamic trees (fixed, moving)
+// hold the boxes, grown by a margin and extended ahead of moving bodies, so that most bodies cost one
+// comparison; pairs of grown boxes are kept and tested against the true boxes at every update. The result is
+// a function of the given boxes, never of earlier updates: the object may be discarded between any two steps.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -41,7 +41,8 @@ class BroadPhase {
   void overlapping(const Box& b, Mobility which, Visit&& visit) const {
     trees_[static_cast<size_t>(which)].overlapping(FloatBox::around(b), visit);
   }
-  /// visit(body) for every body whose grown box passes; passes(const FloatBox&) may tighten as hits come in.
+  /// visit(body) for every body whose grown box passes; passes(const FloatBox&) may become stricter as hits
+  /// are found.
   template <class Passes, class Visit>
   void each(Passes&& passes, Visit&& visit) const {
     for (const uint32_t i : unbounded_) visit(i);

@@ -10,7 +10,7 @@
 
 namespace truestep {
 
-/// Box in floats that holds the box in doubles it was made from.
+/// Box in floats that contains the box in doubles from which it was made.
 struct FloatBox {
   float low[3], high[3];
 

@@ -86,7 +86,7 @@ bool corner_corner(const Clip& c, uint32_t i, uint32_t j, Vec2 fallback, Contact
 
 enum class Beyond : uint8_t { no, start, end };
 
-/// Which end of the reference edge the facing edge of q lies beyond, and with which corner.
+/// The end of the reference edge beyond which the facing edge of q lies, and the corner concerned.
 Beyond beyond(const Clip& c, uint32_t edge, uint32_t facing, uint32_t& corner) {
   const uint32_t next = edge + 1 < c.p.corners ? edge + 1 : 0,
                  last = facing + 1 < c.q.corners ? facing + 1 : 0;

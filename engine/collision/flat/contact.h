@@ -1,4 +1,4 @@
-// Where two outlines touch: one or two points with a common normal, found by separating axes over the edges,
+// Contact of two outlines: one or two points with a common normal, found by separating axes over the edges,
 // clipping against the reference edge, and a corner-corner normal where the edges do not face one another.
 #pragma once
 #include <array>

@@ -5,9 +5,9 @@
 //                                                              engine/collision/broad/broad_phase.h
 //              touch(a, b, pose_a.to(pose_b), margin, c)       contact.h; points and normal in a's frame
 //   fast ones  time_of_impact(a, sweep_a, b, sweep_b, gap)     distance.h
-//   asking     distance, overlap, ray_cast                     distance.h
+//   queries    distance, overlap, ray_cast                     distance.h
 //
-// Everything uses + - * / and sqrt only (sweeps: trig.h): the same bits on every machine.
+// All operations are + - * / and sqrt (sweeps: trig.h): the same bits on every machine.
 #pragma once
 #include "engine/collision/flat/contact.h"
 #include "engine/collision/flat/distance.h"

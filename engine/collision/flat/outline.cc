@@ -85,11 +85,11 @@ Outline polygon(std::span<const Vec2> points, double radius) {
 
 std::vector<Outline> chain(std::span<const Vec2> p, Ends ends, Outline::Side side) {
   const size_t n = p.size(), links = ends == Ends::loop ? n : n - 1;
-  if (n < 2 || (ends == Ends::loop && n < 3)) refuse("a chain needs two points, a loop three");
+  if (n < 2 || (ends == Ends::loop && n < 3)) refuse("a chain needs at least two points, a loop three");
   std::vector<Outline> list;
   for (size_t i = 0; i < links; ++i) {
     const Vec2 a = p[i], b = p[(i + 1) % n];
-    if (a == b) refuse("two points in a row of this chain are the same");
+    if (a == b) refuse("two consecutive points of this chain coincide");
     Outline s = capsule(a, b, 0);
     s.side = side;
     // The left side is the outside.

@@ -1,7 +1,7 @@
-// Shapes of the plane as one kind of thing: a convex polygon of at most eight corners, thickened by a radius.
-// One corner is a circle, two are a capsule, three and more run counter-clockwise. A link of a chain has two
-// corners, one side (left of a to b) or both, and knows its neighbours, so that nothing catches on the corner
-// where two links meet.
+// All shapes of the plane as one type: a convex polygon of at most eight corners, thickened by a radius. One
+// corner is a circle, two are a capsule, three and more run counter-clockwise. A link of a chain has two
+// corners, one side (left of a to b) or both, and its neighbours' corners, so that nothing catches on the
+// corner where two links meet.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -42,7 +42,7 @@ Outline polygon(std::span<const Vec2> points, double radius = 0);
 /// last to the first. Error "scene_invalid" for fewer than two points or two equal ones in a row.
 enum class Ends : uint8_t { open, loop };
 std::vector<Outline> chain(std::span<const Vec2> points, Ends ends, Outline::Side side = Outline::Side::left);
-/// The same link walked in the other direction: its left is this one's right.
+/// The same link traversed in the other direction: its left is this one's right.
 Outline reversed(const Outline& link);
 
 /// The outline moved by a pose.
@@ -61,7 +61,7 @@ Box bounds(const Outline& s, const Pose& at);
 /// Largest distance of the outline from the point p in its own frame.
 double reach(const Outline& s, Vec2 p);
 /// Radius of the largest inscribed circle about the centre: how far a body may move and still overlap its
-/// former place. 0 for a link.
+/// former position. 0 for a link.
 double inner_radius(const Outline& s);
 
 }  // namespace truestep::flat

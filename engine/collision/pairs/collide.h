@@ -6,8 +6,8 @@
 //   box                        SAT     GJK/EPA   SAT      SAT    closed
 //   cylinder                           GJK/EPA GJK/EPA  GJK/EPA  closed
 //   hull                                         SAT      SAT    closed
-// Hulls of many edges go the way of cylinders. Meshes, height fields and compounds ask their trees for the
-// parts near the other body; a mesh meets a plane with its vertices.
+// Hulls with many edges are treated like cylinders. Meshes, height fields and compounds query their trees for
+// the parts near the other body; a mesh collides with a plane by its vertices.
 #pragma once
 #include <vector>
 
@@ -23,9 +23,9 @@ bool collide(const Solid& a, const Transform& at_a, const Solid& b, const Transf
 
 /// The same for any two solids; appends one manifold for every pair of parts that touch, with part_a and
 /// part_b set and mixed into the points' ids, in an order that depends on the solids alone. Triangles touched
-/// along one normal are one manifold, named after the first of them. Surfaces (planes, meshes, height fields)
-/// do not meet one another, except a mesh a plane. No allocation once `out` is large enough. Returns how many
-/// were appended.
+/// along one normal form one manifold, named after the first of them. Surfaces (planes, meshes, height
+/// fields) do not collide with one another, except a mesh with a plane. No allocation once `out` is large
+/// enough. Returns the number of appended manifolds.
 size_t collide(const Solid& a, const Transform& at_a, const Solid& b, const Transform& at_b, double margin,
                std::vector<Manifold>& out);
 

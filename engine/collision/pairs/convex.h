@@ -1,5 +1,5 @@
 // View of one convex solid for the narrow phase: a core (point, segment, box, cylinder, polyhedron, triangle)
-// with a rounding radius around it, and the core's furthest point in a direction.
+// with a rounding radius around it, and its support function.
 #pragma once
 #include <cmath>
 
@@ -14,7 +14,7 @@ struct Convex {
   const Hull* hull = nullptr;
   const MeshTriangle* triangle = nullptr;
 
-  /// Of spheres and capsules, zero for all others.
+  /// Radius of spheres and capsules, zero for all others.
   double radius() const { return kind <= SolidKind::capsule ? size.x : 0; }
   /// A point inside the core.
   Vec3 center() const {

@@ -8,7 +8,7 @@
 
 namespace truestep {
 
-/// A flat face, an edge (2 corners) or a corner, with ids that say what its corners are.
+/// A flat face, an edge (2 corners) or a corner, with ids that identify its corners.
 struct FacePolygon {
   static constexpr int kMost = 48;
   int count = 0;

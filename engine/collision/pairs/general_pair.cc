@@ -19,10 +19,10 @@ struct Feature {
   uint32_t number = 0;
 };
 
-/// Direction and result in the frame that `at` leads to. Faces are returned at any angle, lines of cylinders
-/// and capsules when the direction is nearly perpendicular to them. `beside`: frame of the other solid,
-/// relative to which points on a rim are numbered, so that they stay in place while a cylinder spins about
-/// its axis.
+/// Direction and result in the frame to which `at` transforms. Faces are returned at any angle, lines of
+/// cylinders and capsules when the direction is nearly perpendicular to them. `beside`: frame of the other
+/// solid, relative to which points on a rim are numbered: they stay in place while a cylinder spins about its
+/// axis.
 void feature(const Convex& c, const Transform& at, const Vec3& direction, const Rotation& beside,
              Feature& out) {
   const Vec3 d = at.inverse_direction(direction);
@@ -116,7 +116,8 @@ void guess(const Convex& c, const Rotation& to_a, double sign, const Vec3& from_
 void face_contact(const Feature& fa, const Feature& fb, const Vec3& n, double margin, double aligned,
                   Manifold& out) {
   out.count = 0;
-  // Faces within 1.4 mrad of one another face equally well: a body at rest must not change sides by rounding.
+  // Faces within 1.4 mrad of one another face equally well: a body at rest must not switch between them by
+  // rounding.
   constexpr double kEqual = 1e-6;
   const bool first = fa.facing >= fb.facing - kEqual;
   const Feature &reference = first ? fa : fb, &other = first ? fb : fa;

@@ -1,4 +1,4 @@
-// Where two bodies touch or are about to: up to four points with one normal.
+// The contact of two bodies that touch or nearly do: up to four points with one normal.
 #pragma once
 #include <cstdint>
 
@@ -9,7 +9,7 @@ namespace truestep {
 struct ContactPoint {
   Vec3 position;          ///< m, midway between both surfaces
   double separation = 0;  ///< m along the normal; negative: depth
-  uint32_t id = 0;        ///< which features meet; stays the same while they do
+  uint32_t id = 0;        ///< identifies the features in contact; constant while they touch
 };
 
 struct Manifold {
@@ -23,7 +23,7 @@ struct Manifold {
   void add(const Vec3& position, double separation, uint32_t id) {
     if (count < kMost) points[count++] = {position, separation, id};
   }
-  /// Depth of the deepest point, negative when all are apart; needs a point.
+  /// Depth of the deepest point, negative when all are separated; needs a point.
   double deepest() const {
     double d = -points[0].separation;
     for (int i = 1; i < count; ++i) d = -points[i].separation > d ? -points[i].separation : d;

@@ -40,7 +40,7 @@ void cylinder_points(const Convex& b, const Transform& place, const Vec3& n, Bel
   const Vec3 d = place.inverse_direction(n);
   const double r = b.size.x, l = std::sqrt(d.x * d.x + d.z * d.z), low = d.y > 0 ? -b.size.y : b.size.y;
   // The lowest point of each rim, and four on which the cylinder stands. They stay in place when it spins
-  // about its axis, so that their impulses stay with them.
+  // about its axis, and keep their impulses.
   if (l > 1e-4) {
     const Vec3 down{-d.x / l * r, 0, -d.z / l * r};
     below.add(place.point({down.x, low, down.z}), 1);
@@ -57,7 +57,7 @@ void cylinder_points(const Convex& b, const Transform& place, const Vec3& n, Bel
   below.add(place.point({e.z, low, -e.x}), end + 3);
 }
 
-/// Of any number of vertices those that reach furthest along directions that do not change.
+/// Selects the vertices that reach furthest along fixed directions.
 class Outermost {
  public:
   Outermost(const Vec3& normal, double margin) : n_(normal), margin_(margin) {
@@ -76,7 +76,7 @@ class Outermost {
     if (s > margin_) return;
     for (int k = 0; k < kDirections; ++k) {
       const double reach = dot(along_[k], p);
-      // Of equals, as many are on a flat face, always the same.
+      // Among equals, of which a flat face has many, always the same one.
       if (best_[k].id != 0 && (reach < reach_[k] || (reach == reach_[k] && id >= best_[k].id))) continue;
       reach_[k] = reach, best_[k] = {p - n_ * (0.5 * s), s, id};
     }

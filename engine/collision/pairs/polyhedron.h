@@ -18,7 +18,7 @@ struct Polyhedron {
   const MeshTriangle* triangle = nullptr;
 };
 
-/// Storage for what boxes and triangles do not have.
+/// Storage for data that boxes and triangles lack.
 struct PolyhedronStorage {
   Vec3 vertices[8];
   HullFace faces[6];
@@ -32,8 +32,8 @@ Polyhedron polyhedron(const Convex& c, PolyhedronStorage& storage);
 void face_polygon(const Polyhedron& p, int face, const Transform& at, FacePolygon& out);
 /// The face whose normal is closest to the unit vector d.
 int face_towards(const Polyhedron& p, const Vec3& d);
-/// That face among those containing the furthest vertex along d: on sharp solids another face may be closer
-/// to d and not reach there.
+/// The best such face among those containing the furthest vertex along d: on sharp solids another face may be
+/// closer to d and not reach there.
 int furthest_face(const Polyhedron& p, const Vec3& d);
 
 }  // namespace truestep

@@ -57,7 +57,7 @@ void on_hull(const Convex& a, double r, const Vec3& c, double margin, Manifold& 
   }
   out.count = 0;
   if (most - r > margin) return;
-  // Over the face itself its plane decides, as it does for a centre inside.
+  // Over the face itself its plane decides, as for a centre inside.
   bool over = true;
   for (uint32_t k = 0; k < face->count && most > 0 && over; ++k) {
     const Vec3 &p = h.vertices[h.loops[face->first + k]],
@@ -116,7 +116,7 @@ void collide_sphere(const Convex& a, double r, const Vec3& c, double margin, Man
 SegmentPair nearest_on_segments(const Vec3& p, const Vec3& d, const Vec3& q, const Vec3& e) {
   const Vec3 r = p - q;
   const double a = norm2(d), b = dot(d, e), c = norm2(e), f = dot(d, r), g = dot(e, r), det = a * c - b * b;
-  // Parallel: any s will do where both overlap; the middle of p's segment is the most stable.
+  // Parallel: any s is valid where both overlap; the middle of p's segment is the most stable.
   double s = det > 1e-14 * a * c ? std::clamp((b * g - c * f) / det, 0.0, 1.0) : 0.5;
   double t = c > 0 ? (b * s + g) / c : 0;
   if (t < 0 || t > 1) {

@@ -11,9 +11,10 @@ const DefTable& motion_table() {
           "prescribed motion: position = start + velocity t + amplitude (sin(2 pi frequency t + "
           "phase) - sin(phase)), turned by spin t")
           .vector("velocity", &MotionDef::velocity, "m/s", any(), "steady velocity")
-          .vector("amplitude", &MotionDef::amplitude, "m", any(), "swing to either side of the start")
-          .number("frequency", &MotionDef::frequency, "Hz", at_least(0), "swings per second")
-          .number("phase", &MotionDef::phase, "rad", any(), "phase of the swing at t = 0")
+          .vector("amplitude", &MotionDef::amplitude, "m", any(),
+                  "amplitude of the oscillation about the start")
+          .number("frequency", &MotionDef::frequency, "Hz", at_least(0), "frequency of the oscillation")
+          .number("phase", &MotionDef::phase, "rad", any(), "phase of the oscillation at t = 0")
           .vector("spin", &MotionDef::spin, "rad/s", any(), "angular velocity about the shape's origin")
           .build();
   return t;
@@ -29,7 +30,7 @@ TableOf<D>& add_common(TableOf<D>& t) {
   std::optional<MotionDef> D::*motion = &ColliderCommonDef::motion;
   return t.text("id", id, "name for set_parameter (<id>.restitution, <id>.friction) and pictures")
       .number("friction", friction, "1", at_least(0), "Coulomb's coefficient")
-      .number("restitution", restitution, "1", between(0, 1), "share of the normal speed kept by a bounce")
+      .number("restitution", restitution, "1", between(0, 1), "fraction of the normal speed kept in a bounce")
       .number("rest_speed", rest_speed, "m/s", at_least(0), "slower approaches do not bounce")
       .object("motion", motion, motion_table(), "how it moves; absent: at rest");
 }
@@ -44,7 +45,7 @@ const DefTable& plane_table() {
     using D = PlaneColliderDef;
     TableOf<D> table("half space that points stay above");
     add_common(table.vector("point", &D::point, "m", any(), "a point of the plane")
-                   .vector("normal", &D::normal, "1", any(), "towards where points may be; any length"));
+                   .vector("normal", &D::normal, "1", any(), "pointing to the free side; any length"));
     return table
         .check([](const D& d, const DefTable::Report& report) {
           if (!(norm(d.normal) > 0)) report("/normal", "the normal must not be zero");
@@ -57,7 +58,7 @@ const DefTable& plane_table() {
 const DefTable& box_table() {
   static const DefTable t = [] {
     using D = BoxColliderDef;
-    TableOf<D> table("box, turned by an angle about an axis");
+    TableOf<D> table("box, rotated by an angle about an axis");
     table.vector("center", &D::center, "m", any(), "centre at t = 0")
         .vector("half_extents", &D::half_extents, "m", above(0), "half of each edge")
         .vector("axis", &D::axis, "1", any(), "axis of its rotation; any length")

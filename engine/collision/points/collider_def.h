@@ -16,7 +16,7 @@ struct MotionDef {
   double frequency = 0, phase = 0;
 };
 
-/// Members of colliders of every type.
+/// Members common to colliders of every type.
 struct ColliderCommonDef {
   std::string id;
   double friction = 0.3, restitution = 0.5, rest_speed = 0.01;
@@ -56,7 +56,7 @@ ColliderSet build_colliders(const ColliderDefs& defs);
 template <class D>
 TableOf<D>& add_collider_rows(TableOf<D>& table, ColliderDefs D::*m) {
   return table.variants("colliders", m, collider_variants(), {0, kMaxColliders},
-                        "solids that points bounce off, and containers that hold them");
+                        "solids that points collide with, and containers that hold them");
 }
 
 }  // namespace truestep

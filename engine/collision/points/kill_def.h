@@ -1,5 +1,5 @@
-// Regions in which points are removed: "kill_planes" and "kill_boxes", shared by systems whose points come
-// and go.
+// Regions in which points are removed: "kill_planes" and "kill_boxes", shared by systems with a variable
+// number of points.
 #pragma once
 #include <vector>
 
@@ -30,8 +30,10 @@ template <class D>
 TableOf<D>& add_kill_rows(TableOf<D>& table) {
   std::vector<KillPlaneDef> D::*planes = &KillDefs::kill_planes;
   std::vector<KillBoxDef> D::*boxes = &KillDefs::kill_boxes;
-  return table.objects("kill_planes", planes, kill_plane_table(), {0, 64}, "planes below which particles end")
-      .objects("kill_boxes", boxes, kill_box_table(), {0, 64}, "boxes that particles may not leave or enter");
+  return table
+      .objects("kill_planes", planes, kill_plane_table(), {0, 64}, "planes below which particles are removed")
+      .objects("kill_boxes", boxes, kill_box_table(), {0, 64},
+               "boxes inside or outside of which particles are removed");
 }
 
 /// Sets flag[i] for i in [begin, end) where at(i), a Vec3, is in a region; leaves other flags unchanged.

@@ -1,7 +1,7 @@
 // A nozzle: layers of points one spacing apart, each a lattice over a disk perpendicular to the axis (over a
-// line in the plane). Points are born behind the mouth at a depth of the kernel's reach and pushed out at the
-// nozzle's speed, whatever presses against them: the fluid outside feels the advancing column as it would at
-// a pipe.
+// line in the plane). Points are created behind the mouth at a depth of the kernel's reach and pushed out at
+// the nozzle's speed, whatever the pressure: the fluid outside feels the advancing column as it would at a
+// pipe.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -17,8 +17,8 @@
 namespace truestep {
 
 struct Nozzle {
-  /// The sizes that depend on the system: m, between points; how deep behind the mouth they are born; and the
-  /// largest width of a layer (the check of a definition may come here with any radius).
+  /// The sizes that depend on the system: m, spacing of points; depth behind the mouth at which they are
+  /// created; and the largest width of a layer (definitions are checked here with any radius).
   struct Sizes {
     int dimension;
     double spacing, depth, widest;
@@ -33,7 +33,7 @@ struct Nozzle {
 
   Vec3 velocity() const { return along * speed; }
   Vec3 back() const { return mouth - along * depth; }
-  /// s, time at which layer n is born; infinity if there is none.
+  /// s, time at which layer n is created; infinity if there is none.
   double birth(uint64_t n) const {
     const double t = start + static_cast<double>(n) * pause;
     return t < stop ? t : std::numeric_limits<double>::infinity();
@@ -49,8 +49,8 @@ struct Nozzle {
     const double way = dot(r, along), wide = reach + more;
     return way < 0 && way > -1.5 * depth && norm2(r - along * way) < wide * wide;
   }
-  /// Calls add(position) for the layers from `next` on that are born before t, at their positions at time t.
-  /// Positions closer than `room` (m) to an existing point are left out: material already in the nozzle is
+  /// Calls add(position) for the layers from `next` on that are created before t, at their positions at time
+  /// t. Positions closer than `room` (m) to an existing point are left out: material already in the nozzle is
   /// pushed out, not doubled. `position` is the column of the points, to which `add` may append rows.
   template <class Add>
   void pour(const State& s, State::Column position, uint64_t& next, double t, double room,

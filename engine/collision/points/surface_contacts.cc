@@ -14,7 +14,7 @@ namespace {
 constexpr int kRounds = 16, kTakingRounds = 10;
 /// How often a point may be released in a step before it stays free.
 constexpr double kMostReleases = 2;
-/// How often a step without a solution may be halved.
+/// Maximum number of times that a step without a solution is halved.
 constexpr int kHalvings = 5;
 /// Energy that a step may gain, as a fraction of the kinetic energy and of what gravity adds to it in a step.
 constexpr double kRise = 0.01;

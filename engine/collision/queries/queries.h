@@ -22,7 +22,7 @@ struct NearestPoints {
 /// Empty when they are farther apart than `within` (m), or both are surfaces.
 std::optional<NearestPoints> nearest_points(const Solid& a, const Transform& at_a, const Solid& b,
                                             const Transform& at_b, double within);
-/// Nearest place on a solid to a point, from the point's side of it; nothing beyond `within` (m) or behind a
+/// Nearest place on a solid to a point, from the point's side of it; empty beyond `within` (m) or behind a
 /// mesh or height field.
 struct NearestPoint {
   double distance = 0;  ///< m, negative inside
@@ -31,7 +31,7 @@ struct NearestPoint {
 };
 std::optional<NearestPoint> nearest_point(const Solid& solid, const Transform& at, const Vec3& point,
                                           double within);
-/// True when they share a point.
+/// True when the two have a point in common.
 bool overlap(const Solid& a, const Transform& at_a, const Solid& b, const Transform& at_b);
 /// First touch of a solid (convex or compound) that moves without rotating; see time_of_impact.
 std::optional<Impact> shape_cast(const Solid& moving, const Pose& from, const Vec3& move, const Solid& target,

@@ -1,5 +1,5 @@
-// How a body moves during a step: straight, and rotating at a constant rate the shorter way. x(t) = x0 + t
-// (x1 - x0), R(t) = exp(t turn) R0, 0 <= t <= 1
+// Motion of a body during a step: a straight path, and a rotation at a constant rate the shorter way. x(t) =
+// x0 + t (x1 - x0), R(t) = exp(t turn) R0, 0 <= t <= 1
 #pragma once
 #include "engine/geometry/transform.h"
 

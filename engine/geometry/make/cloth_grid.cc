@@ -72,11 +72,11 @@ PlateWeights plate_weights(const ClothGridShape& shape) {
 
 const char* plate_fault(const ClothGridShape& g) {
   if (std::abs(dot(g.edge_u, g.edge_v)) > 1e-6 * norm(g.edge_u) * norm(g.edge_v)) {
-    return "needs edges at right angles";
+    return "needs edge_u and edge_v at right angles";
   }
   const double u = norm(g.edge_u) / (g.nx - 1), v = norm(g.edge_v) / (g.ny - 1);
   if (u * u > 3 * v * v || v * v > 3 * u * u) {
-    return "needs cells of which one side is at most 1.7 times the other";
+    return "needs cells with one side at most 1.7 times the other";
   }
   return nullptr;
 }

@@ -150,9 +150,9 @@ std::optional<SurfaceFault> surface_fault(std::span<const std::array<uint32_t, 3
     const bool turned = count + other == 2;
     return SurfaceFault{seen.second,
                         name + (count + other == 1 ? " has one triangle: the surface is open there"
-                                : turned           ? " runs the same way in both of its triangles: turn one"
-                                                   : " has " + std::to_string(count + other) +
-                                               " triangles: a surface has two an edge")};
+                                : turned ? " has the same direction in both of its triangles: reverse one"
+                                         : " has " + std::to_string(count + other) +
+                                               " triangles: an edge of a surface has two")};
   }
   return std::nullopt;
 }

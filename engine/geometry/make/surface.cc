@@ -83,7 +83,7 @@ std::optional<ClothFault> flat_triangle(const MeshShape& shape) {
     if (!(norm(cross(u, v)) > kLeast * longest)) {
       return ClothFault{corner, "the triangle of vertices " + std::to_string(t[0]) + ", " +
                                     std::to_string(t[1]) + " and " + std::to_string(t[2]) +
-                                    " has no area, they lie in line: leave it out or move one"};
+                                    " has no area, because they lie in line: remove it or move one"};
     }
     corner += 3;
   }

@@ -25,12 +25,13 @@ class Reader {
     expect("HIERARCHY");
     expect("ROOT");
     joint(-1, 0);
-    if (!done() && same_word(peek(), "ROOT")) fail("there is a second ROOT; one skeleton a file is read");
+    if (!done() && same_word(peek(), "ROOT"))
+      fail("there is a second ROOT; only one skeleton per file is read");
     expect("MOTION");
     expect("Frames:");
     const double frames = number("the number of frames");
     if (frames != std::floor(frames) || frames < 1)
-      fail_before("the number of frames is not a whole number above 0");
+      fail_before("the number of frames must be a whole number above 0");
     if (frames * static_cast<double>(m_.channels) > static_cast<double>(kMostValues)) {
       fail_before("more than twenty million values");
     }
@@ -49,7 +50,7 @@ class Reader {
       }
     }
     if (!done())
-      fail("there is more than " + std::to_string(m_.frames) + " frames of " + std::to_string(m_.channels) +
+      fail("there are more than " + std::to_string(m_.frames) + " frames of " + std::to_string(m_.channels) +
            " values");
     return std::move(m_);
   }
@@ -100,7 +101,7 @@ class Reader {
   void expect(std::string_view word) {
     if (done()) fail("the file ends where " + std::string(word) + " should be");
     if (!same_word(peek(), word)) {
-      fail("\"" + std::string(peek().substr(0, 40)) + "\" stands where " + std::string(word) + " should be");
+      fail("\"" + std::string(peek().substr(0, 40)) + "\" instead of " + std::string(word));
     }
     take();
   }
@@ -141,11 +142,11 @@ class Reader {
         return;
       }
       if (same_word(word, "OFFSET")) {
-        if (offset) fail("a second OFFSET");
+        if (offset) fail("there is a second OFFSET");
         take();
         offset = true, joint_now.offset = vector();
       } else if (same_word(word, "CHANNELS")) {
-        if (channels) fail("a second CHANNELS");
+        if (channels) fail("there is a second CHANNELS");
         take();
         channels = true, read_channels(joint_now);
       } else if (same_word(word, "JOINT")) {
@@ -159,23 +160,23 @@ class Reader {
         joint_now.end = vector();
         expect("}");
       } else {
-        fail("\"" + std::string(word.substr(0, 40)) +
-             "\" stands where OFFSET, CHANNELS, JOINT, End Site or } should be");
+        fail("\"" + std::string(word.substr(0, 40)) + "\" instead of OFFSET, CHANNELS, JOINT, End Site or }");
       }
     }
   }
   void read_channels(BvhJoint& j) {
     const double count = number("the number of channels");
-    if (count != std::floor(count) || count < 0 || count > 6) fail_before("a joint has 0 to 6 channels");
+    if (count != std::floor(count) || count < 0 || count > 6)
+      fail_before("a joint must have 0 to 6 channels");
     j.first_channel = m_.channels;
     for (size_t k = 0; k < static_cast<size_t>(count); ++k) {
       const std::string_view word = peek();
       size_t which = 0;
       while (which < 6 && !same_word(word, kChannelNames[which])) ++which;
       if (which == 6)
-        fail("\"" + std::string(word.substr(0, 40)) + "\" is no channel: Xposition to Zrotation");
+        fail("\"" + std::string(word.substr(0, 40)) + "\" is not a channel: use Xposition to Zrotation");
       for (const BvhChannel c : j.channels) {
-        if (static_cast<size_t>(c) == which) fail("channel " + std::string(word) + " is there twice");
+        if (static_cast<size_t>(c) == which) fail("channel " + std::string(word) + " is given twice");
       }
       take();
       j.channels.push_back(static_cast<BvhChannel>(which));

@@ -19,11 +19,11 @@ GltfSkin read_skin(const Value& v, const Buffers& buffers, size_t nodes) {
   const Value joints = v.member("joints");
   for (size_t k = 0; k < joints.size(); ++k)
     skin.joints.push_back(static_cast<uint32_t>(joints[k].index(nodes, "node")));
-  if (skin.joints.empty()) fail(joints.where(), "a skin has joints");
+  if (skin.joints.empty()) fail(joints.where(), "a skin needs joints");
   if (v.member("inverseBindMatrices").there()) {
     const std::vector<double> all = buffers.numbers(v.member("inverseBindMatrices"), 16, false);
     if (all.size() < 16 * skin.joints.size())
-      fail(v.where() + "/inverseBindMatrices", "are fewer than the joints");
+      fail(v.where() + "/inverseBindMatrices", "must have as many as there are joints");
     skin.binds.resize(skin.joints.size());
     for (size_t k = 0; k < skin.binds.size(); ++k) std::copy_n(&all[16 * k], 16, skin.binds[k].begin());
   }
@@ -55,7 +55,7 @@ GltfAnimation read_animation(const Value& v, const Buffers& buffers, size_t node
     const Value sampler = samplers[channels[k].member("sampler").index(samplers.size(), "sampler")];
     c.times = buffers.numbers(sampler.member("input"), 1, false);
     for (size_t i = 0; i < c.times.size(); ++i) {
-      if (i > 0 && !(c.times[i] > c.times[i - 1])) fail(sampler.where() + "/input", "times do not ascend");
+      if (i > 0 && !(c.times[i] > c.times[i - 1])) fail(sampler.where() + "/input", "times must ascend");
     }
     const std::string between = sampler.member("interpolation").text_or("LINEAR");
     using B = GltfChannel::Between;
@@ -63,10 +63,11 @@ GltfAnimation read_animation(const Value& v, const Buffers& buffers, size_t node
     c.values = buffers.numbers(sampler.member("output"), c.width == 1 ? 1 : c.width, true);
     const size_t keys = c.times.size() * (c.between == B::cubic ? 3 : 1);
     if (c.path == P::weights) {
-      if (c.values.size() % keys != 0) fail(sampler.where() + "/output", "are not as many for every time");
+      if (c.values.size() % keys != 0)
+        fail(sampler.where() + "/output", "must have the same number for every time");
       c.width = c.values.size() / keys;
     } else if (c.values.size() != keys * c.width) {
-      fail(sampler.where() + "/output", "are not as many as there are times");
+      fail(sampler.where() + "/output", "must have as many as there are times");
     }
     animation.channels.push_back(std::move(c));
   }
@@ -88,7 +89,7 @@ void check_skin_of(const GltfModel& model, size_t k) {
 
 GltfModel read_model(const Value& document, std::span<const std::byte> binary) {
   if (!document.member("asset").member("version").text_or("").starts_with("2.")) {
-    fail("/asset/version", "is not 2.x");
+    fail("/asset/version", "must be 2.x");
   }
   GltfModel model;
   const Buffers buffers(document, binary);
@@ -143,9 +144,9 @@ GltfModel read_gltf(std::span<const std::byte> bytes) {
   if (bytes.size() < 12 || little32(bytes, 0) != kGlb) {
     return read_document({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, {}, 0);
   }
-  if (little32(bytes, 4) != 2) throw GltfFault("byte 4: the container's version is not 2");
+  if (little32(bytes, 4) != 2) throw GltfFault("byte 4: the version of the container must be 2");
   if (little32(bytes, 8) != bytes.size()) {
-    throw GltfFault("byte 8: the file says it has " + std::to_string(little32(bytes, 8)) + " bytes and has " +
+    throw GltfFault("byte 8: the file declares " + std::to_string(little32(bytes, 8)) + " bytes but has " +
                     std::to_string(bytes.size()));
   }
   std::optional<std::span<const std::byte>> text;
@@ -171,7 +172,7 @@ GltfModel read_gltf(std::span<const std::string> lines) {
   std::string all;
   for (const std::string& line : lines) all += line;
   const size_t first = all.find_first_not_of(" \t\r\n");
-  if (first == std::string::npos) throw GltfFault("byte 0: there is nothing");
+  if (first == std::string::npos) throw GltfFault("byte 0: the file is empty");
   if (all[first] == '{') return read_gltf(std::as_bytes(std::span(all)));
   return read_gltf(gltf::from_base64(all, "the file"));
 }

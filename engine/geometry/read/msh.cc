@@ -30,7 +30,7 @@ CellForm form_of(const MshSections& file, std::string_view text) {
     fail(text, "the file has no triangles, quadrangles, tetrahedra or hexahedra");
   if (has[low] && has[low + 1]) {
     fail(text, std::string("the file has ") + kFormNames[low] + " and " + kFormNames[low + 1] +
-                   ": a mesh is made of one form");
+                   ": a mesh must consist of one form");
   }
   return static_cast<CellForm>(has[low] ? low : low + 1);
 }

@@ -30,7 +30,7 @@ class Reader {
     bool nodes = false, elements = false;
     while (lines_.next_filled()) {
       const std::string section(lines_.word());
-      if (!section.starts_with('$')) lines_.fail(quoted(section) + " stands where a section should begin");
+      if (!section.starts_with('$')) lines_.fail(quoted(section) + " where a section should begin");
       if (section == "$PhysicalNames") {
         physical_names();
       } else if (section == "$Entities") {
@@ -42,7 +42,7 @@ class Reader {
         old_ ? old_nodes() : new_nodes();
         sort_tags();
       } else if (section == "$Elements") {
-        if (!nodes) lines_.fail("$Elements come after $Nodes");
+        if (!nodes) lines_.fail("$Elements must come after $Nodes");
         if (std::exchange(elements, true)) lines_.fail("there is a second $Elements");
         old_ ? old_elements() : new_elements();
       }
@@ -82,7 +82,7 @@ class Reader {
     old_ = version == "2.2" || version == "2.1" || version == "2";
     if (!old_ && version != "4.1") {
       lines_.fail("version " + quoted(version) +
-                  " is not read, 2.2 and 4.1 are (Gmsh's Mesh.MshFileVersion)");
+                  " is not supported: use 2.2 or 4.1 (Gmsh's Mesh.MshFileVersion)");
     }
     if (binary != "0") lines_.fail("binary MSH files are not read: set Gmsh's Mesh.Binary to 0");
     skip_to("$EndMeshFormat");
@@ -97,7 +97,7 @@ class Reader {
       const int64_t number = tag("the number of a group");
       std::string_view name = lines_.rest();
       if (name.size() < 2 || name.front() != '"' || name.back() != '"')
-        lines_.fail(quoted(name) + " is no name: it stands in \"\"");
+        lines_.fail(quoted(name) + " is not a name in quotation marks");
       name = name.substr(1, name.size() - 2);
       if (!name.empty()) out_.names[{dimension, number}] = name;
     }
@@ -164,7 +164,7 @@ class Reader {
     std::sort(out_.tags.begin(), out_.tags.end());
     const auto twin = std::adjacent_find(out_.tags.begin(), out_.tags.end(),
                                          [](const auto& a, const auto& b) { return a.first == b.first; });
-    if (twin != out_.tags.end()) lines_.fail("node " + std::to_string(twin->first) + " is there twice");
+    if (twin != out_.tags.end()) lines_.fail("node " + std::to_string(twin->first) + " is defined twice");
   }
 
   void element(int64_t type, uint32_t entity) {
@@ -173,18 +173,18 @@ class Reader {
       const int64_t number = tag("a node of an element");
       const auto at = std::lower_bound(out_.tags.begin(), out_.tags.end(), std::pair(number, uint32_t{0}));
       if (at == out_.tags.end() || at->first != number) {
-        lines_.fail("an element has node " + std::to_string(number) + ", which the file does not have");
+        lines_.fail("an element refers to node " + std::to_string(number) + ", which is not in the file");
       }
       out_.corners.push_back(at->second);
     }
-    if (!lines_.peek().empty()) lines_.fail(quoted(lines_.peek()) + " stands after the nodes of an element");
+    if (!lines_.peek().empty()) lines_.fail(quoted(lines_.peek()) + " after the nodes of an element");
   }
   void check_type(int64_t type) {
     if (msh_corners(type) > 0) return;
     if (type == kPrism || type == kPyramid)
-      lines_.fail("prisms and pyramids are not read: triangles, quadrangles, tetrahedra and hexahedra are");
+      lines_.fail("only triangles, quadrangles, tetrahedra and hexahedra are read, not prisms and pyramids");
     lines_.fail("elements of type " + std::to_string(type) +
-                " are not read: save the mesh with order 1 (what wants nodes between corners adds them)");
+                " are not read: save the mesh with order 1 (nodes between corners are added where needed)");
   }
   void old_elements() {
     line("the number of elements");

@@ -36,7 +36,7 @@ class Reader {
       } else if (among(key, kFreeForm)) {
         lines_.fail("free-form curves and surfaces (" + quoted(key) + ") are not read, only v and f");
       } else if (!among(key, kPassedOver)) {
-        lines_.fail(quoted(key) + " is no statement of an OBJ file");
+        lines_.fail(quoted(key) + " is not a statement of an OBJ file");
       } else {
         // A statement continued after a backslash: its next lines are not statements.
         while (lines_.rest().ends_with('\\') && lines_.next()) continue;
@@ -67,7 +67,7 @@ class Reader {
     double more = 0;
     // A weight, or the three components of a colour.
     for (std::string_view w = word(); !w.empty(); w = word()) {
-      if (!read_double(w, more)) lines_.fail(quoted(w) + " stands after the coordinates of a vertex");
+      if (!read_double(w, more)) lines_.fail(quoted(w) + " after the coordinates of a vertex");
     }
   }
   uint32_t corner(std::string_view w) {
@@ -75,7 +75,7 @@ class Reader {
     int64_t index = 0;
     const auto [end, error] = std::from_chars(head.data(), head.data() + head.size(), index);
     if (error != std::errc() || end != head.data() + head.size())
-      lines_.fail(quoted(w) + " is no corner of a face: an index, or index/texture/normal");
+      lines_.fail(quoted(w) + " is not a corner of a face: use an index, or index/texture/normal");
     const auto count = static_cast<int64_t>(out_.vertices.size());
     const int64_t at = index < 0 ? count + index : index - 1;
     if (index == 0 || at < 0 || at >= count) {
@@ -92,7 +92,7 @@ class Reader {
       corners_.push_back(corner(w));
     }
     if (corners_.size() < 3)
-      lines_.fail("a face has " + std::to_string(corners_.size()) + " corners: three or more are wanted");
+      lines_.fail("a face has " + std::to_string(corners_.size()) + " corners: it needs at least three");
     if (out_.triangles.size() + corners_.size() - 2 > kMostFileTriangles) {
       lines_.fail("more than " + std::to_string(kMostFileTriangles) + " triangles");
     }

@@ -19,7 +19,7 @@ class TextValues {
     const std::string_view w = lines_.next_word();
     double out = 0;
     if (w.empty()) lines_.fail("the file ends where " + what + " should be");
-    if (!read_double(w, out)) lines_.fail(quoted(w) + " stands where " + what + " should be");
+    if (!read_double(w, out)) lines_.fail(quoted(w) + " instead of " + what);
     return out;
   }
   void skip(PlyType type, double count, const std::string& what) {
@@ -109,7 +109,7 @@ class Reader {
   double length(const PlyProperty& p, const std::string& what) {
     const double n = values_.next(*p.count, "the length of " + what);
     if (!(n >= 0 && n <= 4294967295.0) || n != std::floor(n))
-      values_.fail("the length of " + what + " is not a whole number");
+      values_.fail("the length of " + what + " must be a whole number");
     return n;
   }
   void vertex(const PlyElement& e, size_t which) {
@@ -150,13 +150,13 @@ class Reader {
     const std::string what = "a corner of face " + std::to_string(which);
     if (corners < 3 || corners > kMostCorners) {
       values_.fail("face " + std::to_string(which) + " has " + std::to_string(static_cast<int64_t>(corners)) +
-                   " corners: 3 to 10000 are possible");
+                   " corners: it must have 3 to 10000");
     }
     std::array<uint32_t, 3> t{};
     for (size_t k = 0; k < static_cast<size_t>(corners); ++k) {
       const double p = values_.next(type, what);
       if (!(p >= 0 && p < static_cast<double>(kMostFileVertices)) || p != std::floor(p))
-        values_.fail(what + " is no index of a vertex");
+        values_.fail(what + " is not the index of a vertex");
       if (k < 3) {
         t[k] = static_cast<uint32_t>(p);
       } else {

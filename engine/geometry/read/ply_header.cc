@@ -23,18 +23,18 @@ PlyType read_type(TextLines& lines) {
   for (const TypeName& t : kTypes) {
     if (t.name == w) return t.type;
   }
-  lines.fail(quoted(w) + " is no type: char, uchar, short, ushort, int, uint, float, double");
+  lines.fail(quoted(w) + " is not a type: use char, uchar, short, ushort, int, uint, float, double");
 }
 
 PlyFormat read_format(TextLines& lines) {
   if (!lines.next_filled() || lines.word() != "format")
-    lines.fail("a line \"format ascii 1.0\" or alike follows the first one");
+    lines.fail("the second line must be \"format ascii 1.0\" or similar");
   const std::string_view name = lines.word(), version = lines.word();
-  if (version != "1.0") lines.fail("version " + quoted(version) + " is not read, 1.0 is");
+  if (version != "1.0") lines.fail("version " + quoted(version) + " is not supported: use 1.0");
   if (name == "ascii") return PlyFormat::ascii;
   if (name == "binary_little_endian") return PlyFormat::binary_little_endian;
   if (name == "binary_big_endian") return PlyFormat::binary_big_endian;
-  lines.fail(quoted(name) + " is no format: ascii, binary_little_endian, binary_big_endian");
+  lines.fail(quoted(name) + " is not a format: use ascii, binary_little_endian or binary_big_endian");
 }
 
 PlyProperty read_property(TextLines& lines) {
@@ -42,11 +42,12 @@ PlyProperty read_property(TextLines& lines) {
   if (lines.peek() == "list") {
     lines.word();
     out.count = read_type(lines);
-    if (*out.count == PlyType::f32 || *out.count == PlyType::f64) lines.fail("a length is a whole number");
+    if (*out.count == PlyType::f32 || *out.count == PlyType::f64)
+      lines.fail("the type of a length must be an integer");
   }
   out.type = read_type(lines);
   out.name = lines.word();
-  if (out.name.empty()) lines.fail("a property has a name");
+  if (out.name.empty()) lines.fail("a property needs a name");
   return out;
 }
 
@@ -83,12 +84,12 @@ PlyHeader read_ply_header(TextLines& lines) {
           lines.integer("the number of elements", 0, std::numeric_limits<uint32_t>::max()));
       out.elements.push_back(std::move(e));
     } else if (key == "property") {
-      if (out.elements.empty()) lines.fail("a property comes after the element that has it");
+      if (out.elements.empty()) lines.fail("a property must come after its element");
       auto& properties = out.elements.back().properties;
       if (properties.size() == kMostProperties) lines.fail("more than a thousand properties");
       properties.push_back(read_property(lines));
     } else {
-      lines.fail(quoted(key) + " is no line of a header: element, property, comment, end_header");
+      lines.fail(quoted(key) + " is not a line of a header: use element, property, comment or end_header");
     }
   }
   size_t least = 0;

@@ -34,8 +34,7 @@ SurfaceFile read_binary(std::string_view bytes) {
     throw MeshFault(MeshFault::Unit::byte, at + 1, message);
   };
   if (bytes.size() < kHead + kCount) {
-    fail(bytes.size(),
-         "an STL file is a text that begins with \"solid\" or has 84 bytes before its triangles");
+    fail(bytes.size(), "an STL file either begins with \"solid\" or has 84 bytes before its triangles");
   }
   const auto count = load_number<uint32_t>(bytes.data() + kHead, ByteOrder::little);
   if (count == 0) fail(kHead, "the file has no triangles");
@@ -82,7 +81,7 @@ class TextReader {
   void expect(std::string_view word) {
     const std::string_view w = lines_.next_word();
     if (w.empty()) lines_.fail("the file ends where " + std::string(word) + " should be");
-    if (!same_word(w, word)) lines_.fail(quoted(w) + " stands where " + std::string(word) + " should be");
+    if (!same_word(w, word)) lines_.fail(quoted(w) + " instead of " + std::string(word));
   }
   double number() {
     if (lines_.peek().empty() && !lines_.next_filled())

@@ -97,9 +97,9 @@ double TextLines::coordinate(const char* what) {
   const std::string_view w = word();
   double out = 0;
   if (w.empty()) fail(std::string(what) + " is missing");
-  if (!read_double(w, out)) fail(quoted(w) + " stands where " + what + " should be");
+  if (!read_double(w, out)) fail(quoted(w) + " instead of " + what);
   if (!(std::abs(out) <= kMostFileCoordinate))
-    fail(quoted(w) + " is no coordinate: numbers of at most 1e12 are");
+    fail(quoted(w) + " is not a coordinate: use a number of at most 1e12");
   return out;
 }
 
@@ -111,7 +111,7 @@ int64_t TextLines::integer(const char* what, int64_t least, int64_t most) {
   int64_t out = 0;
   const auto [end, error] = std::from_chars(w.data(), w.data() + w.size(), out);
   if (error != std::errc() || end != w.data() + w.size())
-    fail(quoted(whole) + " stands where " + what + " should be, a whole number");
+    fail(quoted(whole) + " instead of " + what + ", a whole number");
   if (out < least || out > most) {
     fail(std::string(what) + " is " + std::to_string(out) + ": from " + std::to_string(least) + " to " +
          std::to_string(most) + " are possible");

@@ -41,7 +41,7 @@ double require(std::span<const std::string_view> fields, size_t k, size_t line, 
   const auto x = k < fields.size() ? number(fields[k]) : std::nullopt;
   if (!x) throw TrcFault(line, std::string("there is no ") + what);
   if (!(*x >= least && *x <= most)) {
-    throw TrcFault(line, std::string(what) + " is " + std::string(fields[k]) + ", outside of what it may be");
+    throw TrcFault(line, std::string(what) + " is " + std::string(fields[k]) + ", which is out of range");
   }
   return *x;
 }
@@ -60,15 +60,15 @@ MarkerTracks read_trc(std::span<const std::string> lines) {
   if (lines.empty() || !trimmed(lines[0]).starts_with("PathFileType")) {
     throw TrcFault(1, "a TRC file begins with PathFileType");
   }
-  if (lines.size() < 5) throw TrcFault(lines.size(), "the heading of five lines ends here");
+  if (lines.size() < 5) throw TrcFault(lines.size(), "the heading must have five lines");
   const auto heading = fields_of(lines[2]);
   out.rate = require(heading, 0, 3, "rate", 1e-3, 1e6);
   const double frames = require(heading, 2, 3, "number of frames", 1, static_cast<double>(kMostFrames));
   const double markers = require(heading, 3, 3, "number of markers", 1, static_cast<double>(kMostMarkers));
   if (frames != std::floor(frames) || markers != std::floor(markers))
-    throw TrcFault(3, "a count is not whole");
-  if (frames * markers > static_cast<double>(kMostPlaces)) throw TrcFault(3, "there are too many places");
-  if (heading.size() < 5) throw TrcFault(3, "there is no unit");
+    throw TrcFault(3, "a count must be a whole number");
+  if (frames * markers > static_cast<double>(kMostPlaces)) throw TrcFault(3, "there are too many positions");
+  if (heading.size() < 5) throw TrcFault(3, "there is no unit of length");
   const double unit = metres(heading[4], 3);
   const auto count = static_cast<size_t>(markers);
   for (const std::string_view name : fields_of(lines[3])) {
@@ -82,7 +82,7 @@ MarkerTracks read_trc(std::span<const std::string> lines) {
     if (trimmed(lines[l]).empty()) continue;
     const auto fields = fields_of(lines[l]);
     if (fields.size() > 2 + 3 * count + 1)
-      throw TrcFault(l + 1, "there are more fields than three for each marker");
+      throw TrcFault(l + 1, "there are more than three fields for each marker");
     if (out.frames + 1 > static_cast<size_t>(frames)) {
       throw TrcFault(l + 1, "there are more frames than the " + std::to_string(static_cast<size_t>(frames)) +
                                 " of the heading");
@@ -97,11 +97,11 @@ MarkerTracks read_trc(std::span<const std::string> lines) {
         if (text.empty()) continue;
         const auto value = number(text);
         if (!value || !std::isfinite(*value) || std::abs(*value) > 1e9) {
-          throw TrcFault(l + 1, "\"" + std::string(text) + "\" is no coordinate of " + out.names[m]);
+          throw TrcFault(l + 1, "\"" + std::string(text) + "\" is not a coordinate of " + out.names[m]);
         }
         x[k] = *value, ++given;
       }
-      if (given != 0 && given != 3) throw TrcFault(l + 1, out.names[m] + " has no three coordinates");
+      if (given != 0 && given != 3) throw TrcFault(l + 1, out.names[m] + " must have three coordinates");
       const bool seen = given == 3 && (x[0] != 0 || x[1] != 0 || x[2] != 0);
       out.places.push_back(seen ? Vec3{x[0], x[1], x[2]} * unit : Vec3{});
       out.seen.push_back(seen ? 1 : 0);

@@ -79,7 +79,7 @@ int64_t ExpressionReader::index_atom() {
     const std::string_view array = take_name();
     const Symbol* s = symbol(array);
     if (!s) unknown(at, array);
-    if (s->kind != Symbol::Kind::array) fail(at, "\"" + s->name + "\" is no array");
+    if (s->kind != Symbol::Kind::array) fail(at, "\"" + s->name + "\" is not an array");
     expect(")");
     return static_cast<int64_t>(s->nodes.size());
   }

@@ -27,7 +27,7 @@ ExpressionReader::Node ExpressionReader::atom() {
 double ExpressionReader::number() {
   double value = 0;
   const auto [rest, error] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), value);
-  if (error != std::errc{} || !std::isfinite(value)) fail(at_, "this is no finite number");
+  if (error != std::errc{} || !std::isfinite(value)) fail(at_, "this is not a finite number");
   at_ = static_cast<size_t>(rest - text_.data());
   return value;
 }

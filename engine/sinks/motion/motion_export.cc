@@ -19,7 +19,7 @@ MotionExport::MotionExport(const System& system, std::string name, double rate)
     : system_(system), name_(std::move(name)), rate_(rate) {
   if (!suits(system)) {
     throw Error("unsuitable_system", "\"" + name_ + "\" has neither joints nor blended shapes",
-                {{"/system", "unsuitable_system", "it has neither joints nor blended shapes", name_,
+                {{"/system", "unsuitable_system", "the system has neither joints nor blended shapes", name_,
                   "a skeleton or blend_shapes", "", ""}});
   }
 }
@@ -80,7 +80,8 @@ void zxy_angles(const Quat& q, double* out) {
 
 std::string MotionExport::bvh() const {
   const auto rig = rig_of(system_);
-  if (!rig) throw Error("unsuitable_system", "\"" + name_ + "\" has no joints, which is all that BVH holds");
+  if (!rig)
+    throw Error("unsuitable_system", "\"" + name_ + "\" has no joints, and BVH files contain only joints");
   const size_t n = rig->joints.size();
   BvhMotion m;
   m.frames = frames_, m.frame_time = 1 / rate_;
@@ -88,7 +89,7 @@ std::string MotionExport::bvh() const {
   for (const auto& j : rig->joints) roots += j.parent < 0;
   if (roots != 1)
     throw Error("unsuitable_system",
-                "BVH holds skeletons of one root, this one has " + std::to_string(roots));
+                "BVH files contain skeletons with one root; this one has " + std::to_string(roots));
   std::vector<uint8_t> has_child(n, 0);
   for (const auto& j : rig->joints) {
     if (j.parent >= 0) has_child[static_cast<size_t>(j.parent)] = 1;

@@ -5,7 +5,8 @@
 
 namespace truestep::picture {
 
-// clang-format off Systems without a colour of their own, in the order of the scene.
+// clang-format off
+// Systems without a colour of their own, in the order of the scene.
 constexpr uint32_t kPaletteHex[] = {0x2f6fb7, 0xe0803a, 0x3a9d74, 0xc84b4b,
                                     0x8061b5, 0xd1a52b, 0x2ea3b0, 0xb9588f};
 

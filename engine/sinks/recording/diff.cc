@@ -16,7 +16,7 @@ bool differ(double a, double b, double tolerance) {
 std::optional<RecordingDifference> structure(const RecordingLayout& a, const RecordingLayout& b) {
   const auto part = [](const std::string& what) {
     RecordingDifference d;
-    d.message = "the recordings hold different things: " + what;
+    d.message = "the recordings have different contents: " + what;
     return d;
   };
   if (a.parts.size() != b.parts.size()) return part("the number of systems");

@@ -28,7 +28,7 @@ WireEncoding plain_encoding(Scalar type) {
     case Scalar::i32:
       return WireEncoding::i32;
   }
-  throw Error("internal", "a type that has no encoding");
+  throw Error("internal", "a type without an encoding");
 }
 
 const FrameBlock& block_of(const Frame& frame, const WireField& field) {

@@ -1,5 +1,5 @@
 // What a state from outside may contain: particles up to the reserved capacity, springs between existing
-// particles, and emitters that are not far behind the clock.
+// particles, and emitters that are not far behind the simulated time.
 #include "engine/systems/particles/emission.h"
 #include "engine/systems/particles/particles.h"
 #include "engine/systems/particles/particles_state.h"

@@ -1,4 +1,4 @@
-// Columns of a rigid2d state, and reading poses out of them. The world has no row: it is at the origin.
+// Columns of a rigid2d state, and how poses are read from them. The world has no row: it is at the origin.
 #pragma once
 #include <cmath>
 
@@ -16,19 +16,19 @@ enum : State::Column {
   angle,             // f64, rad, never wrapped
   angular_velocity,  // f64, rad/s
   sleep_timer,       // f64, s that a body has been slow
-  sleep_place,       // f64 x 6, m m rad: where that began, and where it was after half of sleep_time
+  sleep_place,       // f64 x 6, m m rad: pose when that began, and pose after half of sleep_time
   status,            // u32, bits of Status
   contact_key,       // u64, shape a << 32 | shape b, ascending
   contact_id,        // u32 x 2, features; kNoPoint for a missing second point
   contact_impulse,   // f32 x 5, N s: normal and normal, tangential and tangential, rolling (N m s)
-  contact_offset,    // f32 x 2, m, by which each point gives way under its load
+  contact_offset,    // f32 x 2, m, yield of each point under its load
   joint_impulse,     // f64 x 6, see solver_joint.h
   joint_broken,      // u32
-  small_steps,       // u32 x 1, that the last step was divided into; 0 before the first
+  small_steps,       // u32 x 1, small steps of the last step; 0 before the first
   parameters,        // f64 x 3: gravity
   push_body,         // u32
   push_force,        // f64 x 3, N
-  push_local,        // f64 x 2, m, where it acts, about the centre of mass in the body's frame
+  push_local,        // f64 x 2, m, point of action about the centre of mass in the body's frame
   push_remaining,    // f64, s
   drag_body,         // u32
   drag_local,        // f64 x 2, m
@@ -40,7 +40,7 @@ inline constexpr UserForces kHands{{push_body, push_force, push_remaining, push_
                                    {drag_body, drag_target, drag_stiffness, drag_local, drag_impulse}};
 }  // namespace columns
 
-/// The spring of a drag as a joint of this step, of damping ratio 0.7: it follows the hand with little
+/// A drag as a spring joint of this step, with damping ratio 0.7: it follows the pointer with little
 /// swinging.
 inline Joint drag_joint(const Model& model, const UserForces::Drag& d) {
   Joint j;
@@ -57,7 +57,7 @@ enum Status : uint32_t { kAwake = 1, kPinned = 2, kRemoved = 4 };
 
 State state_at_start(const Model& model, const Vec3& gravity);
 
-/// Moved by the solver in this state: dynamic, awake, neither pinned nor removed.
+/// True where the solver moves the body in this state: dynamic, awake, neither pinned nor removed.
 inline bool is_moved(const Light& b, uint32_t status) {
   return b.motion == Motion::dynamic && status == kAwake;
 }
@@ -71,8 +71,8 @@ inline Pose pose_of(const State& s, size_t body) {
   return {{x[0], x[1]}, {t.cos, t.sin}};
 }
 
-/// Wakes the bodies of `seeds` (flags, one per body; the world's is not looked at) and everything asleep that
-/// touches or is joined to one of them, directly or through others. Says whether anything woke.
+/// Wakes the bodies of `seeds` (flags, one per body; the world's is ignored) and every sleeping body that
+/// touches or is joined to one of them, directly or through others. Returns whether any woke.
 bool wake_islands(const Model& model, State& s, std::span<const uint8_t> seeds);
 
 }  // namespace truestep::rigid2d

@@ -12,7 +12,7 @@ namespace {
 
 using flat::Sweep;
 
-/// The core of a fast shape stops this share of its radius short of touching.
+/// The core of a fast shape stops this fraction of its radius before contact.
 constexpr double kCoreGap = 0.25;
 
 Sweep sweep_of(const Pairs& pairs, const Travel& t) {
@@ -22,7 +22,7 @@ Sweep sweep_of(const Pairs& pairs, const Travel& t) {
 Box swept_box(const Outline& s, const Sweep& sweep, double reach) {
   Box b = flat::bounds(s, sweep.from);
   b.cover(flat::bounds(s, sweep.at(1)));
-  // In between, a turning outline stays within its reach of the centre's path.
+  // In between, a rotating outline stays within its reach of the path of its centre.
   if (sweep.angle != 0) {
     const double slack = reach * std::min(1.0, std::abs(sweep.angle));
     b = b.grown(slack);
@@ -31,7 +31,7 @@ Box swept_box(const Outline& s, const Sweep& sweep, double reach) {
   return b;
 }
 
-/// Fraction of its motion after which the body must stop.
+/// Fraction of the motion after which the body must stop.
 double first_stop(const Model& model, const State& s, const Pairs& pairs, const Travel& me,
                   std::span<const Travel> travels) {
   const Body& body = model.bodies[me.body];
@@ -57,7 +57,7 @@ double first_stop(const Model& model, const State& s, const Pairs& pairs, const 
               0) {
         return;
       }
-      // A body that touches from the start may go on moving, but its core must not pass through.
+      // A body in contact from the start may go on moving, but its core must not pass through.
       const Pose seen = theirs.from.to(mine.from);
       const bool separate = flat::distance(wall, shape, seen).distance > 2 * gap;
       const auto hit = flat::time_of_impact(wall, theirs, separate ? shape : core, mine,
@@ -91,9 +91,10 @@ void stop_fast_bodies(const Model& model, State& s, const Pairs& pairs, std::spa
       if (f >= 1) continue;
       const Vec2 p = pairs.pose[t.body].p + f * t.shift;
       x[3 * t.body] = p.x, x[3 * t.body + 1] = p.y;
-      // A body that is stopped at once still turns, or a corner that is stuck would stay stuck.
+      // A body stopped at once still rotates; otherwise a stuck corner would stay stuck.
       if (f > 0) angle[t.body] -= (1 - f) * t.angle;
-      // Gravity does not act during the time that it loses: a body set back must not keep the fall's speed.
+      // Gravity must not act during the time lost: a body set back would otherwise keep the speed of the
+      // fall.
       const double fall = (1 - f) * h * model.dynamics[t.body].gravity_scale;
       v[3 * t.body] -= fall * g[0], v[3 * t.body + 1] -= fall * g[1];
     }
@@ -102,7 +103,7 @@ void stop_fast_bodies(const Model& model, State& s, const Pairs& pairs, std::spa
 
 namespace {
 
-/// Place and angle of a body against those that sleep_place keeps.
+/// Position and angle of a body relative to those in sleep_place.
 struct Way {
   double now[3];
   double *first, *middle;
@@ -121,7 +122,7 @@ struct Way {
   }
 };
 
-/// Marks the bodies that touch others, all of them with friction, and that no joint holds.
+/// Marks bodies that touch others only with friction and that no joint holds.
 void find_rolling(const Model& model, const State& s, const Pairs& pairs, std::vector<uint8_t>& rolls) {
   constexpr uint8_t kFree = 0, kRolls = 1, kHeld = 2;
   const size_t n = model.count();
@@ -142,7 +143,8 @@ void find_rolling(const Model& model, const State& s, const Pairs& pairs, std::v
   for (uint8_t& r : rolls) r = r == kRolls;
 }
 
-/// Counts how long bodies have rested; the longest. `rolls` is found once a body needs it.
+/// Counts how long bodies have rested and returns the longest time. `rolls` is computed when a body first
+/// needs it.
 double longest_rest(const Model& model, State& s, const Pairs& pairs, const SleepRule& rule, double h,
                     std::vector<uint8_t>& rolls) {
   const SleepRule of_rolling = rule.of_rolling();
@@ -163,7 +165,7 @@ double longest_rest(const Model& model, State& s, const Pairs& pairs, const Slee
     if (!is_moved(b, status[i])) continue;
     const double speed = std::max(flat::norm({v[3 * i], v[3 * i + 1]}), std::abs(w[i]) * b.reach);
     const Way way{{x[3 * i], x[3 * i + 1], angle[i]}, place + 6 * i, place + 6 * i + 3, b.reach};
-    // Nearer than this both rules say the same.
+    // Below this distance both rules agree.
     const bool far = rest[i] > 0 && speed <= rule.speed && way.moved() > rule.drift();
     count_rest(rest[i], h, b.can_sleep ? speed : kNoRest, far && rolling(i) ? of_rolling : rule, way);
     longest = std::max(longest, rest[i]);
@@ -194,7 +196,7 @@ void fall_asleep(const Model& model, State& s, const Pairs& pairs, const SleepRu
     const bool moved_a = a < n && is_moved(model.light[a], status[a]);
     const bool moved_b = b < n && is_moved(model.light[b], status[b]);
     if (moved_a && moved_b) return link_islands(parent, a, b);
-    // Belts and lifts keep what they carry awake.
+    // Belts and lifts keep their load awake.
     const auto carries = [&](uint32_t i) {
       return pairs.active[i] || (i < n && model.surfaces[i].speed != 0);
     };

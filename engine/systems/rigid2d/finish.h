@@ -1,5 +1,5 @@
-// What ends a step: bodies too fast for the solver's contacts stop at what they would have passed, and what
-// has come to rest falls asleep, island by island.
+// The end of a step: bodies too fast for the solver's contacts stop at the surface they would have passed,
+// and islands at rest fall asleep.
 #pragma once
 #include "engine/rigid/sleeping.h"
 #include "engine/systems/rigid2d/columns.h"
@@ -14,8 +14,8 @@ struct Travel {
   double angle = 0;
 };
 
-/// Sets fast bodies back to where they first touch fixed bodies (a bullet: any body). `travels` lists all
-/// bodies that moved, ascending; poses in `pairs` are those at the step's start.
+/// Sets fast bodies back to where they first touch fixed bodies (for a bullet: any body). `travels` lists all
+/// bodies that moved, ascending; poses in `pairs` are those at the start of the step.
 void stop_fast_bodies(const Model& model, State& s, const Pairs& pairs, std::span<const Travel> travels,
                       double h, const ThreadArena& arena);
 
@@ -23,10 +23,10 @@ void stop_fast_bodies(const Model& model, State& s, const Pairs& pairs, std::spa
 struct Sleepers {
   std::vector<uint32_t> parent;
   std::vector<double> rested;
-  std::vector<uint8_t> unborne, still;  ///< nothing fixed bears it; its velocities are zero
+  std::vector<uint8_t> unborne, still;  ///< no fixed body supports it; its velocities are zero
   std::vector<uint8_t> rolls;           ///< only friction holds it
 };
-/// Counts rest (h in s) and puts islands to sleep that rest on something (rigid/sleeping.h).
+/// Counts rest times (h in s) and puts supported islands at rest to sleep (rigid/sleeping.h).
 void fall_asleep(const Model& model, State& s, const Pairs& pairs, const SleepRule& rule, double h,
                  Sleepers& scratch);
 

@@ -8,18 +8,18 @@
 namespace truestep::rigid2d {
 namespace {
 
-/// Sides of what is round, where it is met as a surface.
+/// Number of sides that approximate a round surface.
 constexpr int kSides = 32;
-/// Depth of a prism, either way, in parts of how far the body reaches.
+/// Depth of a prism in each direction, as a multiple of the body's reach.
 constexpr double kDepth = 2;
-/// x to y, y to z, z to x, without rounding: brings the axis of a capsule from y to z.
+/// Maps x to y, y to z, z to x without rounding: turns the axis of a capsule from y to z.
 constexpr Quat kAlongZ{0.5, 0.5, 0.5, 0.5};
 
 struct Surface3 {
   std::vector<Vec3> vertices;
   std::vector<uint32_t> triangles;
 
-  /// A wall along z from a to b, seen from the left of that way.
+  /// A wall along z from a to b; its outer face is on the left of that direction.
   void wall(Vec2 a, Vec2 b, double depth) {
     const auto first = static_cast<uint32_t>(vertices.size());
     for (const Vec2 p : {a, b}) {
@@ -58,7 +58,7 @@ std::optional<Solid> surface(std::span<const Shape> shapes, double depth) {
   return mesh_solid(std::move(out.vertices), std::move(out.triangles));
 }
 
-/// The rounded polygon: its flats as one prism, its corners as capsules.
+/// The rounded polygon: its flat sides as one prism, its corners as capsules.
 void add_prisms(const Outline& s, double depth, std::vector<SolidPart>& out) {
   if (s.radius > 0) {
     for (uint32_t i = 0; i < s.corners; ++i) {

@@ -1,8 +1,9 @@
-// Bodies of the plane as couplings reach them: prisms along z, twice as deep either way as the body reaches,
-// whose place, velocity and turning stay in the plane. An impulse across it is not taken:
+// Bodies of the plane as couplings see them: prisms along z, in each direction twice as deep as the body
+// reaches, whose position, velocity and rotation stay in the plane. Impulse components out of the plane are
+// dropped:
 //   dv = (Jx, Jy, 0) / m,   dw = (0, 0, Tz) / I.
-// Rounded outlines are met exactly. Chains are met as surfaces, and all else of a body with chains, too, with
-// kSides flat sides for what is round.
+// Rounded outlines are exact. Chains, and all shapes of a body with chains, become surfaces with kSides flat
+// sides for round parts.
 #pragma once
 #include <deque>
 #include <vector>
@@ -17,7 +18,7 @@ class FlatBodies final : public BodyAccess {
  public:
   explicit FlatBodies(const Model& model);
 
-  /// Of every body, of every body while it is held, and of what is not there.
+  /// Forms of every body, of every body while it is held, and of an absent body.
   std::span<const BodyForm> forms() const { return forms_; }
 
   Space space() const override { return Space::plane; }

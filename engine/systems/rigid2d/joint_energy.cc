@@ -10,7 +10,7 @@ Pose pose_or_world(const Model& model, const State& s, uint32_t body) {
   return body == model.world() ? Pose{} : pose_of(s, body);
 }
 
-/// m or rad by which a joint's spring is out of its rest.
+/// Deviation of a joint's spring from rest, m or rad.
 double stretch(const Joint& j, const Model& model, const State& s) {
   if (j.kind == JointKind::revolute || j.kind == JointKind::weld) {
     const auto angles = s.f64(columns::angle);

@@ -1,6 +1,6 @@
-// Springs of joints by frequency: the stiffness that gives the two bodies of a joint that frequency as they
-// stand at t = 0,  k = m_eff (2 pi f)^2,  c = 2 zeta m_eff 2 pi f. It stays what it is while the bodies turn:
-// a spring whose stiffness followed their mass would have no energy to keep.
+// Springs of joints given by frequency: the stiffness that gives the joint's two bodies this frequency in
+// their pose at t = 0,  k = m_eff (2 pi f)^2,  c = 2 zeta m_eff 2 pi f. It stays constant while the bodies
+// turn: with a stiffness that followed the effective mass, the spring would have no energy to conserve.
 #include "engine/math/trig.h"
 #include "engine/systems/rigid2d/model.h"
 
@@ -12,7 +12,7 @@ Rotation turned(double angle) {
   return {t.cos, t.sin};
 }
 
-/// 1/kg or 1/(kg m^2): what a unit impulse of the spring adds to the speed that it works against.
+/// Speed along the spring per unit impulse, 1/kg or 1/(kg m^2).
 double spring_mobility(const Joint& j, const Body& a, const Body& b) {
   if (j.kind == JointKind::revolute || j.kind == JointKind::weld) {
     return a.inverse_inertia + b.inverse_inertia;

@@ -11,11 +11,12 @@ TableOf<D>& joint_rows(TableOf<D>& t) {
   std::optional<double> D::*break_force = &JointDef::break_force;
   bool D::*collide = &JointDef::collide;
   return t
-      .integer("a", a, between(-1, kMostBodies), "first body: the listed ones, then the generated; -1: world")
-      .integer("b", b, between(-1, kMostBodies), "second body")
-      .vector("anchor", anchor, "m", any(), "point in the world at t = 0 (of a, where there are two)")
-      .number("break_force", break_force, "N", above(0), "breaks when it carries more; absent: never")
-      .boolean("collide", collide, "its bodies touch one another");
+      .integer("a", a, between(-1, kMostBodies),
+               "first body; listed bodies are numbered before generated ones; -1: the world")
+      .integer("b", b, between(-1, kMostBodies), "second body, numbered like a")
+      .vector("anchor", anchor, "m", any(), "point in the world at t = 0 (the point of a, if there are two)")
+      .number("break_force", break_force, "N", above(0), "force at which it breaks; absent: never")
+      .boolean("collide", collide, "whether its bodies collide with one another");
 }
 
 template <class D>
@@ -28,16 +29,17 @@ TableOf<D>& drive_rows(TableOf<D>& t, const char* unit, const char* rate, const 
   double D::*ratio = &Drive::damping_ratio;
   return t.number("lower", lower, unit, any(), "smallest coordinate, 0 at t = 0")
       .number("upper", upper, unit, any(), "largest coordinate")
-      .number("motor_speed", speed, rate, any(), "speed that the motor wants; absent: no motor")
-      .number("max_motor", strength, force, at_least(0), "most the motor can do; absent: anything")
+      .number("motor_speed", speed, rate, any(), "target speed of the motor; absent: no motor")
+      .number("max_motor", strength, force, at_least(0),
+              "maximum force or torque of the motor; absent: unlimited")
       .number(
           "hertz", hertz, "Hz", above(0),
-          "spring towards coordinate 0 by its bodies' frequency on it as they stand at t = 0; absent: none")
-      .number("damping_ratio", ratio, "1", at_least(0), "of that spring");
+          "spring towards coordinate 0: natural frequency of the bodies in their pose at t = 0; absent: none")
+      .number("damping_ratio", ratio, "1", at_least(0), "of the spring given by hertz");
 }
 
 void check_drive(const Drive& d, const DefTable::Report& report) {
-  if (d.lower && d.upper && *d.lower > *d.upper) report("/lower", "must not be above upper");
+  if (d.lower && d.upper && *d.lower > *d.upper) report("/lower", "lower must not be above upper");
 }
 
 }  // namespace
@@ -66,7 +68,8 @@ const DefTable& prismatic_table() {
 const DefTable& wheel_table() {
   static const DefTable t = [] {
     TableOf<WheelDef> table(
-        "b turns freely and slides on a sprung axis of a; the motor is the wheel's, limits the suspension's");
+        "b turns freely and slides on a sprung axis of a; the motor turns the wheel, limits bound the "
+        "suspension");
     drive_rows(joint_rows(table), "m", "rad/s", "N m")
         .vector("axis", &WheelDef::axis, "1", any(), "direction of the suspension at t = 0; any length")
         .number("spring_hertz", &WheelDef::spring_hertz, "Hz", at_least(0), "of the suspension; 0: none")
@@ -86,14 +89,15 @@ const DefTable& distance_table() {
     joint_rows(table)
         .vector("anchor_b", &DistanceDef::anchor_b, "m", any(), "point of b in the world at t = 0")
         .number("length", &DistanceDef::length, "m", above(0), "absent: the distance at t = 0")
-        .number("minimum", &DistanceDef::minimum, "m", at_least(0), "with maximum: free in between")
-        .number("maximum", &DistanceDef::maximum, "m", above(0), "with minimum or alone: a rope")
+        .number("minimum", &DistanceDef::minimum, "m", at_least(0),
+                "smallest distance; with maximum: free in between")
+        .number("maximum", &DistanceDef::maximum, "m", above(0), "largest distance; alone: a rope")
         .number("hertz", &DistanceDef::hertz, "Hz", above(0),
-                "a spring by its bodies' frequency on it as they stand at t = 0; absent: rigid")
+                "a spring: natural frequency of the bodies in their pose at t = 0; absent: rigid")
         .number("damping_ratio", &DistanceDef::damping_ratio, "1", at_least(0), "of the spring")
         .check([](const DistanceDef& d, const DefTable::Report& report) {
           if (d.minimum && d.maximum && *d.minimum > *d.maximum)
-            report("/minimum", "must not be above maximum");
+            report("/minimum", "minimum must not be above maximum");
         });
     return table.build();
   }();
@@ -101,9 +105,9 @@ const DefTable& distance_table() {
 }
 const DefTable& weld_table() {
   static const DefTable t = [] {
-    TableOf<WeldDef> table("the bodies neither slide nor turn against one another");
+    TableOf<WeldDef> table("the bodies neither slide nor turn relative to one another");
     joint_rows(table)
-        .number("hertz", &WeldDef::hertz, "Hz", above(0), "gives way by turning like a spring; absent: rigid")
+        .number("hertz", &WeldDef::hertz, "Hz", above(0), "yields to rotation like a spring; absent: rigid")
         .number("damping_ratio", &WeldDef::damping_ratio, "1", at_least(0), "of that spring");
     return table.build();
   }();
@@ -111,13 +115,15 @@ const DefTable& weld_table() {
 }
 const DefTable& motor_table() {
   static const DefTable t = [] {
-    TableOf<MotorDef> table("drives b to a place and angle seen from a, with bounded strength");
+    TableOf<MotorDef> table("drives b to a position and angle relative to a, with limited force and torque");
     joint_rows(table)
-        .vector("offset", &MotorDef::offset, "m", any(), "added to where b is at t = 0, in the frame of a")
-        .number("angle", &MotorDef::angle, "rad", any(), "added to the angle at t = 0")
+        .vector("offset", &MotorDef::offset, "m", any(),
+                "added to the position of b at t = 0, in the frame of a")
+        .number("angle", &MotorDef::angle, "rad", any(), "added to the relative angle at t = 0")
         .number("max_force", &MotorDef::max_force, "N", at_least(0), "bound")
         .number("max_torque", &MotorDef::max_torque, "N m", at_least(0), "bound")
-        .number("correction", &MotorDef::correction, "1", between(0, 1), "part of the error undone per step");
+        .number("correction", &MotorDef::correction, "1", between(0, 1),
+                "fraction of the error removed per step");
     return table.build();
   }();
   return t;
@@ -126,7 +132,7 @@ const DefTable& mouse_table() {
   static const DefTable t = [] {
     TableOf<MouseDef> table("pulls a point of b towards a target with a damped spring");
     joint_rows(table)
-        .vector("target", &MouseDef::target, "m", any(), "where the anchor shall go")
+        .vector("target", &MouseDef::target, "m", any(), "position to which the anchor is pulled")
         .number("hertz", &MouseDef::hertz, "Hz", above(0), "of the spring")
         .number("damping_ratio", &MouseDef::damping_ratio, "1", at_least(0), "of the spring")
         .number("max_force", &MouseDef::max_force, "N", above(0), "bound; absent: none");
@@ -136,7 +142,7 @@ const DefTable& mouse_table() {
 }
 const DefTable& gear_table() {
   static const DefTable t = [] {
-    TableOf<GearDef> table("turns of the bodies: angle of a + ratio * angle of b stays as at t = 0");
+    TableOf<GearDef> table("couples rotations: angle of a + ratio * angle of b keeps its value at t = 0");
     joint_rows(table).number("ratio", &GearDef::ratio, "1", any(), "radius of b over radius of a; not 0");
     table.check([](const GearDef& d, const DefTable::Report& report) {
       if (d.ratio == 0) report("/ratio", "the ratio must not be 0");
@@ -147,12 +153,12 @@ const DefTable& gear_table() {
 }
 const DefTable& pulley_table() {
   static const DefTable t = [] {
-    TableOf<PulleyDef> table("a rope over two fixed wheels: length a + ratio * length b does not grow");
+    TableOf<PulleyDef> table("a rope over two fixed wheels: length a + ratio * length b cannot grow");
     joint_rows(table)
         .vector("anchor_b", &PulleyDef::anchor_b, "m", any(), "point of b in the world at t = 0")
         .vector("ground_a", &PulleyDef::ground_a, "m", any(), "wheel above a")
         .vector("ground_b", &PulleyDef::ground_b, "m", any(), "wheel above b")
-        .number("ratio", &PulleyDef::ratio, "1", above(0), "of a block and tackle");
+        .number("ratio", &PulleyDef::ratio, "1", above(0), "mechanical advantage of a block and tackle");
     return table.build();
   }();
   return t;

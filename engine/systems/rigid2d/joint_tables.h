@@ -1,4 +1,4 @@
-// Tables of the joints in the plane: parameters with units and bounds.
+// Parameter tables of the joints in the plane, with units and bounds.
 #pragma once
 #include "engine/systems/rigid2d/rigid2d_def.h"
 

@@ -38,7 +38,7 @@ struct MakeOutlines {
   void operator()(const ChainDef& d) const {
     using Sides = ChainDef::Sides;
     std::vector<Vec2> points = corners(d.points);
-    // A link holds on its left. Walked clockwise, a loop's left is its outside.
+    // A link collides on its left. When a loop runs clockwise, its left is the outside.
     double twice_area = 0;
     for (size_t i = 0; i < points.size(); ++i) {
       twice_area += flat::cross(points[i], points[(i + 1) % points.size()]);
@@ -256,7 +256,7 @@ struct Builder {
   std::vector<std::pair<uint32_t, Vec2>> hinged_to_world;
 };
 
-/// Twice the median inner radius of what moves: a typical body's thickness.
+/// Twice the median inner radius of the dynamic bodies: the thickness of a typical body.
 double typical_size(const Model& model) {
   std::vector<double> inner;
   for (const Body& b : model.bodies) {

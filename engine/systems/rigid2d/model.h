@@ -1,5 +1,5 @@
-// What a scene's bodies, shapes and joints are made into when the system is built: centres of mass at the
-// origins, inverse masses, local anchors. Nothing here changes afterwards.
+// A scene's bodies, shapes and joints as the solver uses them: bodies with their origin at the centre of
+// mass, inverse masses, local anchors. Built once and constant afterwards.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -21,10 +21,11 @@ struct Body {
   double mass = 0, inertia = 0;
   Vec2 force;                ///< N, constant
   double torque = 0;         ///< N m
-  bool force_turns = false;  ///< with the body
+  bool force_turns = false;  ///< turns with the body
   double friction = 0.6, restitution = 0, rolling_resistance = 0, surface_speed = 0;
   double linear_damping = 0, angular_damping = 0, gravity_scale = 1;
-  double reach = 0, inner = 0;  ///< m: farthest surface from the centre, largest circle inside
+  double reach = 0, inner = 0;  ///< m: distance from the centre to the farthest surface, radius of the
+                                ///< largest inscribed circle
   bool sensor = false, bullet = false, asleep = false, can_sleep = true, one_way = false;
   Vec2 one_way_direction;
   int32_t group = 0;
@@ -40,14 +41,14 @@ struct Shape {
   uint32_t body = 0;
 };
 
-/// What every step asks of many bodies, close together in memory.
+/// The data that every step reads for many bodies, compact in memory.
 struct Light {
   double reach = 0, inner = 0, mass = 0;
   uint32_t category = 1, mask = ~0u;
   int32_t group = 0;
   Motion motion = Motion::fixed;
   bool sensor = false, bullet = false, one_way = false, can_sleep = true;
-  bool hung = false;  ///< a joint that does not break ties it to a body that is not moved
+  bool hung = false;  ///< an unbreakable joint ties it to a body that does not move
 };
 struct Dynamics {
   double inverse_mass = 0, inverse_inertia = 0, linear_damping = 0, angular_damping = 0, gravity_scale = 1;
@@ -60,60 +61,60 @@ enum class JointKind : uint8_t { revolute, prismatic, distance, weld, wheel, mot
 
 struct Joint {
   JointKind kind = JointKind::revolute;
-  uint32_t a = 0, b = 0;  ///< bodies; the world is the last one
+  uint32_t a = 0, b = 0;  ///< bodies; the last one is the world
   Vec2 local_a, local_b;  ///< anchors about the centres of mass
   Vec2 axis;              ///< unit, in the frame of a
-  double angle = 0;       ///< rad, of b against a that counts as 0
+  double angle = 0;       ///< rad, angle of b relative to a that counts as 0
   bool has_motor = false, has_spring = false, has_lower = false, has_upper = false;
   double lower = 0, upper = 0, motor_speed = 0, max_motor = 0;
   double hertz = 0, damping_ratio = 1;
-  double stiffness = 0, damping = 0;  ///< of the spring, made of these two: N/m, N s/m or N m/rad, N m s/rad
+  double stiffness = 0,
+         damping = 0;  ///< of the spring, for these two bodies: N/m, N s/m or N m/rad, N m s/rad
   double length = 0, ratio = 1;
   Vec2 ground_a, ground_b;  ///< wheels of a pulley, target of a mouse
   double max_force = 0, max_torque = 0, correction = 0;
   double break_force = 0;
   bool collide = false;
 
-  /// A spring between two points and nothing else.
+  /// True for a spring between two points without limits.
   bool spring_only() const { return kind == JointKind::distance && has_spring && !has_lower && !has_upper; }
-  /// Only holds two points together: solved side by side with others of its kind.
+  /// True for a joint that only holds two points together: solved in packs with others of its kind.
   bool plain() const {
     return kind == JointKind::revolute && !has_motor && !has_spring && !has_lower && !has_upper;
   }
 };
 
-/// A joint that only holds two points together.
+/// A joint that only holds two points together, as the packs read it.
 struct Hinge {
   uint32_t joint = 0, a = 0, b = 0;
   Vec2 local_a, local_b;
 };
 
-/// Stiffness and damping of the joint's spring by its frequency, as the bodies stand at t = 0.
+/// Sets stiffness and damping of the joint's spring from its frequency, for the bodies' pose at t = 0.
 void stiffen_by_frequency(Joint& j, const Body& a, const Body& b);
 
 struct Model {
-  std::vector<Body> bodies;  ///< the world (fixed, no shapes) is the last one
-  std::vector<Light> light;  ///< of the same bodies, as are the next two
+  std::vector<Body> bodies;  ///< the last one is the world (fixed, no shapes)
+  std::vector<Light> light;  ///< same order as bodies, as are the next two
   std::vector<Dynamics> dynamics;
   std::vector<Surface> surfaces;
-  std::vector<uint32_t> body_of;  ///< of every shape, as are the radii (m)
+  std::vector<uint32_t> body_of;  ///< body of every shape, as are the radii (m)
   std::vector<double> radius;
   std::vector<Hinge> hinges;     ///< the plain joints
-  std::vector<uint32_t> others;  ///< the joints that are not
+  std::vector<uint32_t> others;  ///< the joints that are not plain
   bool may_break = false;        ///< some joint has a break_force
   std::vector<uint32_t> forced;  ///< bodies with a constant force or torque
   std::vector<Shape> shapes;
   std::vector<Joint> joints;
-  std::vector<uint64_t>
-      not_touching;      ///< (a << 32 | b), a < b, ascending: bodies that do not touch as they are joined
-  double margin = 0.02;  ///< m, at which contacts are foreseen
-  double size = 1;       ///< m, of a typical body
+  std::vector<uint64_t> not_touching;  ///< (a << 32 | b), a < b, ascending: joined bodies that do not collide
+  double margin = 0.02;                ///< m, distance at which contacts become speculative
+  double size = 1;                     ///< m, typical size of a body
 
   uint32_t world() const { return static_cast<uint32_t>(bodies.size() - 1); }
   size_t count() const { return bodies.size() - 1; }
 };
 
-/// Error "scene_invalid" when a shape cannot be.
+/// Throws Error "scene_invalid" for a shape that cannot be built.
 Model build_model(const Rigid2dDef& def);
 
 }  // namespace truestep::rigid2d

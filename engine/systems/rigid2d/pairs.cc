@@ -7,14 +7,14 @@ namespace {
 
 constexpr size_t kBlock = 512;
 constexpr double kFat =
-    0.15;  // of a body's size: how far it may move before the broad phase sorts it in again
+    0.15;  // fraction of a body's size that it may move before the broad phase sorts it in again
 
 bool moves(const double* v, double w) {
   return v[0] != 0 || v[1] != 0 || w != 0;
 }
 
-/// Contacts are foreseen as far as a body goes in a step, but not beyond half its thickness: a plane of
-/// contact reaches further than the surface it stands for.
+/// Contacts are speculative for as far as a body moves in a step, but not for more than half its thickness: a
+/// contact plane extends beyond the surface it stands for.
 Vec2 foreseen(Vec2 shift, double inner) {
   const double length = flat::norm(shift), most = 0.5 * inner;
   return length > most ? (most / length) * shift : shift;
@@ -55,7 +55,7 @@ void place(const Model& model, const State& s, double h, Pairs& p, const ThreadA
   });
 }
 
-/// Candidates with the contact they continue; both lists ascend.
+/// Matches candidates with the contacts they continue; both lists ascend.
 void match(const Model& model, const State& s, Pairs& p, std::span<const BodyPair> found) {
   const auto keys = s.span<uint64_t>(columns::contact_key);
   p.hits.resize(found.size());
@@ -74,7 +74,8 @@ void match(const Model& model, const State& s, Pairs& p, std::span<const BodyPai
   if (p.contacts.size() < count) p.contacts.resize(count);
 }
 
-/// A one-way platform holds what comes down on it from outside, and goes on holding it.
+/// True where the contact passes a one-way platform: it holds a body that comes from outside moving towards
+/// it, and goes on holding that body.
 bool passes(const Model& model, const State& s, const Hit& h, const flat::Contact& contact) {
   if (!(model.light[h.body_a].one_way || model.light[h.body_b].one_way) || h.old != kNoPoint) return false;
   const Body &a = model.bodies[h.body_a], &b = model.bodies[h.body_b];
@@ -123,7 +124,7 @@ void find_contacts(const Model& model, State& s, double h, Pairs& p, const Threa
   const size_t n = model.count();
   std::vector<uint8_t>& seeds = p.seeds;
   seeds.assign(n, 0);
-  // A body that is touched wakes with its island, and may touch others in turn.
+  // A body that is touched wakes together with its island, and may touch others in turn.
   for (;;) {
     arena.for_blocks(p.hits.size(), kBlock, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {

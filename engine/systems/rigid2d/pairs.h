@@ -1,5 +1,6 @@
-// Which shapes touch in a step: broad phase over the shapes' boxes, filters, manifolds, and the contacts of
-// the last step that they continue. What sleeps is not looked at; what is touched wakes.
+// Finds the shapes in contact in a step: broad phase over the boxes of shapes, filters, manifolds, and the
+// contacts of the last step that they continue. Sleeping pairs are skipped; a sleeping body that is touched
+// wakes.
 #pragma once
 #include <vector>
 
@@ -10,33 +11,33 @@
 
 namespace truestep::rigid2d {
 
-/// A pair of shapes near one another.
+/// A pair of shapes close to each other.
 struct Hit {
   uint32_t a = 0, b = 0;  ///< shapes
   uint32_t body_a = 0, body_b = 0;
-  uint32_t old = kNoPoint;  ///< row of the same pair's contact in the state
+  uint32_t old = kNoPoint;  ///< row of this pair's contact in the state
   enum class What : uint8_t { untested, none, touching, carried } what = What::untested;
   uint64_t key() const { return uint64_t{a} << 32 | b; }
 };
 
-/// Scratch of a step; nothing in it matters to the next.
+/// Scratch of a step; the next step needs nothing from it.
 struct Pairs {
   BroadPhase broad;
-  std::vector<Pose> pose;  ///< of every body at the step's start, the world last
+  std::vector<Pose> pose;  ///< of every body at the start of the step, the world last
   std::vector<Box> boxes;
   std::vector<Mobility> mobility;
   std::vector<Hit> hits;  ///< all candidates
-  /// Of every hit that touches: normal in the world, points about a's centre, turned into the world.
+  /// Of every touching pair: normal in the world, points about the centre of a in world axes.
   std::vector<flat::Contact> contacts;
-  std::vector<uint32_t> touching;  ///< those with contacts to solve, ascending
+  std::vector<uint32_t> touching;  ///< the pairs with contacts to solve, ascending
   std::vector<uint8_t> active, seeds;
-  std::vector<Vec2> ahead;  ///< of every body: how far it goes in this step if nothing stops it, m, bounded
+  std::vector<Vec2> ahead;  ///< motion of every body in this step without contacts, m, bounded
 };
 
-/// Fills `pairs` for this state and wakes what is touched. h in s.
+/// Fills `pairs` for this state and wakes sleeping bodies that are touched. h in s.
 void find_contacts(const Model& model, State& s, double h, Pairs& pairs, const ThreadArena& arena);
 
-/// May these two touch, as far as groups, masks, sensors and joints say?
+/// True where groups, masks, sensors and joints allow the two bodies to touch.
 bool may_touch(const Model& model, uint32_t body_a, uint32_t body_b);
 
 }  // namespace truestep::rigid2d

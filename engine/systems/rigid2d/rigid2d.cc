@@ -25,11 +25,11 @@ struct Rigid2d::Scratch {
 namespace {
 
 constexpr std::string_view kScratch = "rigid2d";
-// Of the rate of small steps, for a body with two contacts. Two sweeps a small step are themselves a spring
-// of (w h)^2 = 2: stiffer contacts than that feed every slow mode of a pile, softer ones let towers buckle
+// Fraction of the rate of small steps, for a body with two contacts. Two sweeps per small step are themselves
+// a spring with (w h)^2 = 2: stiffer contacts feed every slow mode of a pile, softer ones let towers buckle
 // (docs/standing.md).
 constexpr double kContactHertz = 0.21;
-/// Steps between checks whether columns need more small steps, and whether loads need fewer.
+/// Steps between checks for columns that need more small steps, and for loads that need fewer.
 constexpr uint64_t kStepsPerColumnLook = 4, kStepsPerLook = 16;
 
 }  // namespace
@@ -50,13 +50,13 @@ Rigid2d::Rigid2d(const Rigid2dDef& def, const BuildContext& context)
 
 void Rigid2d::add_stages() {
   const auto scratch = [](const StepInput& in) -> Scratch& { return in.workspace.object<Scratch>(kScratch); };
-  add_stage("hands", "pushes, drags, and whether anything is awake",
+  add_stage("hands", "pushes, drags, and a check whether any body is awake",
             [this](State& s, const StepInput& in) { take_hands(s, in); });
-  add_stage("contacts", std::to_string(model_.shapes.size()) + " shapes may touch",
+  add_stage("contacts", std::to_string(model_.shapes.size()) + " shapes that may touch",
             [this, scratch](State& s, const StepInput& in) {
               if (!scratch(in).idle) find_contacts(model_, s, in.h, scratch(in).pairs, in.arena);
             });
-  add_stage("small steps", "more for tall columns and for what is heavy on what is light",
+  add_stage("small steps", "more for tall columns and for heavy bodies on light ones",
             [this, scratch](State& s, const StepInput& in) {
               if (!scratch(in).idle) choose_small_steps(s, in);
             });
@@ -68,17 +68,18 @@ void Rigid2d::add_stages() {
               if (scratch(in).idle) return;
               settings_.precision == Precision::f32 ? solve<float>(s, in) : solve<double>(s, in);
             });
-  add_stage("stop", "fast bodies must not pass thin ones", [this, scratch](State& s, const StepInput& in) {
-    Scratch& w = scratch(in);
-    if (!w.idle) stop_fast_bodies(model_, s, w.pairs, w.travels, in.h, in.arena);
-  });
+  add_stage("stop", "fast bodies must not pass through thin ones",
+            [this, scratch](State& s, const StepInput& in) {
+              Scratch& w = scratch(in);
+              if (!w.idle) stop_fast_bodies(model_, s, w.pairs, w.travels, in.h, in.arena);
+            });
   if (settings_.sleeping) {
-    add_stage("sleep", "islands at rest cost nothing",
+    add_stage("sleep", "islands at rest are not computed",
               [this](State& s, const StepInput& in) { end_step(s, in); });
   } else {
     skip_stage("sleep", "sleeping is false");
   }
-  if (model_.joints.empty()) skip_stage("joints", "there are none");
+  if (model_.joints.empty()) skip_stage("joints", "the scene has none");
 }
 
 State Rigid2d::initial_state() const {
@@ -105,12 +106,12 @@ int Rigid2d::small_steps(const State& s) const {
 void Rigid2d::choose_small_steps(State& s, const StepInput& in) const {
   const int least = static_cast<int>(settings_.substeps), now = small_steps(s);
   const double h = in.h / now;
-  // Contacts with a given frequency do not become stiffer.
+  // Contacts with a given frequency keep it.
   const double rate = settings_.contact_hertz ? 0 : 2 * std::numbers::pi * kContactHertz / h;
   Scratch& w = in.workspace.object<Scratch>(kScratch);
   const int wanted =
       w.small_steps.wanted(model_, s, w.pairs, {least, now, h, rate, in.step % kStepsPerColumnLook == 1});
-  // At a check half of the surplus goes, or one small step where another impact may follow soon.
+  // A check removes half of the surplus, or one small step where another impact may follow soon.
   const int less = w.small_steps.uneven() ? 1 : (now - wanted + 1) / 2;
   const int next = wanted < now ? now - (in.step % kStepsPerLook == 1 ? less : 0) : wanted;
   s.span<uint32_t>(columns::small_steps)[0] = static_cast<uint32_t>(next);
@@ -121,7 +122,7 @@ void Rigid2d::choose_small_steps(State& s, const StepInput& in) const {
   for (const auto c : {columns::joint_impulse, columns::drag_impulse}) {
     for (double& p : s.f64(c)) p *= share;
   }
-  // Offsets are what the contacts' springs give way by.
+  // Offsets are the yields of the contact springs.
   if (!settings_.contact_hertz) {
     for (float& offset : s.span<float>(columns::contact_offset)) offset *= static_cast<float>(share * share);
   }
@@ -134,7 +135,7 @@ SolverSettings Rigid2d::settings_for(double dt, int steps) const {
   const double rate = 1 / s.h;
   const double contact = settings_.contact_hertz.value_or(kContactHertz * rate);
   for (size_t n = 0; n <= kCrowd; ++n) {
-    // What a body stands on stays as stiff as two contacts, however many share it.
+    // The contacts under a body are together as stiff as two, however many share the load.
     const double hertz = contact * std::sqrt(2 / std::max(2.0, static_cast<double>(n)));
     s.contact[n] = soft_constraint(hertz, settings_.contact_damping_ratio, s.h);
     s.contact_fixed[n] = soft_constraint(2 * hertz, settings_.contact_damping_ratio, s.h);
@@ -161,7 +162,7 @@ void Rigid2d::take_hands(State& s, const StepInput& in) const {
   for (const uint32_t body : model_.forced) {
     const Body& b = model_.bodies[body];
     if (!is_moved(model_.light[body], s.span<uint32_t>(columns::status)[body])) continue;
-    // A force that turns has the direction of the step's middle.
+    // A force that turns with the body has its direction at mid-step.
     const double middle = s.f64(columns::angle)[body] + 0.5 * in.h * s.f64(columns::angular_velocity)[body];
     const trig::SinCos turn = trig::sincos(middle);
     const Vec2 f = b.force_turns ? flat::Rotation{turn.cos, turn.sin} * b.force : b.force;
@@ -244,10 +245,10 @@ std::unique_ptr<const System> build_rigid2d(const void* def, const BuildContext&
 Cost rigid2d_cost(const void* def) {
   const auto& d = *static_cast<const Rigid2dDef*>(def);
   const Counts n = counts(d);
-  // Measured on a pyramid of 5,050 boxes and a grid of 19,800 joints at four small steps.
+  // Measured on a pyramid of 5,050 boxes and a grid of 19,800 joints with four small steps.
   const double steps = static_cast<double>(d.substeps) / 4;
   const double wide = d.precision == Precision::f64 ? 1.5 : 1;
-  // A kinematic body that turns keeps a heap moving: new pairs in every step, and fast ones.
+  // A rotating kinematic body keeps a heap moving: new pairs in every step, and fast ones.
   const bool stirred = std::ranges::any_of(
       d.bodies, [](const BodyDef& b) { return b.motion == Motion::kinematic && b.angular_velocity != 0; });
   // Joined bodies have fewer contacts.

@@ -1,6 +1,6 @@
-// The system type "rigid2d": rigid bodies of the plane x, y with contacts, dry friction and joints,
+// The system type "rigid2d": rigid bodies in the plane x, y with contacts, dry friction and joints,
 //   M dv/dt = f + J^T lambda,   gap >= 0, lambda_n >= 0, |lambda_t| <= mu lambda_n,
-// solved for impulses by small steps of soft constraints (solver.h). Rows of its fields are the bodies
+// solved for impulses in small steps with soft constraints (solver.h). The rows of its fields are the bodies
 // (centres of mass). Commands: push, impulse, drag (all three at any point of the body), release, pin, unpin,
 // remove, set_parameter (gravity).
 #pragma once
@@ -19,13 +19,13 @@ class Rigid2d final : public StagedSystem {
   Rigid2d(const Rigid2dDef& def, const BuildContext& context);
 
   State initial_state() const override;
-  /// The bodies; their solids are made when somebody asks for the first time.
+  /// The bodies; their solids are built at the first use.
   Ports ports() const override;
   /// energy.kinetic/potential/total (J), momentum.x/y (kg m/s), momentum.angular (kg m^2/s, about the
   /// origin), contacts, penetration.max (m), joint.gap (m), joints.broken, awake, sensor.overlaps.
   void observe(const State& state, double t, Observables& out) const override;
-  /// Closed without joints, hands, surfaces that run and bodies that are moved: what joints store is not
-  /// counted.
+  /// Defined without joints, user forces, moving surfaces and kinematic bodies: energy stored in joints is
+  /// not counted.
   std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;
   std::optional<double> limit(Limit which, const State&, double) const override {
@@ -53,17 +53,17 @@ class Rigid2d final : public StagedSystem {
   void solve(State& s, const StepInput& in) const;
   void end_step(State& s, const StepInput& in) const;
   SolverSettings settings_for(double dt, int steps) const;
-  /// Small steps that impulses of this state were made in.
+  /// Number of small steps for which the impulses of this state were computed.
   int small_steps(const State& s) const;
   void choose_small_steps(State& s, const StepInput& in) const;
-  /// m/s, as given or by gravity (m/s^2).
+  /// m/s, as given or derived from gravity (m/s^2).
   double restitution_speed(double gravity, double dt) const;
   void wake(State& s, uint32_t body) const;
   size_t sensor_overlaps(const State& s) const;
 
   Rigid2dDef settings_;  // without bodies, generators and joints
   Model model_;
-  mutable std::once_flag drawn_made_;  ///< meshes are made when somebody looks for the first time
+  mutable std::once_flag drawn_made_;  ///< meshes are built at the first use
   mutable PartDrawing drawn_;
   mutable std::once_flag reached_;
   mutable std::unique_ptr<const FlatBodies> reach_;

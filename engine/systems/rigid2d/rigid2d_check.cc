@@ -1,4 +1,4 @@
-// What a state from outside may hold: contacts of shapes and hands on bodies that are there.
+// Checks of a state from outside: contacts between existing shapes, user forces on existing bodies.
 #include "engine/systems/rigid2d/columns.h"
 #include "engine/systems/rigid2d/rigid2d.h"
 #include "engine/systems/rigid2d/small_steps.h"
@@ -22,7 +22,7 @@ void Rigid2d::check(StateCheck& check, double) const {
   }
   for (const auto column : {columns::push_body, columns::drag_body}) {
     for (const uint32_t body : s.span<uint32_t>(column))
-      check.require(body < model_.count(), "a hand's body");
+      check.require(body < model_.count(), "the body of a push or drag");
   }
   const auto most = static_cast<uint32_t>(SmallSteps::kMostTimes * settings_.substeps);
   check.require(s.span<uint32_t>(columns::small_steps)[0] <= most, "small_steps");

@@ -1,4 +1,4 @@
-// What commands do to a rigid2d state; errors name the member of the command that is wrong.
+// Effects of commands on a rigid2d state; errors name the wrong member of the command.
 #include <algorithm>
 
 #include "engine/core/command_checks.h"
@@ -13,17 +13,17 @@ void Rigid2d::apply(State& s, const Command& c) const {
   const auto dynamic = [&] {
     const uint32_t r = row();
     if (model_.bodies[r].motion != Motion::dynamic) {
-      refuse_command("index", "not_dynamic", "the body of this row is not moved by forces");
+      refuse_command("index", "not_dynamic", "the body in this row is not dynamic: forces do not move it");
     }
     return r;
   };
-  // Where on the body, about its centre of mass in its own frame.
+  // The point about the body's centre of mass, in its own frame.
   const auto local = [&](uint32_t body) -> std::optional<Vec3> {
     if (!c.at) return std::nullopt;
     const Vec2 p = pose_of(s, body).back(flat::flatten(*c.at));
     return Vec3{p.x, p.y, 0};
   };
-  // Those around a body that comes, goes or is held must not sleep on.
+  // The neighbours of a body that appears, disappears or is held must wake.
   const auto wake_neighbours = [&](uint32_t body) {
     std::vector<uint8_t> seeds(model_.count());
     for (const uint64_t key : s.span<uint64_t>(columns::contact_key)) {
@@ -53,7 +53,7 @@ void Rigid2d::apply(State& s, const Command& c) const {
     }
     case CommandKind::drag: {
       const uint32_t r = dynamic();
-      // Without a stiffness of its own a drag pulls like a spring of three hertz.
+      // A drag without a given stiffness pulls like a spring of 3 Hz.
       const double usual = 355 * model_.bodies[r].mass;
       wake(s, r);
       return columns::kHands.set_drag(s, r, c.vector, c.value > 0 ? c.value : usual, local(r));
@@ -95,7 +95,8 @@ void Rigid2d::apply(State& s, const Command& c) const {
     case CommandKind::spawn:
       break;
   }
-  refuse_command("kind", "unsupported_command", "the bodies of this system are those of its scene",
+  refuse_command("kind", "unsupported_command",
+                 "this system has only the bodies of its scene: none can be spawned",
                  "push, impulse, drag, release, pin, unpin, remove, set_parameter");
 }
 

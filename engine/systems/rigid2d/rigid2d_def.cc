@@ -32,8 +32,8 @@ const DefTable& box_table() {
       TableOf<D>("a rectangle")
           .vector("half_extents", &D::half_extents, "m", at_least(0), "half of each edge; z is not used")
           .vector("center", &D::center, "m", any(), "in the body's frame")
-          .number("angle", &D::angle, "rad", any(), "turned about its centre by this")
-          .number("radius", &D::radius, "m", at_least(0), "thickens it, rounding the corners")
+          .number("angle", &D::angle, "rad", any(), "rotation about its centre")
+          .number("radius", &D::radius, "m", at_least(0), "rounding radius, added on all sides")
           .check([](const D& d, const DefTable::Report& report) {
             if (!(d.half_extents.x > 0 && d.half_extents.y > 0)) {
               report("/half_extents", "x and y must be above 0");
@@ -49,7 +49,7 @@ const DefTable& polygon_table() {
       TableOf<D>("the convex hull of points; at most eight corners")
           .vectors("points", &D::points, "m", any(), {3, 64}, "in the body's frame, in any order")
           .required()
-          .number("radius", &D::radius, "m", at_least(0), "thickens it, rounding the corners")
+          .number("radius", &D::radius, "m", at_least(0), "rounding radius, added on all sides")
           .build();
   return t;
 }
@@ -57,15 +57,15 @@ const DefTable& polygon_table() {
 const DefTable& chain_table() {
   using D = ChainDef;
   static const DefTable t =
-      TableOf<D>("a line through points for bodies to rest on; nothing catches where two pieces meet")
+      TableOf<D>("a line through points that bodies rest on and slide along without catching at its corners")
           .vectors("points", &D::points, "m", any(), {2, 100'000}, "corners, in the body's frame")
           .required()
           .boolean("loop", &D::loop, "joins the last point to the first")
           .choice(
               "sides", &D::sides, {"both", "left", "right", "outside", "inside"},
-              "which sides hold bodies: both, only that to the left or right when walking along the points "
-              "(ground from left to right holds on its left), of a loop only the outside or inside; what "
-              "is on another side passes, and what got half through is pushed back")
+              "sides that bodies collide with: both, only the left or right one when following the points "
+              "(left for ground drawn from left to right), or for a loop only the outside or inside; bodies "
+              "on the other side pass, and those that are half through are pushed back")
           .check([](const D& d, const DefTable::Report& report) {
             const bool closed = d.sides == D::Sides::outside || d.sides == D::Sides::inside;
             if (closed && !d.loop) report("/sides", "only a loop has an outside and an inside");
@@ -89,40 +89,42 @@ TableOf<BodyDef>& body_rows(TableOf<BodyDef>& t) {
                  {"box", &box_table()},
                  {"polygon", &polygon_table()},
                  {"chain", &chain_table()}},
-                {0, 256}, "what it consists of; a chain belongs to a fixed or kinematic body")
+                {0, 256}, "the shapes that form it; a chain is only for fixed or kinematic bodies")
       .number("density", &D::density, "kg/m^2", above(0), "of all its shapes")
-      .number("mass", &D::mass, "kg", above(0), "in place of the density's; scales the inertia too")
+      .number("mass", &D::mass, "kg", above(0), "instead of density; scales the inertia too")
       .number("inertia", &D::inertia, "kg m^2", above(0),
-              "moment of inertia about the centre of mass, in place of the shapes'")
+              "moment of inertia about the centre of mass, instead of that of the shapes")
       .vector("force", &D::force, "N", any(),
-              "constant, on the centre of mass; z is not used. Keeps it awake")
+              "constant, at the centre of mass; z is not used. Keeps the body awake")
       .number("torque", &D::torque, "N m", any(), "constant, counter-clockwise")
-      .choice(
-          "force_frame", &D::force_frame, {"world", "body"},
-          "axes of force: fixed, or turning with the body. energy.potential holds that of torque and of a "
-          "force in the world, power.applied what others do")
-      .number("friction", &D::friction, "1", at_least(0), "a contact's is the root of both bodies' product")
-      .number("restitution", &D::restitution, "1", between(0, 1), "a contact's is the larger of both")
+      .choice("force_frame", &D::force_frame, {"world", "body"},
+              "axes of force: fixed, or turning with the body. energy.potential includes torque and a "
+              "force in the world; power.applied is the power of one that turns")
+      .number("friction", &D::friction, "1", at_least(0),
+              "of a contact: the square root of the product for both bodies")
+      .number("restitution", &D::restitution, "1", between(0, 1), "of a contact: the larger of both values")
       .number("rolling_resistance", &D::rolling_resistance, "m", at_least(0),
-              "torque against rolling per normal force; a contact's is the larger of both")
+              "torque against rolling per normal force; of a contact: the larger of both values")
       .number("surface_speed", &D::surface_speed, "m/s", any(),
-              "its surface runs clockwise about it (a belt's top to the right) at this speed")
-      .number("linear_damping", &D::linear_damping, "1/s", at_least(0), "rate at which it slows down")
-      .number("angular_damping", &D::angular_damping, "1/s", at_least(0), "rate at which its spin slows")
-      .number("gravity_scale", &D::gravity_scale, "1", any(), "times the scene's gravity")
-      .boolean("fixed_rotation", &D::fixed_rotation, "never turns")
-      .boolean("sensor", &D::sensor, "notices overlaps, touches nothing")
-      .boolean("bullet", &D::bullet, "does not pass moving bodies either, however fast")
+              "speed at which its surface moves clockwise about it (the top of a belt to the right)")
+      .number("linear_damping", &D::linear_damping, "1/s", at_least(0), "rate at which its velocity decays")
+      .number("angular_damping", &D::angular_damping, "1/s", at_least(0),
+              "rate at which its angular velocity decays")
+      .number("gravity_scale", &D::gravity_scale, "1", any(), "factor on the gravity that acts on it")
+      .boolean("fixed_rotation", &D::fixed_rotation, "never rotates")
+      .boolean("sensor", &D::sensor, "detects overlaps, collides with nothing")
+      .boolean("bullet", &D::bullet, "does not pass through moving bodies either, however fast it is")
       .boolean("asleep", &D::asleep, "sleeps until something touches it")
       .boolean("can_sleep", &D::can_sleep, "may fall asleep")
       .vector("one_way", &D::one_way, "1", any(),
-              "bodies pass against this direction (of the body's frame) and are held when moving with it "
-              "reversed: up makes a platform to jump through")
+              "bodies pass moving along this direction (in the body's frame) and are held moving "
+              "against it: up makes a platform to jump through")
       .vector("color", &D::color, "1", between(0, 1), "red, green, blue as a screen shows them")
       .integer("group", &D::group, between(-32768, 32767),
                "bodies of the same group above 0 always touch, below 0 never; 0: category and mask decide")
-      .integer("category", &D::category, between(0, 4294967295.0), "bits of what it is")
-      .integer("mask", &D::mask, between(0, 4294967295.0), "bits of what it touches");
+      .integer("category", &D::category, between(0, 4294967295.0),
+               "bits for the categories that it belongs to")
+      .integer("mask", &D::mask, between(0, 4294967295.0), "bits for the categories that it collides with");
 }
 
 const DefTable& body_table() {
@@ -136,13 +138,13 @@ const DefTable& body_table() {
         report("/shapes", "a chain has no mass: the body must be fixed or kinematic");
       }
       if (d.motion == Motion::dynamic && d.shapes.empty()) {
-        report("/shapes", "a dynamic body needs a shape to have a mass");
+        report("/shapes", "a dynamic body needs a shape, which gives its mass");
       }
-      if (d.motion != Motion::dynamic && d.inertia) report("/inertia", "only a dynamic body has one");
+      if (d.motion != Motion::dynamic && d.inertia) report("/inertia", "only a dynamic body has an inertia");
       if (d.motion != Motion::dynamic && (norm2(d.force) > 0 || d.torque != 0)) {
         report(norm2(d.force) > 0 ? "/force" : "/torque", "only a dynamic body is moved by forces");
       }
-      if (d.fixed_rotation && d.inertia) report("/inertia", "a body that never turns has none");
+      if (d.fixed_rotation && d.inertia) report("/inertia", "a body that never rotates has no inertia");
       if (d.one_way && !(d.one_way->x != 0 || d.one_way->y != 0)) {
         report("/one_way", "the direction must not be zero");
       }
@@ -163,15 +165,16 @@ const DefTable& link_table() {
 const DefTable& grid_table() {
   using D = GridDef;
   static const DefTable t =
-      TableOf<D>("bodies in rows and columns; number k * ny + i stands k to the right and i up")
-          .object("body", &D::body, body_table(), "each of them; its position is not used")
-          .vector("origin", &D::origin, "m", any(), "of the first")
+      TableOf<D>(
+          "bodies in rows and columns; number k * ny + i is in column k from the left and row i from below")
+          .object("body", &D::body, body_table(), "the body to repeat; its position is not used")
+          .vector("origin", &D::origin, "m", any(), "position of the first body")
           .vector("spacing", &D::spacing, "m", any(), "from one to the next; y may be negative")
           .integer("nx", &D::nx, between(1, kMostPerSide), "columns")
           .integer("ny", &D::ny, between(1, kMostPerSide), "rows")
-          .boolean("joined", &D::joined, "revolute joints half way between neighbours")
+          .boolean("joined", &D::joined, "revolute joints midway between neighbours")
           .integers("held", &D::held, between(0, kMostBodies), {0, 100'000},
-                    "numbers of bodies that are fixed")
+                    "numbers of the bodies that are fixed")
           .build();
   return t;
 }
@@ -179,8 +182,8 @@ const DefTable& grid_table() {
 const DefTable& pyramid_table() {
   using D = PyramidDef;
   static const DefTable t =
-      TableOf<D>("rows of bodies, each one shorter than the row below")
-          .object("body", &D::body, body_table(), "each of them; its position is not used")
+      TableOf<D>("rows of bodies, each one body shorter than the row below")
+          .object("body", &D::body, body_table(), "the body to repeat; its position is not used")
           .vector("origin", &D::origin, "m", any(), "middle of the lowest row")
           .vector("spacing", &D::spacing, "m", at_least(0), "along a row and from row to row")
           .integer("base", &D::base, between(1, 1000), "bodies in the lowest row")
@@ -192,8 +195,8 @@ const DefTable& wall_table() {
   using D = WallDef;
   static const DefTable t =
       TableOf<D>("rows of bodies, every other row half a spacing to the right")
-          .object("body", &D::body, body_table(), "each of them; its position is not used")
-          .vector("origin", &D::origin, "m", any(), "of the first")
+          .object("body", &D::body, body_table(), "the body to repeat; its position is not used")
+          .vector("origin", &D::origin, "m", any(), "position of the first body")
           .vector("spacing", &D::spacing, "m", at_least(0), "along a row and from row to row")
           .integer("nx", &D::nx, between(1, kMostPerSide), "bodies in a row")
           .integer("ny", &D::ny, between(1, kMostPerSide), "rows")
@@ -205,12 +208,12 @@ const DefTable& body_chain_table() {
   using D = BodyChainDef;
   static const DefTable t =
       TableOf<D>("capsules joined end to end by revolute joints")
-          .object("body", &D::body, link_table(), "each of them; its position and shapes are not used")
+          .object("body", &D::body, link_table(), "the body to repeat; its position and shapes are not used")
           .vector("from", &D::from, "m", any(), "one end")
           .vector("to", &D::to, "m", any(), "the other end")
           .integer("links", &D::links, between(1, 100'000), "number of capsules")
           .number("radius", &D::radius, "m", above(0), "of the capsules")
-          .choice("held", &D::held, {"none", "first", "both"}, "ends hinged to the world")
+          .choice("held", &D::held, {"none", "first", "both"}, "which ends are hinged to the world")
           .build();
   return t;
 }
@@ -248,14 +251,14 @@ struct CountGenerated {
 
 void check(const Rigid2dDef& d, const DefTable::Report& report) {
   const double n = counts(d).bodies;
-  if (n > kMostBodies) report("/generators", "more than a million bodies");
+  if (n > kMostBodies) report("/generators", "the system has more than a million bodies");
   if (n == 0) report("", "no bodies and no generators: nothing to simulate");
   for (size_t i = 0; i < d.joints.size(); ++i) {
     const std::string at = "/joints/" + std::to_string(i);
     const auto& j = std::visit([](const auto& x) -> const JointDef& { return x; }, d.joints[i]);
     if (static_cast<double>(j.a) >= n) report(at + "/a", "there is no such body");
     if (static_cast<double>(j.b) >= n) report(at + "/b", "there is no such body");
-    if (j.a == j.b) report(at + "/b", "a joint joins two different bodies");
+    if (j.a == j.b) report(at + "/b", "a joint needs two different bodies");
   }
 }
 
@@ -286,7 +289,7 @@ const DefTable& rigid2d_table() {
                      {"pyramid", &pyramid_table()},
                      {"wall", &wall_table()},
                      {"chain", &body_chain_table()}},
-                    {0, 10'000}, "many bodies at once, numbered after the listed ones")
+                    {0, 10'000}, "patterns of many bodies, numbered after the listed ones")
           .variants("joints", &D::joints,
                     {{"revolute|hinge|pin", &revolute_table()},
                      {"prismatic|slider", &prismatic_table()},
@@ -297,40 +300,41 @@ const DefTable& rigid2d_table() {
                      {"mouse", &mouse_table()},
                      {"gear", &gear_table()},
                      {"pulley", &pulley_table()}},
-                    {0, 1'000'000}, "what holds bodies together")
+                    {0, 1'000'000}, "joints between bodies")
           .choice("engine", &D::engine, {"truestep", "box2d"},
-                  "who steps: this product, or Box2D 2.4.1 to compare with")
+                  "solver: this product's own, or Box2D 2.4.1 for comparison")
           .vector("gravity", &D::gravity, "m/s^2", any(), "absent: the scene's")
           .integer("substeps", &D::substeps, between(1, 1000),
-                   "small steps of the constraint solver per step of the scene")
+                   "substeps of the constraint solver per step of the scene")
           .also("solver_steps")
           .choice("precision", &D::precision, {"f32", "f64"},
-                  "numbers of the constraint solver; poses are always f64")
-          .number("contact_hertz", &D::contact_hertz, "Hz", above(0),
-                  "stiffness of contacts of a body that has two, shared where it has more; absent: 0.21 of "
-                  "the rate of "
-                  "small steps")
-          .number("contact_damping_ratio", &D::contact_damping_ratio, "1", at_least(0), "of contacts")
+                  "precision of the constraint solver; poses are always f64")
+          .number(
+              "contact_hertz", &D::contact_hertz, "Hz", above(0),
+              "frequency of contacts as springs for a body with two, lower for one with more; absent: 0.21 "
+              "of the rate of substeps")
+          .number("contact_damping_ratio", &D::contact_damping_ratio, "1", at_least(0),
+                  "damping ratio of contacts")
           .number("joint_hertz", &D::joint_hertz, "Hz", above(0),
-                  "stiffness of joints; absent: a quarter of the rate of small steps")
-          .number("joint_damping_ratio", &D::joint_damping_ratio, "1", at_least(0), "of joints")
-          .number("push_out_speed", &D::push_out_speed, "m/s", above(0), "fastest that an overlap is undone")
+                  "natural frequency of joints; absent: a quarter of the rate of substeps")
+          .number("joint_damping_ratio", &D::joint_damping_ratio, "1", at_least(0), "damping ratio of joints")
+          .number("push_out_speed", &D::push_out_speed, "m/s", above(0),
+                  "maximum speed at which overlapping bodies are separated")
           .also("push_speed")
           .number("contact_margin", &D::contact_margin, "m", above(0),
-                  "contacts are foreseen at this distance; absent: by the bodies' size")
-          .number(
-              "restitution_speed", &D::restitution_speed, "m/s", at_least(0),
-              "slower impacts do not bounce; absent: half of what gravity adds in a step, hops of one step")
-          .boolean("sleeping", &D::sleeping, "bodies at rest cost nothing until something touches them")
-          .number(
-              "sleep_speed", &D::sleep_speed, "m/s", at_least(0),
-              "bodies whose points are slower may rest, where they also stay within 0.4 of this times "
-              "sleep_time (an eighth where joints or contacts without friction hold them): sleep takes no "
-              "mean speed above that")
+                  "distance at which contacts begin; absent: from the bodies' size")
+          .number("restitution_speed", &D::restitution_speed, "m/s", at_least(0),
+                  "slower impacts do not bounce; absent: half of the speed that gravity adds in a step (hops "
+                  "of one step)")
+          .boolean("sleeping", &D::sleeping, "bodies at rest are not computed until something touches them")
+          .number("sleep_speed", &D::sleep_speed, "m/s", at_least(0),
+                  "bodies whose points are slower may rest if they also stay within 0.4 of this times "
+                  "sleep_time (an eighth if held by joints or contacts without friction), so that no "
+                  "higher mean speed falls asleep")
           .number("sleep_time", &D::sleep_time, "s", at_least(0),
-                  "rest needed before sleep; what floats free does not sleep")
+                  "time at rest before sleep; freely floating bodies do not sleep")
           .vector("color", &D::color, "1", between(0, 1),
-                  "red, green, blue of all that moves, as a screen shows them")
+                  "red, green, blue of all moving bodies, as a screen shows them")
           .check(check)
           .build();
   return t;

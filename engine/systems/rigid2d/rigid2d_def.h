@@ -1,4 +1,4 @@
-// Parameters of the system "rigid2d"; units and bounds stand in the table (rigid2d_def.cc).
+// Parameters of the system "rigid2d"; units and bounds are in the table (rigid2d_def.cc).
 #pragma once
 #include <optional>
 #include <string>
@@ -78,7 +78,7 @@ struct BodyChainDef {
 };
 using GeneratorDef = std::variant<GridDef, PyramidDef, WallDef, BodyChainDef>;
 
-/// What every joint has. Body -1 is the world.
+/// Parameters common to all joints. Body -1 is the world.
 struct JointDef {
   int64_t a = -1, b = 0;
   Vec3 anchor;
@@ -144,10 +144,10 @@ struct Rigid2dDef {
 };
 
 const DefTable& rigid2d_table();
-/// What it gives out.
+/// Fields and observables of the system.
 const Outputs& rigid2d_outputs();
 
-/// Bodies and joints that the generators bring, without the listed ones.
+/// Numbers of bodies and joints that the generators add to the listed ones.
 struct Counts {
   double bodies = 0, shapes = 0, joints = 0;
   double moving_shapes = 0;  ///< of the shapes

@@ -1,5 +1,5 @@
-// How a rigid2d state is drawn: a prism per shape that the body's row carries, contacts and joints as marks.
-// Bodies that a joint holds together stand in different layers, or their faces would flicker.
+// Drawing of a rigid2d state: a prism per shape, attached to the row of its body; contacts and joints as
+// marks. Jointed bodies are drawn in different layers, otherwise their faces would flicker.
 #include <algorithm>
 #include <map>
 
@@ -9,7 +9,7 @@
 namespace truestep::rigid2d {
 namespace {
 
-constexpr double kDepth = 0.5;   // of a prism, part of a typical body's size
+constexpr double kDepth = 0.5;   // of a prism, as a fraction of the size of a typical body
 constexpr double kLayer = 0.06;  // from layer to layer
 
 using Motion3 = Visual::Motion;
@@ -21,7 +21,7 @@ Motion3 motion_of(const Body& b) {
                                          : Motion3::dynamic;
 }
 
-/// Smallest layers, in the order of the bodies, with which no joint holds two of one layer.
+/// Smallest layers, assigned in the order of the bodies, such that no joint connects two bodies of one layer.
 std::vector<uint32_t> layers_of(const Model& m) {
   std::vector<std::vector<uint32_t>> before(m.count());
   for (const Joint& j : m.joints) {
@@ -45,7 +45,7 @@ void describe(Key& key, const Outline& s) {
   for (uint32_t i = 0; i < s.corners; ++i) key.insert(key.end(), {s.corner[i].x, s.corner[i].y});
 }
 
-/// Alike shapes share a mesh, alike bodies a group.
+/// Equal shapes share a mesh, equal bodies a group.
 class Visuals {
  public:
   Visuals(const Model& model, const std::optional<Vec3>& color) : model_(model), color_(color) {}
@@ -123,7 +123,7 @@ void Rigid2d::draw(const State& s, double, Wish wishes, Drawing& out) const {
   if (wants(wishes, Wish::joints)) out.joints = joint_marks(s);
 }
 
-// Ropes run in the middle of the bodies' depth; a pulley's goes over its two wheels.
+// Ropes are drawn at half the depth of the bodies; a pulley's rope runs over its two wheels.
 void Rigid2d::draw_strings(const State& s, std::vector<DrawnString>& out) const {
   const auto broken = s.span<uint32_t>(columns::joint_broken), status = s.span<uint32_t>(columns::status);
   const auto gone = [&](uint32_t body) { return body < model_.count() && (status[body] & kRemoved) != 0; };
@@ -144,7 +144,7 @@ void Rigid2d::draw_strings(const State& s, std::vector<DrawnString>& out) const 
   }
 }
 
-// Counts what has been removed and what broke.
+// Counts removed bodies and broken joints.
 uint32_t Rigid2d::drawing_version(const State& s) const {
   const auto removed = std::ranges::count_if(s.span<uint32_t>(columns::status),
                                              [](uint32_t bits) { return (bits & kRemoved) != 0; });
@@ -163,7 +163,7 @@ std::vector<ContactMark> Rigid2d::contact_marks(const State& s) const {
   for (size_t k = 0; k < keys.size(); ++k) {
     const Shape &a = model_.shapes[keys[k] >> 32], &b = model_.shapes[static_cast<uint32_t>(keys[k])];
     const Pose at = pose_of(s, a.body);
-    // The state holds what the points carry, their places are found again.
+    // The state holds the impulses of the points; their positions are computed again.
     if (!flat::touch(a.outline, b.outline, at.to(pose_of(s, b.body)), model_.margin, c)) continue;
     for (uint32_t p = 0; p < c.points; ++p) {
       for (size_t q = 0; q < 2; ++q) {

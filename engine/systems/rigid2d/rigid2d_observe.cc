@@ -1,4 +1,4 @@
-// What can be seen of a rigid2d state: energies, momenta, contacts, joints; fields for streams and pictures.
+// Observables of a rigid2d state (energies, momenta, contacts, joints) and fields for streams and pictures.
 #include <algorithm>
 #include <cmath>
 

@@ -1,4 +1,4 @@
-// What the system type "rigid2d" gives out, in words.
+// Fields and observables of the system type "rigid2d", in words.
 #include "engine/core/outputs.h"
 #include "engine/systems/rigid2d/rigid2d_def.h"
 
@@ -6,16 +6,16 @@ namespace truestep::rigid2d {
 
 const Outputs& rigid2d_outputs() {
   static const Outputs kOutputs{
-      .rows = "a body in the order of bodies",
+      .rows = "a body, in the order of bodies and generators",
       .fields = {{"position", "m", 3, "centre of mass"},
                  {"velocity", "m/s", 3, "of the centre of mass"},
                  {"angle", "rad", 1, ""},
                  {"angular_velocity", "rad/s", 1, ""},
-                 {"asleep", "1", 1, "1 where the body is not computed because it rests"},
+                 {"asleep", "1", 1, "1 while the body sleeps and is not computed"},
                  {"contact_force", "N", 1, "sum of the normal forces of all its contacts"},
-                 {"orientation", "1", 4, "unit quaternion w x y z about z"}},
-      .observables = {{"energy.kinetic", "J", "of motion"},
-                      {"energy.potential", "J", "of all forces that have one, springs of joints among them"},
+                 {"orientation", "1", 4, "rotation about z as unit quaternion w x y z"}},
+      .observables = {{"energy.kinetic", "J", "of all dynamic bodies"},
+                      {"energy.potential", "J", "of all conservative forces, including springs of joints"},
                       {"energy.total", "J", "their sum"},
                       {"momentum.x", "kg m/s", "of dynamic bodies"},
                       {"momentum.y", "kg m/s", ""},
@@ -23,11 +23,11 @@ const Outputs& rigid2d_outputs() {
                       {"contacts", "1", "pairs of shapes that touch or nearly do"},
                       {"penetration.max", "m", "deepest overlap"},
                       {"awake", "1", "dynamic bodies that do not sleep"},
-                      {"joint.gap", "m", "largest distance between points that a joint keeps together"},
+                      {"joint.gap", "m", "largest distance between two points that a joint holds together"},
                       {"joints.broken", "1", "joints that have broken"},
                       {"sensor.overlaps", "1", "pairs of a sensor and a dynamic body in it"},
                       {"power.applied", "W",
-                       "where bodies have a constant force or torque: of those without a potential"}}};
+                       "if bodies have a constant force or torque: power of those without a potential"}}};
   return kOutputs;
 }
 

@@ -10,11 +10,12 @@ namespace {
 
 /// Columns buckle only where a contact carries more bodies than this.
 constexpr double kTallLoad = 10;
-/// Quotient below which small steps are added, that they are added for, and from which on fewer are tried.
+/// Below the first quotient small steps are added until it reaches the second; above the third fewer are
+/// tried.
 constexpr double kTooSoft = 1.1, kStiff = 1.4, kMoreThanStiff = 2.2;
-/// Load of a light body, in its own weights, up to which the usual small steps are enough.
+/// Load of a light body, in multiples of its own weight, up to which the usual small steps suffice.
 constexpr double kEasyBurden = 3;
-/// Small steps of free fall that make an approach speed count as an impact.
+/// An approach speed counts as an impact above this many small steps of free fall.
 constexpr double kHits = 30;
 
 /// integral_0^s of (t (2 - t))^2.
@@ -27,8 +28,7 @@ double gravity_of(const State& s) {
   return std::sqrt(g[0] * g[0] + g[1] * g[1]);
 }
 
-/// What hangs in a joint, as a drum that turns on its axle does, lies on nothing and bears as the ground
-/// does.
+/// A body held by a joint, such as a drum on its axle, does not rest on another and supports like the ground.
 bool moves(const Model& model, std::span<const uint32_t> status, uint32_t i) {
   return i < model.count() && is_moved(model.light[i], status[i]) && !model.light[i].hung;
 }

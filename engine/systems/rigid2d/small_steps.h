@@ -1,15 +1,15 @@
-// How many small steps a scene's loads need. Contacts resist tilts like springs whose rate w the small steps
-// bound, so that a column taller than some length buckles under its own weight (Greenhill 1881). With the
-// trial shape theta(s) = s (2 - s), s = z / height, of an island's tilts
+// Number of small steps that the loads of a scene need. Contacts resist tilting like springs whose rate w is
+// limited by the small steps, and a column above some length buckles under its own weight (Greenhill 1881).
+// With the trial shape theta(s) = s (2 - s), s = z / height, for the tilts of an island
 //   Q = sum over contacts of k (theta_b - theta_a)^2 / sum over bodies of m g integral_0^z theta^2
-// is the Rayleigh quotient of stiffness and load: below 1 it buckles. k is what two points at arms r make
-// about their middle, and grows with the square of the small steps. Only islands in which every body stands
-// on one other count: courses that overlap hold one another upright, and what falls does not buckle.
-// What lies on much lighter bodies is carried through them: the sweeps pass a load on by shares of
-// m_light / m_heavy, so that they need more small steps, too. Counted is a light body by the load that it
-// carries in its own weights, as far as a single body of its island is that much heavier; where bodies hit,
-// before any load is known, by the ratio of the masses alone. What hangs in a joint, as a drum that turns on
-// its axle does, lies on nothing.
+// is the Rayleigh quotient of stiffness and load: below 1 it buckles. k is the tilting stiffness of two
+// points at arms r about their middle, and grows with the square of the small steps. Only islands in which
+// every body stands on one other count: overlapping courses hold one another upright, and falling bodies do
+// not buckle. Heavy bodies on much lighter ones are carried through these: a sweep passes on a load in
+// fractions of m_light / m_heavy and needs more small steps, too. A light body is judged by the load that it
+// carries in multiples of its own weight, as far as one body of its island is that much heavier; on impact,
+// before any load is known, by the mass ratio alone. A body held by a joint, such as a drum on its axle, does
+// not rest on another.
 #pragma once
 #include <cmath>
 #include <vector>
@@ -19,19 +19,19 @@
 
 namespace truestep::rigid2d {
 
-/// Chooses the small steps of a step from the loads of the last one and from what is about to hit.
+/// Chooses the small steps of a step from the loads of the last one and from imminent impacts.
 class SmallSteps {
  public:
   static constexpr int kMostTimes = 6;
   struct Usual {
-    int least, now;  ///< small steps that the scene asks for, and of the last step
-    double h;        ///< s, of the last step's
-    double rate;     ///< 1/s, angular frequency of contacts in them; 0: it does not follow
-    bool looks;      ///< at columns, whose modes are slow: not in every step
+    int least, now;  ///< the scene's minimum, and the number in the last step
+    double h;        ///< s, length of the last small step
+    double rate;     ///< 1/s, angular frequency of contacts in them; 0: independent of them
+    bool looks;      ///< checks columns, whose modes are slow: not in every step
   };
   /// At least `least`, at most kMostTimes as many.
   int wanted(const Model& model, const State& s, const Pairs& pairs, const Usual& usual);
-  /// Of the last call: heavy bodies touch light ones, so that a blow may follow soon after a blow.
+  /// After the last call: heavy bodies touch light ones, and another impact may follow soon.
   bool uneven() const { return uneven_; }
 
  private:
@@ -39,7 +39,7 @@ class SmallSteps {
     double low = 0, high = 0, stiffness = 0, load = 0;
     double heaviest = 0, lightest = HUGE_VAL;
     uint32_t bodies = 0, bearings = 0;
-    bool stands = false;  ///< on what does not move
+    bool stands = false;  ///< on a body that does not move
   };
   void find_islands(const Model& model, const State& s, const Pairs& pairs);
   double largest_burden(const Model& model, const State& s, const Pairs& pairs, double h);

@@ -10,12 +10,12 @@
 namespace truestep::rigid2d {
 namespace {
 
-constexpr size_t kBlock = 1024;    // bodies a task
-constexpr size_t kPackBlock = 64;  // packs a task
-/// Most rounds of impacts that bodies pass on to one another in a small step; what is left does not bounce.
+constexpr size_t kBlock = 1024;    // bodies per task
+constexpr size_t kPackBlock = 64;  // packs per task
+/// Maximum rounds of impacts passed on between bodies in one small step; the rest does not bounce.
 constexpr int kImpactRounds = 64;
 
-/// body(pack) for all packs, colour after colour; those of a colour side by side.
+/// Calls body(pack) for all packs, colour after colour; packs of one colour run in parallel.
 template <class Packs, class Body>
 void each_colour(const ThreadArena& arena, Packs& packs, const std::vector<uint32_t>& colours, Body&& body,
                  ColourOrder order = ColourOrder::forth) {
@@ -91,7 +91,7 @@ void Solver<T>::hit_contacts(const SolverSettings& settings, const ThreadArena& 
   each_colour(arena, contacts_, contact_colours_, [&](const ContactPack<T>& p) {
     if (p.bounces && hit<Hits::bouncing>(p, bodies, h, threshold)) any = true;
   });
-  // An impact passes on through contacts that do not bounce.
+  // An impact is passed on through contacts that do not bounce.
   for (int round = 1; round < kImpactRounds && any; ++round) {
     any = false;
     each_colour(arena, contacts_, contact_colours_, [&](const ContactPack<T>& p) {
@@ -116,7 +116,7 @@ void Solver<T>::choose_sprung(const Pairs& pairs) {
     if (!alone(j)) held_[j.a] = held_[j.b] = 1;
   }
   for (uint32_t r = 0; r < moved_; ++r) {
-    // Damping that is no spring's makes a step of first order anyhow.
+    // Damping outside of springs makes a step first order in any case.
     const T* p = push_.data() + 8 * static_cast<size_t>(r);
     if (p[3] != 1 || p[4] != 1) held_[r] = 1;
   }
@@ -203,7 +203,7 @@ void Solver<T>::small_step(const SolverSettings& settings, const ThreadArena& ar
       r[0] = (r[0] + p[0]) * p[3], r[1] = (r[1] + p[1]) * p[3], r[2] = (r[2] + p[2]) * p[4];
     }
   });
-  // Before warm starting: impacts use the velocities that bodies really have.
+  // Before warm starting: impacts use the actual velocities of the bodies.
   if (bounces_) hit_contacts(settings, arena);
   for (JointRow<T>& j : joints_) solve_joint(j, rows, moved, JointPass::warm, h);
   each_colour(arena, hinges_, hinge_colours_, [&](HingePack<T>& p) { warm_start(p, rows, moved); });
@@ -260,7 +260,7 @@ void Solver<T>::store_bodies(State& state, double dt, const ThreadArena& arena) 
         x[3 * body] += static_cast<double>(r[4]), x[3 * body + 1] += static_cast<double>(r[5]);
         angle[body] += static_cast<double>(r[6]);
       } else {
-        // A kinematic body moves exactly as its velocity says.
+        // A kinematic body moves exactly at its velocity.
         x[3 * body] += dt * v[3 * body], x[3 * body + 1] += dt * v[3 * body + 1], angle[body] += dt * w[body];
       }
     }
@@ -278,7 +278,7 @@ void Solver<T>::store_joints(const Model& model, State& state, Hands& hands,
     most = std::sqrt(p[0] * p[0] + p[1] * p[1]);
     if (!model.may_break) return;
     const Joint& d = model.joints[i];
-    // A distance joint carries along one direction only; others hold two points.
+    // A distance joint carries a force along one direction only; others hold two points.
     if (d.kind == JointKind::distance) most = std::abs(p[0] + p[5] + p[3] - p[4]);
     if (d.break_force > 0 && most > d.break_force * settings.h) {
       broken[i] = 1;
@@ -312,7 +312,7 @@ void Solver<T>::solve(const Model& model, State& state, const Pairs& pairs, Hand
   const uint32_t packs = contact_colours_.empty() ? 0 : contact_colours_.back();
   bounces_ =
       std::any_of(contacts_.begin(), contacts_.begin() + packs, [](const auto& p) { return p.bounces != 0; });
-  // What joints carry is not known here.
+  // The loads in joints are not known here.
   if (packs > 0 && state.rows(columns::contact_key) == 0 && model.joints.empty()) {
     start_contacts(pairs, settings.h);
   }
@@ -383,7 +383,7 @@ void Solver<T>::store_contacts(const Pairs& pairs, const PenetrationOffsetRule& 
         before[i] = contact.point[at].separation - static_cast<double>(c.point[at].separation[k]);
         largest = std::max({largest, std::abs(contact.point[at].separation), before[i]});
       }
-      // Offsets that differ by no more than the rounding of separations are one.
+      // Offsets that differ by no more than the rounding of separations are treated as one.
       if (std::abs(before[1] - before[0]) <= 0x1p-22 * largest) before[1] = before[0];
       const double yields = (1 - c.mass_scale[k]) / (c.mass_scale[k] * c.bias_rate[k]);  // m per m/s of load
       const PenetrationOffsetRule own{rule.learnt, kMostOffset * yields};

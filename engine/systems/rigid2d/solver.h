@@ -1,9 +1,8 @@
-// One step of the velocity solver: small steps of soft constraints (TGS-soft: Macklin et al. 2019, "Small
+// One step of the velocity solver: small steps with soft constraints (TGS-soft: Macklin et al. 2019, "Small
 // steps in physics simulation"; Catto 2024, "Solver2D"). Per small step h:
-//   v += h (g + F/m);  warm start;  solve with bias;  x += h v;  solve without bias;   and bounces at the
-//   end.
-// Bodies are rows of eight numbers (v, w, 1/m, dx, dangle, 1/I) relative to the step's start, constraints are
-// packed by colour, as many side by side as the machine has lanes. Poses stay f64 outside.
+//   v += h (g + F/m);  warm start;  solve with bias;  x += h v;  solve without bias;  bounces at the end.
+// Bodies are rows of eight numbers (v, w, 1/m, dx, dangle, 1/I) relative to the start of the step;
+// constraints are packed by colour, one per SIMD lane. Poses outside of the solver stay f64.
 #pragma once
 #include <array>
 #include <atomic>
@@ -23,20 +22,20 @@
 
 namespace truestep::rigid2d {
 
-/// Bodies with more contacts are as soft as those with that many.
+/// Bodies with more contacts get the softness of this many.
 inline constexpr size_t kCrowd = 8;
 
 struct SolverSettings {
   int steps = 4;
   double h = 0;  ///< s, of a small step
-  /// By the number of contacts of the busier body.
+  /// Indexed by the number of contacts of the busier body.
   std::array<SoftConstraint<double>, kCrowd + 1> contact, contact_fixed;
   SoftConstraint<double> joint;
   PenetrationOffsetRule padding;
   double push_out_speed = 3, restitution_speed = 0;
 };
 
-/// What users' hands do in a step: forces on bodies, and springs from points to targets.
+/// User forces in a step: forces on bodies, and springs from points to targets.
 struct Hands {
   struct Force {
     uint32_t body = 0;
@@ -51,13 +50,13 @@ struct Hands {
   std::vector<Drag> drags;
 };
 
-/// Contacts side by side; lanes without one have zero masses.
+/// Contacts in SIMD lanes; unused lanes have zero masses.
 template <class T>
 struct ContactPack {
   using W = Wide<T>;
   struct Point {
-    W ax, ay, bx, by;  // anchors about the centres at the step's start
-    W separation;      // at the step's start, m
+    W ax, ay, bx, by;  // anchors about the centres at the start of the step
+    W separation;      // at the start of the step, m
     W normal_mass, tangent_mass;
     W normal, tangent;  // impulses
   };
@@ -67,7 +66,7 @@ struct ContactPack {
   W rolling, rolling_mass, rolling_impulse;
   W round_a, round_b;                  // radii of the shapes' rounding, m
   W stiffness0, stiffness1, coupling;  // K of the two normals, 1/kg
-  W held;                              // the coupling, or a little less where K has no inverse
+  W held;                              // the coupling, slightly reduced where K has no inverse
   Point point[2];
   uint32_t rolls, bounces;
   // Written only in small steps with deep overlaps.
@@ -77,14 +76,14 @@ struct ContactPack {
   } before;
 };
 
-/// Joints that only hold two points together, side by side.
+/// Joints that only hold two points together, in SIMD lanes.
 template <class T>
 struct HingePack {
   using W = Wide<T>;
   uint32_t a[W::kLanes], b[W::kLanes];
   uint32_t joint[W::kLanes];
-  W ax, ay, bx, by;  // anchors about the centres at the step's start
-  W ex, ey;          // from anchor to anchor at the step's start
+  W ax, ay, bx, by;  // anchors about the centres at the start of the step
+  W ex, ey;          // from anchor to anchor at the start of the step
   W ix, iy;          // impulse
 };
 
@@ -94,11 +93,11 @@ using Aligned = std::vector<T, CacheLineAllocator<T>>;
 template <class T>
 class Solver {
  public:
-  /// Moves the bodies of `state` by a step in `settings.steps` small ones and stores the impulses of joints
-  /// and drags; those of contacts wait for store_contacts.
+  /// Moves the bodies of `state` by a step of `settings.steps` small steps and stores the impulses of joints
+  /// and drags; contact impulses are stored by store_contacts.
   void solve(const Model& model, State& state, const Pairs& pairs, Hands& hands,
              const SolverSettings& settings, const ThreadArena& arena);
-  /// Rows of `contact` for the pairs that touch, and those carried along.
+  /// Stores the rows of `contact` for touching pairs, and those carried along.
   void store_contacts(const Pairs& pairs, const PenetrationOffsetRule& rule, State& state);
 
   /// Motion of a body in this step (m, rad).
@@ -110,7 +109,7 @@ class Solver {
     const T* r = rows_.data() + 8 * static_cast<size_t>(slot_[body]);
     return {{r[4], r[5]}, r[6]};
   }
-  /// Bodies that moved by constraints or by themselves, ascending.
+  /// Bodies that moved under constraints or on their own, ascending.
   const std::vector<uint32_t>& movers() const { return movers_; }
 
  private:
@@ -124,43 +123,43 @@ class Solver {
                    const SolverSettings& settings);
   JointRow<T> row_of(const Joint& joint, const Pairs& pairs, const SolverSettings& settings,
                      const State& state) const;
-  /// Impulses and offsets for contacts of which none continues another.
+  /// Initial impulses and offsets of contacts if none continues another.
   void start_contacts(const Pairs& pairs, double h);
-  /// The contacts through which bodies at rest carry others, the highest first.
+  /// Contacts through which bodies at rest support others, the highest first.
   void list_bearings(const Pairs& pairs, double h);
-  /// Marks in parts_ the bodies of islands in which every load lies above what bears it.
+  /// Marks in parts_ the bodies of islands in which every load lies above its support.
   void find_balance();
-  /// Lets contacts bounce that close within a small step.
+  /// Applies bounces to contacts that close within a small step.
   void hit_contacts(const SolverSettings& settings, const ThreadArena& arena);
-  /// Bodies on which springs act alone begin and end a step with half of what pulls them in a small step
+  /// Bodies on which only springs act begin and end a step with half of the spring impulse of a small step
   /// (oscillator_step).
   void choose_sprung(const Pairs& pairs);
   void kick(JointPass pass, T h);
   void find_islands();
-  /// Marks the lanes of islands in which a contact is deep, and remembers impulses and velocities.
+  /// Marks the lanes of islands with a deep contact, and stores impulses and velocities.
   void start_parting(T push_out_speed);
   void small_step(const SolverSettings& settings, const ThreadArena& arena);
   void store_bodies(State& state, double dt, const ThreadArena& arena) const;
   void store_joints(const Model& model, State& state, Hands& hands, const SolverSettings& settings) const;
 
   std::vector<uint32_t> slot_;    // row of every body
-  std::vector<uint32_t> movers_;  // body of row i, the moved ones first, then kinematic ones
-  uint32_t moved_ = 0;            // rows below take impulses
+  std::vector<uint32_t> movers_;  // body of row i, the dynamic ones first, then kinematic ones
+  uint32_t moved_ = 0;            // rows below it take impulses
   Aligned<T> rows_;
-  Aligned<T> push_;            // per row: change of vx vy w per small step, factors of damping
+  Aligned<T> push_;            // per row: change of vx vy w per small step, damping factors
   Aligned<T> toi_correction_;  // per row: shift and angle of bodies that hit within the small step
   bool bounces_ = false;
-  std::atomic<bool> deep_ = false;  // some overlap deeply
-  Aligned<T> start_;                // rows before the pushes, where some overlap deeply
-  std::vector<uint32_t> island_;    // roots of the rows' islands, once a step needs them
+  std::atomic<bool> deep_ = false;  // some contact overlaps deeply
+  Aligned<T> start_;                // rows before the pushes, where some contact overlaps deeply
+  std::vector<uint32_t> island_;    // roots of the rows' islands, computed when a step needs them
   bool knows_islands_ = false;
   std::vector<uint8_t> parts_;
   Aligned<ContactPack<T>> contacts_;
   Aligned<HingePack<T>> hinges_;
   std::vector<uint32_t> contact_colours_, hinge_colours_;  // first pack of every colour, and the end
-  std::vector<JointRow<T>> joints_;                        // the drags last
+  std::vector<JointRow<T>> joints_;                        // the drags come last
   size_t drags_ = 0;
-  std::vector<uint8_t> held_, sprung_;  // rows: something else acts on them; springs alone do
+  std::vector<uint8_t> held_, sprung_;  // rows: something else acts on the body; only springs act on it
   bool springs_ = false;
   // Scratch of the packing.
   std::vector<ConstraintEnds> ends_;
@@ -174,15 +173,15 @@ class Solver {
     int lane = 0;
     double lean = 0, height = 0;
   };
-  /// What a row carries at the start: N s of a small step with the moment about its centre along the
-  /// horizontal, from where to where it is held there, and the sum of cos^2 over what it rests on.
+  /// Load of a row at the start: N s of a small step with its moment about the centre along the horizontal,
+  /// the horizontal range in which it is supported, and the sum of cos^2 over its supports.
   struct Seat {
     double load = 0, moment = 0, low = HUGE_VAL, high = -HUGE_VAL, share = 0;
     uint32_t bearings = 0;
   };
-  /// Where along the horizontal a point of a bearing is, seen from the centre of one of its bodies.
+  /// Horizontal position of a bearing's point, relative to the centre of one of its bodies.
   double across(const Bearing& b, uint32_t body, int i) const;
-  /// Shares of the two points in what a bearing carries.
+  /// Fractions of a bearing's load on its two points.
   std::array<double, 2> parts_of(const Bearing& b) const;
   std::vector<Bearing> bearings_;
   std::vector<Seat> seats_;

@@ -1,5 +1,5 @@
-// Kernels over packs of contacts and hinges. `rows` are the bodies' rows of eight; rows from `moved` on do
-// not take impulses.
+// Kernels over packs of contacts and hinges. `rows` are the bodies' rows of eight; rows from `moved` on take
+// no impulses.
 #pragma once
 #include "engine/systems/rigid2d/solver.h"
 
@@ -27,14 +27,14 @@ struct Ends {
     b[0] = madd(b[3], px, b[0]), b[1] = madd(b[3], py, b[1]);
     b[2] = madd(b[7], nmadd(by, px, bx * py), b[2]);
   }
-  /// Velocity of b at its anchor minus that of a at its.
+  /// Velocity of b at its anchor minus that of a at its anchor.
   void relative(Wide<T> ax, Wide<T> ay, Wide<T> bx, Wide<T> by, Wide<T>& vx, Wide<T>& vy) const {
     vx = nmadd(b[2], by, b[0]) - nmadd(a[2], ay, a[0]);
     vy = madd(b[2], bx, b[1]) - madd(a[2], ax, a[1]);
   }
 };
 
-/// cos - 1 and sin of a small angle to the seventh order.
+/// cos - 1 and sin of a small angle to seventh order.
 template <class T>
 inline void small_turn(Wide<T> t, Wide<T>& c1, Wide<T>& s) {
   using W = Wide<T>;
@@ -58,8 +58,8 @@ void warm_start(const ContactPack<T>& c, T* rows, uint32_t moved) {
   e.store(rows, moved);
 }
 
-/// How far apart (m) the two points are. What turns with a body is the corner or centre that its rounding is
-/// about: the rounded surface itself stays where it is, along the normal from there.
+/// Separation (m) of the two points. The centre of the rounding (corner or centre of a shape) turns with the
+/// body; the rounded surface point stays in place along the normal from there.
 template <class T>
 void separations(const ContactPack<T>& c, const Ends<T>& e, Wide<T> out[2]) {
   using W = Wide<T>;
@@ -76,12 +76,12 @@ void separations(const ContactPack<T>& c, const Ends<T>& e, Wide<T> out[2]) {
   }
 }
 
-/// Share of push_out_speed up to which the speed of pushes is left to the relaxation, which takes back most
-/// of it: walls and towers lean where positions are corrected apart from velocities.
+/// Fraction of push_out_speed up to which the speed of pushes is left to the relaxation, which removes most
+/// of it: walls and towers lean where positions are corrected separately from velocities.
 inline constexpr double kGentlePush = 1.0 / 32;
 
-/// Below 0 in lanes that overlap so deeply that a push would be faster than that, and not because of their
-/// load: what a load presses in by itself is held there by as fast a push.
+/// Negative in lanes that overlap so deeply that a push would be faster than this, and not because of their
+/// load: penetration caused by a load is sustained by an equally fast push.
 template <class T>
 Wide<T> depth_left(const ContactPack<T>& c, const Wide<T> separation[2], T push_out_speed) {
   using W = Wide<T>;
@@ -99,8 +99,8 @@ void remember_impulses(ContactPack<T>& c) {
   c.before.rolling = c.rolling_impulse;
 }
 
-/// Takes from the rows what a push gave them since, in lanes where `taken` says so: bodies have moved by it,
-/// and keep no speed of it.
+/// Removes from the rows the velocity that a push has added since, in lanes where `taken` is 1: the bodies
+/// have moved by the push and keep none of its speed.
 template <class T>
 void take_push_back(ContactPack<T>& c, T* rows, uint32_t moved) {
   using W = Wide<T>;
@@ -122,15 +122,14 @@ void take_push_back(ContactPack<T>& c, T* rows, uint32_t moved) {
   e.store(rows, moved);
 }
 
-/// What a pair may still be pushed apart with (m/s): bodies in many others are not to add up all their
-/// pushes.
+/// Remaining push speed of a pair (m/s): bodies that overlap many others must not add up all their pushes.
 template <class T>
 Wide<T> push_left(const ContactPack<T>& c, const Ends<T>& e, const T* start, T push_out_speed) {
   using W = Wide<T>;
   const Ends<T> before(start, c.a, c.b);
   const auto gained = [](const W now[8], const W then[8]) {
     const W x = now[0] - then[0], y = now[1] - then[1], w = now[2] - then[2];
-    // Turning counts by the radius of gyration.
+    // Rotation counts by the radius of gyration.
     const W inertia = select(now[7] > W::zero(), W::all(1) / now[7], W::zero());
     return sqrt(madd(w * w, now[3] * inertia, madd(x, x, y * y)));
   };
@@ -138,8 +137,8 @@ Wide<T> push_left(const ContactPack<T>& c, const Ends<T>& e, const T* start, T p
   return max(nmadd(W::all(T(1.2)), all, W::all(push_out_speed)), W::zero());
 }
 
-/// `start`: rows before the pushes of this small step where some overlap deeply, else null. True (in a
-/// relaxation) where a contact is deep.
+/// `start`: rows before the pushes of this small step where some overlap deeply, else null. Returns true (in
+/// a relaxation) where a contact is deep.
 template <Pass kPass, class T>
 bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T push_out_speed,
                     const T* start) {
@@ -149,7 +148,7 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
   W vx, vy, most_push = W::all(push_out_speed);
   if (kPass == Pass::bias && start) most_push = push_left(c, e, start, push_out_speed);
 
-  // Friction first, so that the normals have the last word. The tangent is the normal turned left.
+  // Friction first: the normals have the last word. The tangent is the normal turned left.
   W load = zero;
   for (auto& p : c.point) {
     e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
@@ -169,7 +168,7 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
     e.a[2] = nmadd(e.a[7], d, e.a[2]), e.b[2] = madd(e.b[7], d, e.b[2]);
   }
 
-  // Both normals at once:  x >= 0,  K x + q >= 0,  one of the two zero, with K softened on its diagonal. One
+  // Both normals at once:  x >= 0,  K x + q >= 0,  complementary, with K softened on its diagonal. Solved one
   // after the other they would tilt a stack, and need more steps to agree.
   W q[2], g[2], separation[2];
   separations(c, e, separation);
@@ -188,7 +187,7 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
     e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
     q[i] = madd(vx, c.nx, madd(vy, c.ny, bias));
     if constexpr (kPass == Pass::relax) {
-      // A contact that will bounce is not slowed down before it hits.
+      // A contact that will bounce is not slowed down before the impact.
       if (c.bounces) {
         const W waits = select(apart, select(p.normal > zero, zero, c.restitution), zero);
         q[i] = select(waits > zero, W::all(T(1e6)), q[i]);
@@ -239,9 +238,9 @@ void warm_start(const HingePack<T>& c, T* rows, uint32_t moved) {
   e.store(rows, moved);
 }
 
-/// Both components at once:  K impulse = -(v + bias_rate C). The bias pass foresees that anchors go round
-/// their bodies' centres, by w^2 h^2 r / 2 off the straight way in a small step h: a swing keeps its energy
-/// then.
+/// Both components at once:  K impulse = -(v + bias_rate C). The bias pass accounts for the rotation of
+/// anchors about the centres of their bodies, which leave the straight path by w^2 h^2 r / 2 in a small step
+/// h: with this a swing keeps its energy.
 template <Pass kPass, class T>
 void solve_hinges(HingePack<T>& c, T* rows, uint32_t moved, const SoftConstraint<T>& soft, T h) {
   using W = Wide<T>;

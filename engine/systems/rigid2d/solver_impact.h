@@ -1,27 +1,27 @@
 // Impacts in the plane, as in space (engine/kernels/impact_rows3.h): contacts that close within a small step
-// faster than a threshold bounce as pairs, one after the other, until none comes closer. For the two points
-// of one contact with normal speeds u:  l >= 0, K l + u >= 0, one of the two zero, solved exactly; then
+// faster than a threshold bounce as pairs, one after the other, until none approaches. For the two points of
+// a contact with normal speeds u:  l >= 0, K l + u >= 0, complementary, solved exactly; then
 //   impulse = (1 + e) s l,   s = -(l . u) / (l . K l),
-// which changes the kinetic energy by -(1 - e^2) (l . u)^2 / (2 l . K l): never up.
+// which changes the kinetic energy by -(1 - e^2) (l . u)^2 / (2 l . K l), never up.
 #pragma once
 #include "engine/kernels/impact_limits.h"
 #include "engine/systems/rigid2d/solver_contact.h"
 
 namespace truestep::rigid2d {
 
-/// Rows of eight per body, as the solver's own.
+/// Rows of eight per body, as in the solver.
 template <class T>
 struct ImpactRows {
   T* rows;
-  const T* push;      ///< vx vy that forces added in the small step, already in `rows`
-  T* toi_correction;  ///< shift and angle, to be added at the small step's end
+  const T* push;      ///< vx vy added by forces in the small step, already in `rows`
+  T* toi_correction;  ///< shift and angle, added at the end of the small step
   uint32_t moved;
 };
 
-/// Which contacts of a pack an impact may act at.
+/// Contacts of a pack on which an impact may act.
 enum class Hits : uint8_t { bouncing, all };
 
-/// Lets the due contacts of a pack bounce; false when there are none.
+/// Applies bounces to the due contacts of a pack; false when there are none.
 template <Hits kHits, class T>
 bool hit(const ContactPack<T>& c, const ImpactRows<T>& bodies, T h, T threshold) {
   using W = Wide<T>;
@@ -29,8 +29,8 @@ bool hit(const ContactPack<T>& c, const ImpactRows<T>& bodies, T h, T threshold)
   Ends<T> e(bodies.rows, c.a, c.b);
   W u[2], closes[2], separation[2], vx, vy, due = zero, wait = W::all(T(1e30));
   separations(c, e, separation);
-  // What ends a small step within rounding of a hit hits in it: in the next, it would have been stopped
-  // already.
+  // A small step that ends within rounding of a hit includes the hit: in the next one it would already have
+  // been stopped.
   W rounding = zero;
   for (int k = 0; k < 2; ++k) rounding += max(e.a[k], -e.a[k]) + max(e.b[k], -e.b[k]);
   rounding *= W::all(impact_rounding<T> * h);
@@ -53,7 +53,7 @@ bool hit(const ContactPack<T>& c, const ImpactRows<T>& bodies, T h, T threshold)
     const W pull = madd(fb[0] - fa[0], c.nx, (fb[1] - fa[1]) * c.ny) * max(one - wait * W::all(1 / h), zero);
     u[0] -= pull, u[1] -= pull;
   }
-  // The two points at once, without those that stay apart.
+  // Both points at once, without separating ones.
   const W g0 = c.point[0].normal_mass * closes[0], g1 = c.point[1].normal_mass * closes[1], k01 = c.coupling;
   const W inverse = one / max(nmadd(k01 * g0, k01 * g1, one), W::all(T(0.01)));
   const W both0 = g0 * inverse * nmadd(one, u[0], k01 * g1 * u[1]);

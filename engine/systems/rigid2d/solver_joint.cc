@@ -13,15 +13,15 @@ struct At {
   T v[8];
 };
 
-/// The bodies of a joint, its geometry now and the rows that act on them.
+/// The bodies of a joint, its current geometry and the rows that act on them.
 template <class T>
 struct Acting {
   JointRow<T>& j;
   At<T>&a, &b;
   JointPass pass;
   T h;
-  T ax, ay, bx, by;  // anchors now
-  T dx, dy;          // from anchor to anchor now
+  T ax, ay, bx, by;  // current anchors
+  T dx, dy;          // from anchor to anchor
 
   Acting(JointRow<T>& row, At<T>& first, At<T>& second, JointPass p, T step)
       : j(row), a(first), b(second), pass(p), h(step) {
@@ -42,7 +42,7 @@ struct Acting {
     a.v[0] -= a.v[3] * px, a.v[1] -= a.v[3] * py, a.v[2] -= a.v[7] * (ax * py - ay * px);
     b.v[0] += b.v[3] * px, b.v[1] += b.v[3] * py, b.v[2] += b.v[7] * (bx * py - by * px);
   }
-  /// Impulse along u: on a it acts where b's anchor is, so that sliding joints stay balanced.
+  /// Impulse along u: on a it acts at b's anchor, which keeps sliding joints balanced.
   void push_along(T p, T ux, T uy) {
     const T sa = (ax + dx) * uy - (ay + dy) * ux, sb = bx * uy - by * ux;
     a.v[0] -= a.v[3] * p * ux, a.v[1] -= a.v[3] * p * uy, a.v[2] -= a.v[7] * p * sa;
@@ -52,16 +52,16 @@ struct Acting {
   enum class Law : uint8_t { hold, spring, servo, motor, lower };
   struct Row {
     Law law = Law::hold;
-    T C = 0;                 // error, or wanted speed of a motor
-    SoftConstraint<T> soft;  // of hold, lower and servo
+    T C = 0;                 // error, or target speed of a motor
+    SoftConstraint<T> soft;  // for hold, lower and servo
     T least = -HUGE_VAL, most = HUGE_VAL;
   };
-  /// Springs pull before what holds the bodies answers: an answer that came a small step after the pull would
-  /// feed what swings.
+  /// Springs pull before the constraints respond: a response one small step after the pull would feed
+  /// oscillations.
   bool acts(Law law) const {
     return (law == Law::spring) ? pass != JointPass::bias : pass != JointPass::pull;
   }
-  /// New change of the impulse `acc` for speed v and mass m (1/k). A lower bound is one-sided.
+  /// Change of the impulse `acc` for speed v and mass m (1/k). A lower bound is one-sided.
   T change(T& acc, const Row& r, T v, T m) const {
     T bias = 0, scale = 1, back = 0;
     switch (r.law) {
@@ -91,8 +91,8 @@ struct Acting {
     acc = next;
     return d;
   }
-  /// The same of a spring. By where a small step took the bodies the relaxation would pull otherwise than the
-  /// positions have felt, and feed what swings.
+  /// The same for a spring. If it used the positions after the small step, the relaxation would pull
+  /// differently from the pull that moved the bodies, and feed oscillations.
   T pulled(T& acc, T C, T v, T m) const {
     if (pass == JointPass::pull) j.spring.error = C;
     const T next = j.spring.scale * (acc - m * v) - j.spring.pull * j.spring.error, d = next - acc;
@@ -106,7 +106,7 @@ struct Acting {
     j.spring.pull = static_cast<T>(h * d.stiffness * (1 - step.scale));
     j.spring.scale = static_cast<T>(step.scale), j.spring.half = static_cast<T>(step.half / k);
   }
-  /// A row on the turning rates: ratio_a w_a + ratio_b w_b.
+  /// A row on the angular velocities: ratio_a w_a + ratio_b w_b.
   void angular(T& acc, const Row& r, T ratio_a, T ratio_b) {
     if (!acts(r.law)) return;
     if (pass == JointPass::warm) return turn_by(acc, ratio_a, ratio_b);
@@ -129,7 +129,7 @@ struct Acting {
     const T v = ux * (b.v[0] - a.v[0]) + uy * (b.v[1] - a.v[1]) + sb * b.v[2] - sa * a.v[2];
     push_along(change(acc, r, v, 1 / k), ux, uy);
   }
-  /// Both components of the distance of the anchors, within an impulse of magnitude `most`.
+  /// Both components of the distance between the anchors, with an impulse of at most `most`.
   void point(T* acc, Law law, const SoftConstraint<T>& soft, T most) {
     if (pass == JointPass::soften || pass == JointPass::pull) return;
     if (pass == JointPass::warm) return push(acc[0], acc[1]);
@@ -140,7 +140,7 @@ struct Acting {
     T vx = b.v[0] - b.v[2] * by - a.v[0] + a.v[2] * ay + rate * dx;
     T vy = b.v[1] + b.v[2] * bx - a.v[1] - a.v[2] * ax + rate * dy;
     if (law == Law::hold && pass == JointPass::bias) {
-      // Anchors go round, as in solve_hinges.
+      // Rotation of the anchors, as in solve_hinges.
       const T bend_a = T(0.5) * h * a.v[2] * a.v[2], bend_b = T(0.5) * h * b.v[2] * b.v[2];
       vx += bend_a * ax - bend_b * bx, vy += bend_a * ay - bend_b * by;
     }
@@ -162,7 +162,7 @@ struct Acting {
 
   T most_of(double force) const { return static_cast<T>(force) * h; }
 
-  /// Spring, motor and limits on the angle of b against a.
+  /// Spring, motor and limits on the angle of b relative to a.
   void turning_drive() {
     const Joint& d = *j.joint;
     if (d.has_spring) angular(j.impulse[5], {Law::spring, angle(), {}}, -1, 1);
@@ -202,7 +202,7 @@ void Acting<T>::distance() {
   }
 }
 
-/// The rope's length may not grow: u_a . v_a + ratio u_b . v_b <= 0 where it is taut.
+/// The rope must not lengthen: u_a . v_a + ratio u_b . v_b <= 0 where it is taut.
 template <class T>
 void Acting<T>::pulley() {
   const T ratio = static_cast<T>(j.joint->ratio);

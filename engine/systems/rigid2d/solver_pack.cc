@@ -1,4 +1,4 @@
-// What a step's constraints look like side by side: contacts, hinges and other joints into packs.
+// Packs the constraints of a step into SIMD lanes: contacts, hinges and other joints.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -8,10 +8,10 @@
 namespace truestep::rigid2d {
 namespace {
 
-constexpr size_t kPackBlock = 64;  // packs a task
+constexpr size_t kPackBlock = 64;  // packs per task
 constexpr size_t kPacksAhead = 2;
 
-/// First pack of `lanes` of each colour, and the end; what was left over makes packs of one.
+/// First pack of `lanes` of each colour, and the end; remainders become packs of one.
 void pack_colours(std::span<const uint32_t, kColours + 1> count, uint32_t lanes,
                   std::vector<uint32_t>& colours) {
   colours.assign(1, 0);
@@ -36,7 +36,7 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
   const auto impulses = state.span<float>(columns::contact_impulse),
              offsets = state.span<float>(columns::contact_offset);
   const auto t = [](double x) { return static_cast<T>(x); };
-  W there[2] = {W::zero(), W::zero()};  // 1 where a lane has that point
+  W there[2] = {W::zero(), W::zero()};  // 1 where a lane has this point
   for (int k = 0; k < count; ++k) {
     const uint32_t index = pairs.touching[hits[k]];
     const Hit& hit = pairs.hits[index];
@@ -81,7 +81,7 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
       p.separation.set(k, t(at.separation - offset));
     }
   }
-  // The rest side by side: masses and approach speeds from the bodies' rows.
+  // The rest in all lanes at once: masses and approach speeds from the bodies' rows.
   const Ends<T> e(rows_.data(), c.a, c.b);
   const W zero = W::zero(), one = W::all(1), m = e.a[3] + e.b[3];
   W arm_a[2], arm_b[2], k[2];
@@ -96,8 +96,8 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
   }
   c.stiffness0 = k[0] * there[0], c.stiffness1 = k[1] * there[1];
   c.coupling = there[1] * madd(e.a[7] * arm_a[0], arm_a[1], madd(e.b[7] * arm_b[0], arm_b[1], m));
-  // Points that are fully coupled (bodies that do not turn) leave K singular: with a slightly smaller
-  // coupling they share the load.
+  // Fully coupled points (bodies that do not rotate) make K singular: with a slightly smaller coupling they
+  // share the load.
   const W all = c.stiffness0 * c.stiffness1;
   c.held = select(c.coupling * c.coupling > W::all(T(0.99)) * all, W::all(T(0.995)) * sqrt(all), c.coupling);
   if (c.rolls) {
@@ -128,7 +128,7 @@ void Solver<T>::pack_contacts(const Model& model, const State& state, const Pair
   pack_colours(count, kLanes, contact_colours_);
   const uint32_t packs = contact_colours_.empty() ? 0 : contact_colours_.back();
   if (contacts_.size() < packs) contacts_.resize(packs);
-  // Every colour starts a new pack: where a pack's hits begin in the order.
+  // Every colour starts a new pack: position in the order at which the hits of each pack begin.
   std::vector<uint32_t>& first = hinge_list_;
   first.clear();
   uint32_t at = 0;
@@ -145,7 +145,7 @@ void Solver<T>::pack_contacts(const Model& model, const State& state, const Pair
         place_[order_[first[p] + static_cast<uint32_t>(k)]] =
             static_cast<uint32_t>(p) * kLanes + static_cast<uint32_t>(k);
       }
-      // Contacts of a colour lie far apart in memory: those of the pack after the next are prefetched.
+      // Contacts of a colour are far apart in memory: those of the pack after the next are prefetched.
       if (p + kPacksAhead + 1 < first.size()) {
         for (uint32_t k = first[p + kPacksAhead]; k < first[p + kPacksAhead + 1]; ++k) {
           const uint32_t index = pairs.touching[order_[k]];

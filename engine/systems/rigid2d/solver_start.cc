@@ -1,12 +1,11 @@
-// The impulses that a scene begins with. Small steps carry loads on from the one before; the first has none,
-// and a sweep passes a load on by a row or two, so that a tall pile would plunge before its lowest contacts
-// knew of its top. Where no contact continues another, loads are handed down once, from the highest body to
-// the lowest: what a body carries and weighs is shared by the contacts below it as  N_c = load cos_c / sum
-// cos^2  (cos between normal and vertical), by the two points of a single one as by a lever, and the offsets
-// of their points start as thick as these give way. Exact for stacks, near it for piles of boxes;
-// the sweeps correct the rest. Islands with a body whose load lies beside what it rests on start without:
-// they topple, and springs under load would throw them up. It knows nothing of thrust along the horizontal
-// (arches).
+// Initial impulses of a scene. Small steps carry loads on from the previous one; the first has none, and a
+// sweep passes a load on by only a row or two: a tall pile would sink before its lowest contacts felt its
+// top. Where no contact continues another, loads are passed down once, from the highest body to the lowest:
+// the load and weight of a body are shared by the contacts below it as  N_c = load cos_c / sum cos^2  (cos
+// between normal and vertical), by the two points of a single contact as by a lever, and the offsets of their
+// points start at the corresponding yield. Exact for stacks, close for piles of boxes; the sweeps correct the
+// rest. Islands with a body whose load lies outside its support start at zero: they topple, and loaded
+// springs would throw them up. Horizontal thrust (arches) is ignored.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,9 +16,9 @@
 namespace truestep::rigid2d {
 namespace {
 
-/// Contacts steeper than that (cosine between normal and vertical) carry nothing at the start.
+/// Contacts steeper than this (cosine between normal and vertical) carry nothing at the start.
 constexpr double kCarries = 0.3;
-/// Offsets of two points that bear the same are taken as one where they differ by no more than this share.
+/// Offsets of two equally loaded points are merged where they differ by no more than this fraction.
 constexpr double kAlike = 1.0 / 8;
 
 }  // namespace
@@ -34,7 +33,7 @@ void Solver<T>::list_bearings(const Pairs& pairs, double h) {
   for (uint32_t p = 0; p < contact_colours_.back(); ++p) {
     const ContactPack<T>& c = contacts_[p];
     for (int k = 0; k < Wide<T>::kLanes; ++k) {
-      // Further apart than a fall of one small step, or about to hit: not a bearing.
+      // Separated by more than the fall of one small step, or about to hit: not a bearing.
       if (!(c.point[0].normal_mass[k] > 0) || c.point[0].separation[k] > h * speed) continue;
       const T *a = rows_.data() + 8 * static_cast<size_t>(c.a[k]),
               *b = rows_.data() + 8 * static_cast<size_t>(c.b[k]);
@@ -72,12 +71,12 @@ void Solver<T>::start_contacts(const Pairs& pairs, double h) {
     for (int i = 0; i < 2 && c.point[i].normal_mass[b.lane] > 0; ++i) {
       auto& p = c.point[i];
       p.normal.set(b.lane, static_cast<T>(normal * part[i]));
-      // Rest of the soft constraint:  x (1 - scale) = -mass scale bias_rate C.
+      // Equilibrium of the soft constraint:  x (1 - scale) = -mass scale bias_rate C.
       offset[i] = normal * part[i] * (1 - static_cast<double>(c.mass_scale[b.lane])) /
                   static_cast<double>(c.mass_scale[b.lane] * c.bias_rate[b.lane] * p.normal_mass[b.lane]);
     }
-    // Two points that bear the same share one offset, unless one gives way much more than the other because a
-    // body's own middle lies beside theirs: both would begin to tilt.
+    // Two equally loaded points share one offset, unless one yields much more than the other because the
+    // centre of a body lies outside them: both would begin to tilt.
     if (part[0] == part[1] && std::abs(offset[0] - offset[1]) <= kAlike * std::max(offset[0], offset[1])) {
       offset[0] = offset[1] = 0.5 * offset[0] + 0.5 * offset[1];
     }

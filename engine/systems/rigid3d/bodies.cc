@@ -37,10 +37,10 @@ Solid part_solid(const AnyPartDef& d) {
   return std::visit(Make{}, d);
 }
 
-// Distances are compared by their squares, which underflow or overflow beyond these.
+// Distances are compared by their squares, which underflow or overflow outside this range.
 constexpr double kSmallest = 1e-150, kLargest = 1e150;  // m
-/// Radius of the patch on which balls and capsule ends touch, as a share of theirs: that of hard balls of a
-/// centimetre to a metre under their own weight (Hertz).
+/// Radius of the contact patch of balls and capsule ends, as a fraction of theirs: the value for hard balls
+/// of a centimetre to a metre under their own weight (Hertz).
 constexpr double kPatchShare = 0.01;
 
 std::vector<uint32_t> checked_triangles(const MeshBodyDef& d) {
@@ -48,14 +48,14 @@ std::vector<uint32_t> checked_triangles(const MeshBodyDef& d) {
   std::vector<uint32_t> out;
   for (const int64_t i : d.triangles) {
     if (i < 0 || static_cast<size_t>(i) >= d.vertices.size()) {
-      throw Error("bad_mesh", "a triangle names vertex " + std::to_string(i) + ", which is not there");
+      throw Error("bad_mesh", "a triangle refers to vertex " + std::to_string(i) + ", which does not exist");
     }
     out.push_back(static_cast<uint32_t>(i));
   }
   return out;
 }
 
-/// The scene's shape seen from `frame`.
+/// Builds the scene's shape in the body's frame.
 struct MakeSolid {
   Transform to_body;  // from the scene's frame
   Pose to_body_pose;
@@ -73,7 +73,7 @@ struct MakeSolid {
   Solid operator()(const MeshBodyDef& d) const { return mesh_solid(moved(d.vertices), checked_triangles(d)); }
   Solid operator()(const HeightFieldBodyDef& d) const {
     const auto nx = static_cast<size_t>(d.count[0]), nz = static_cast<size_t>(d.count[1]);
-    if (d.heights.size() != nx * nz) throw Error("bad_heights", "needs count[0] x count[1] heights");
+    if (d.heights.size() != nx * nz) throw Error("bad_heights", "there must be count[0] x count[1] heights");
     return height_field_solid(nx, nz, d.spacing, d.heights);
   }
   Solid operator()(const PlaneBodyDef& d) const { return plane_solid(d.normal); }
@@ -128,7 +128,7 @@ BodyKind build_kind(const AnyBodyDef& any, const Rigid3dDef& def) {
   k.reach = bounding_radius(k.solid), k.inner = inner_radius(k.solid);
   const bool sized = is_convex(k.solid.kind) || k.solid.kind == SolidKind::compound;
   if (sized && !(k.inner >= kSmallest && k.reach <= kLargest))
-    throw Error("bad_solid", "a body's size must lie between 1e-150 and 1e150 m");
+    throw Error("bad_solid", "the size of a body must lie between 1e-150 and 1e150 m");
   if (k.solid.kind == SolidKind::sphere || k.solid.kind == SolidKind::capsule) {
     k.patch = kPatchShare * k.solid.size.x;
   }
@@ -149,7 +149,7 @@ Quat random_orientation(const std::array<double, 4>& u) {
   return normalized(Quat{b * c2, a * s1, a * c1, b * s2});
 }
 
-/// Places of the copies relative to the body, in order.
+/// Positions of the copies relative to the body, in order.
 void add_copies(const BodyKind& kind, const BodyDef& d, uint32_t index, uint64_t seed,
                 std::vector<BodyStart>& out) {
   const Quat base = orientation(d);
@@ -196,7 +196,7 @@ bool is_surface(const BodyKind& k) {
   return k.solid.kind == SolidKind::mesh || k.solid.kind == SolidKind::height_field;
 }
 
-/// Of the scene's kinds.
+/// Reports pairs of the scene's kinds that would fall through each other.
 void refuse_surfaces_that_meet(const BodyList& list, std::vector<Issue>& issues) {
   std::vector<size_t> copies(list.kinds.size(), 0);
   for (const BodyStart& b : list.starts) ++copies[b.kind];
@@ -208,11 +208,11 @@ void refuse_surfaces_that_meet(const BodyList& list, std::vector<Issue>& issues)
       const bool other = i != j ? !b.moved_by_forces() || i < j : copies[i] > 1;
       if (!falls_through(a, b) || !other) continue;
       issues.push_back({"/bodies/" + std::to_string(i), "surfaces_do_not_meet",
-                        "a mesh that forces move meets planes and convex shapes, not other meshes and height "
-                        "fields, as body " +
+                        "a dynamic mesh collides with planes and convex shapes, but not with other meshes "
+                        "and height fields such as body " +
                             std::to_string(j) +
-                            " is: it would fall through. Make it a hull or a compound of "
-                            "hulls, or let category and mask part the two",
+                            ": it would fall through. Use a hull or a compound of "
+                            "hulls, or exclude the pair by category and mask",
                         "\"mesh\"", "hull, compound, box ...", "", ""});
       break;
     }
@@ -259,7 +259,7 @@ BodyList build_bodies(const Rigid3dDef& def, uint64_t seed) {
     add_copies(list.kinds.back(), common(def.bodies[i]), static_cast<uint32_t>(i), seed, list.starts);
   }
   if (issues.empty()) refuse_surfaces_that_meet(list, issues);
-  if (!issues.empty()) throw Error("scene_invalid", "a body's shape makes no solid", std::move(issues));
+  if (!issues.empty()) throw Error("scene_invalid", "a body's shape is no valid solid", std::move(issues));
   return list;
 }
 

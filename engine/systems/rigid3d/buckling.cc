@@ -10,16 +10,16 @@ namespace truestep::rigid3d {
 
 namespace {
 
-/// Bodies that a contact carries, below which nothing buckles: half of what five substeps hold.
+/// Minimum number of bodies on a contact for buckling: half of what five substeps can hold.
 constexpr double kTallLoad = 10;
-/// Quotient below which substeps are added, that they are added for, and from which on fewer are tried.
+/// Below the first quotient substeps are added until it reaches the second; above the third fewer are tried.
 constexpr double kTooSoft = 1.1, kStiff = 1.4, kMoreThanStiff = 2.2;
-/// Tilt stiffness of four points, each as stiff as its own reduced mass asks, beside one spring for the tilt:
-/// that of a cube's whole face; half a face has more.
+/// Tilt stiffness of four points, each with the stiffness of its own reduced mass, relative to one spring for
+/// the tilt: for the whole face of a cube; half a face has more.
 constexpr double kPoints = 1.5;
-/// Share of the smaller body's reach by which a contact of such loads may give way.
+/// A contact under such loads may yield by this fraction of the smaller body's reach.
 constexpr double kMostGive = 0.015;
-/// m/s; what moves faster falls or flies.
+/// m/s; faster bodies are falling or in flight.
 constexpr double kStands = 0.5;
 
 /// integral_0^s of (t (2 - t))^2.
@@ -47,7 +47,7 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds, con
   };
   const auto offset = s.f64(columns::contact_offset);
   bool tall = false;
-  double gives_way = 0;  // of what it may
+  double gives_way = 0;  // yield, as a fraction of the allowed yield
   for (size_t k = 0; k < contacts; ++k) {
     double lightest = std::numeric_limits<double>::max(), smallest = lightest;
     bool stands = true;

@@ -1,10 +1,11 @@
-// How many substeps columns of stacked bodies need. Contacts resist tilts like springs whose rate w the
-// substeps bound (contact_softness.h), so that a column taller than some length buckles under its own weight
-// (Greenhill 1881). With the trial shape theta(z) = s (2 - s), s = z / height, of an island's tilts
+// Number of substeps that columns of stacked bodies need. Contacts resist tilting like springs whose rate w
+// is limited by the substeps (contact_softness.h), and a column above some length buckles under its own
+// weight (Greenhill 1881). With the trial shape theta(z) = s (2 - s), s = z / height, for the tilts of an
+// island
 //   Q = sum over contacts of k (theta_b - theta_a)^2 / sum over bodies of m g integral_0^z theta^2
-// is the Rayleigh quotient of stiffness and load: below 1 it buckles. k = 1.5 w^2 / (1/I_a + 1/I_b), so that
-// Q grows with the square of the substeps. Uniform columns get 8.0 where the exact number is 7.84. Only
-// islands whose loaded contacts are all patches count; others stand or fall by their shape.
+// is the Rayleigh quotient of stiffness and load: below 1 it buckles. k = 1.5 w^2 / (1/I_a + 1/I_b): Q grows
+// with the square of the substeps. Uniform columns get 8.0; the exact number is 7.84. Only islands whose
+// loaded contacts are all patches count; the stability of others depends on their shape.
 #pragma once
 #include <vector>
 

@@ -6,9 +6,9 @@ namespace truestep::rigid3d {
 
 namespace {
 
-/// Offsets stay as they are while depths are below this share of them.
+/// Offsets stay unchanged while depths are below this fraction of them.
 constexpr double kOffsetSlack = 0.5;
-/// Contacts are springs of this share of the substeps' rate; from 0.14 on slow modes of walls grow
+/// Rate of contact springs as a fraction of the substeps' rate; from 0.14 on slow modes of walls grow
 /// (docs/standing.md).
 constexpr double kContactHertzShare = 0.13;
 

@@ -1,4 +1,4 @@
-// How stiff the contacts of a scene are, and how their offsets follow their loads (penetration_offset.h).
+// Stiffness of a scene's contacts, and how their offsets follow their loads (penetration_offset.h).
 #pragma once
 #include <optional>
 
@@ -11,14 +11,14 @@ struct SolverSettings {
   int substeps = 5;
   double restitution_speed = 0;  ///< m/s
   double push_out_speed = 3;
-  std::optional<double> contact_hertz;  ///< absent: a fixed share of the substeps' rate
+  std::optional<double> contact_hertz;  ///< absent: a fixed fraction of the substeps' rate
   double contact_damping_ratio = 10;
-  /// Whether what touches turns far in a step: friction of faces that spin on one another then grips less
-  /// aside.
+  /// Whether touching bodies rotate far in a step: friction between faces that spin on one another then grips
+  /// less across the slide.
   enum class Turning : uint8_t { slow, fast } turning = Turning::slow;
 };
 
-/// rad/s of contacts as springs, for substeps of h (s).
+/// Angular frequency of contacts as springs, rad/s, for substeps of h (s).
 double contact_rate(const SolverSettings& settings, double h);
 
 /// Coefficients of contacts for substeps of h (s).

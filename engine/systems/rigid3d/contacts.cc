@@ -8,9 +8,9 @@ namespace truestep::rigid3d {
 namespace {
 
 constexpr size_t kPairsPerBlock = 128;
-/// Contacts begin at this share of a body's size, at most kMostMargin.
+/// Contacts begin at this fraction of a body's size, at most at kMostMargin.
 constexpr double kMarginShare = 0.005, kMostMargin = 0.02;
-/// Least cosine between the normals of a contact that continues although none of its points kept its id.
+/// Smallest cosine between the normals of a contact that continues although no point kept its id.
 constexpr double kSameNormal = 0.98;
 
 using Part = BodyNow::Part;
@@ -41,7 +41,7 @@ void ContactList::update_bounds(const State& s, std::span<const BodyKind> kinds,
              : moves                            ? Part::kinematic
                                                 : Part::fixed;
     b.margin = std::min(kMarginShare * k.reach, kMostMargin) + std::abs(k.gravity_scale) * fall;
-    // A plane's reach is infinite.
+    // The reach of a plane is infinite.
     b.turn_speed = turn == Vec3{} ? 0 : std::min(norm(turn) * k.reach, k.reach / h);
     mobility_[i] = k.motion == BodyDef::Motion::fixed ? Mobility::fixed : Mobility::moving;
     if (k.mask == 0 || k.category == 0) {
@@ -84,7 +84,7 @@ void ContactList::narrow_phase(const State& s, std::span<const BodyKind> kinds, 
       const BodyNow &na = bodies_[a], &nb = bodies_[b];
       double margin = ka.moved_by_forces() ? na.margin : nb.margin;
       if (kb.moved_by_forces()) margin = std::min(margin, nb.margin);
-      // With a larger margin than its own size, a body would touch planes beside those that it meets.
+      // With a margin larger than its own size, a body would touch planes next to those that it meets.
       const double size =
           ka.moved_by_forces() ? (kb.moved_by_forces() ? std::min(ka.reach, kb.reach) : ka.reach) : kb.reach;
       margin += std::min(in.h * (norm(load3(v, b) - load3(v, a)) + na.turn_speed + nb.turn_speed), size);
@@ -110,7 +110,7 @@ void ContactList::narrow_phase(const State& s, std::span<const BodyKind> kinds, 
   }
 }
 
-/// Wakes sleeping bodies that something awake touches; true when there were any.
+/// Wakes sleeping bodies that an awake body touches; returns whether there were any.
 bool ContactList::wake(State& s, std::span<const BodyKind> kinds) {
   const auto asleep = s.span<uint32_t>(columns::asleep);
   bool any = false;
@@ -159,7 +159,7 @@ void ContactList::match(const State& s) {
   }
 }
 
-/// The contacts of two bodies, with rows [first, end) of the step before.
+/// The contacts of two bodies, with rows [first, end) of the previous step.
 void ContactList::match_pair(const State& s, std::span<Contact* const> contacts, size_t first, size_t end) {
   const auto ids = s.span<uint32_t>(columns::contact_ids);
   const double *impulse = s.f64(columns::contact_impulse).data(),
@@ -174,7 +174,7 @@ void ContactList::match_pair(const State& s, std::span<Contact* const> contacts,
   };
   bool strangers = false;
   for (Contact* c : contacts) {
-    size_t whole = end;  // the row that goes on
+    size_t whole = end;  // the row that continues
     int found = 0;
     double left = 0, lifted = 0;
     bool known[Manifold::kMost] = {};
@@ -195,7 +195,7 @@ void ContactList::match_pair(const State& s, std::span<Contact* const> contacts,
       continue;
     }
     go_on(*c, whole);
-    // New points take over the load of those that vanished, with its mean offset.
+    // New points take over the load of vanished ones, with its mean offset.
     for (uint32_t k = 0; k < ids[5 * whole]; ++k) {
       const double load = impulse[4 * whole + k];
       left += load, lifted += load * uneven[4 * whole + k];
@@ -208,7 +208,7 @@ void ContactList::match_pair(const State& s, std::span<Contact* const> contacts,
     }
   }
   if (!strangers) return;
-  // Points change their ids where a face becomes an edge, while the load goes on.
+  // Points change their ids where a face becomes an edge, while the load persists.
   for (Contact* c : contacts) {
     const bool stranger =
         std::all_of(c->impulse, c->impulse + Manifold::kMost, [](double l) { return l == 0; });

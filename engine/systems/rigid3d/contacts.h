@@ -1,5 +1,5 @@
-// Contacts of a step: broad phase over the boxes that bodies sweep, narrow phase, impulses of the last step
-// matched by features, and the rows of the state that carry them on.
+// Contacts of a step: broad phase over the swept boxes of bodies, narrow phase, impulses of the last step
+// matched by features, and the rows of the state that carry them to the next step.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -16,35 +16,34 @@ struct Contact {
   uint32_t a = 0, b = 0;  ///< rows, a < b
   Manifold manifold;
   double impulse[Manifold::kMost] = {};  ///< N s, of one substep
-  double penetration_offset = 0;         ///< m between the surfaces when nothing presses
-  double uneven[Manifold::kMost] = {};   ///< m by which a point's offset is thicker than that
+  double penetration_offset = 0;         ///< m between the surfaces without load
+  double uneven[Manifold::kMost] = {};   ///< m by which a point's offset exceeds that
   Vec3 slide;                            ///< N s, on b along the plane
   double twist = 0;                      ///< N m s, about the normal
   Vec3 roll;                             ///< N m s
 };
 
-/// What is known of a body during a step, beside the state.
+/// Data of a body during a step, in addition to the state.
 struct BodyNow {
   Transform at;
   double margin = 0;      ///< m, distance at which contacts of a slow body begin
-  double turn_speed = 0;  ///< m/s of its outermost point by turning
+  double turn_speed = 0;  ///< m/s of its outermost point due to rotation
   enum class Part : uint8_t { fixed, kinematic, resting, active } part = Part::fixed;
 };
 
 class ContactList {
  public:
-  /// Finds all contacts of bodies that move; wakes what they touch. Points at most a step's motion apart
-  /// count.
-  /// Bodies that a joint holds together do not touch unless it says so.
+  /// Finds all contacts of moving bodies and wakes what they touch. Points count if they are at most a step's
+  /// motion apart. Bodies held together by a joint do not touch unless the joint says so.
   void find(State& s, std::span<const BodyKind> kinds, std::span<const Joint> joints, const StepInput& in);
   /// Ascending by bodies.
   std::span<Contact* const> all() const { return contacts_; }
   std::span<const BodyNow> bodies() const { return bodies_; }
-  /// Writes the rows that the next step starts from: these contacts, and those of resting bodies as they
-  /// were.
+  /// Writes the rows that the next step starts from: these contacts, and the unchanged contacts of resting
+  /// bodies.
   void store(State& s);
   const BroadPhase& broad_phase() const { return broad_; }
-  /// True when a joint keeps the two from touching.
+  /// True if a joint keeps the two bodies from touching.
   bool joined(uint32_t a, uint32_t b) const {
     const auto [low, high] = std::minmax(a, b);
     return std::binary_search(joined_.begin(), joined_.end(), uint64_t{low} << 32 | high);
@@ -71,7 +70,7 @@ class ContactList {
   std::vector<std::vector<Manifold>> manifolds_;
   std::vector<Contact*> contacts_;
   std::vector<Row> rows_;
-  std::vector<uint8_t> claimed_;  // rows of the step before that a contact goes on from
+  std::vector<uint8_t> claimed_;  // rows of the previous step that a contact continues
 };
 
 }  // namespace truestep::rigid3d

@@ -11,7 +11,8 @@ namespace truestep::rigid3d {
 
 namespace {
 
-// Constant forces and torques of the scene's bodies. Those that turn have the direction of the step's middle.
+// Constant forces and torques of the scene's bodies. Those that turn with the body have the direction at
+// mid-step.
 void add_constant(const State& s, std::span<const BodyKind> kinds, double h, std::vector<Vec3>& change,
                   std::vector<Vec3>& twist) {
   const auto kind = s.span<uint32_t>(columns::kind);
@@ -32,7 +33,7 @@ void add_constant(const State& s, std::span<const BodyKind> kinds, double h, std
   }
 }
 
-// How a point of a body answers an impulse there: K J = J / m + (I^-1 (arm x J)) x arm.
+// Response of a point of a body to an impulse there: K J = J / m + (I^-1 (arm x J)) x arm.
 struct PointMass {
   const BodyKind& body;
   Quat q;

@@ -1,4 +1,4 @@
-// What gravity, pushes and drags do to the velocities of bodies in one step, whoever solves it.
+// Velocity changes of bodies by gravity, pushes and drags in one step, for any solver.
 #pragma once
 #include <span>
 #include <vector>
@@ -7,9 +7,9 @@
 
 namespace truestep::rigid3d {
 
-/// Change of velocity (m/s) in h (s), one per row. Wakes what is pushed or dragged and uses up the pushes'
-/// time. `twist` is the change of angular momentum (N m s, in the world) of every row by constant torques,
-/// empty where there are none.
+/// Change of velocity (m/s) in h (s), one per row. Wakes pushed or dragged bodies and reduces the remaining
+/// time of pushes. `twist` is the change of angular momentum (N m s, in the world) of every row by constant
+/// torques, empty if there are none.
 void collect_forces(State& s, std::span<const BodyKind> kinds, double h, std::vector<Vec3>& change,
                     std::vector<Vec3>& twist);
 

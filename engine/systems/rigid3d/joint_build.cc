@@ -1,4 +1,4 @@
-// Joints from their definitions: one visitor gives each kind its rows, locks and drives.
+// Joints built from their definitions: one visitor gives each kind its rows, locks and drives.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -17,14 +17,14 @@ Quat conjugate(const Quat& q) {
   return {q.w, -q.x, -q.y, -q.z};
 }
 
-/// The frame whose first axis is along `axis` and whose second is as near to `across` as that allows.
+/// The frame with its first axis along `axis` and its second as close to `across` as possible.
 Quat frame(const Vec3& axis, const Vec3& across) {
   const Vec3 x = normalized(axis, {0, 1, 0});
   const Vec3 any = std::abs(x.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   const Vec3 y0 = across - x * dot(x, across);
   const Vec3 y = norm(y0) > 1e-9 * norm(across) ? normalized(y0, any) : normalized(cross(x, any), any);
   const Vec3 z = cross(x, y);
-  // The larger of the four squares of the quaternion's numbers is divided by.
+  // Divides by the largest of the four squared components of the quaternion.
   const double w = 1 + x.x + y.y + z.z, i = 1 + x.x - y.y - z.z, j = 1 - x.x + y.y - z.z,
                k = 1 - x.x - y.y + z.z;
   const double most = std::max({w, i, j, k});
@@ -37,11 +37,11 @@ Quat frame(const Vec3& axis) {
   return frame(axis, cross(axis, std::abs(axis.x) < 0.7 * norm(axis) ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
 }
 
-/// A joint in the making, in the world's frame at t = 0.
+/// A joint under construction, in the world's frame at t = 0.
 struct Making {
   Joint joint;
   Quat slides, turns;            // frames of the rows
-  std::optional<Vec3> anchor_b;  // where it is not that of a
+  std::optional<Vec3> anchor_b;  // where it differs from that of a
   std::vector<Drive> drives;
 
   void lock(std::array<uint8_t, 6> rows, Joint::Form form, const Vec3& axis) {
@@ -62,8 +62,7 @@ struct Making {
     }
     if (out.laws) drives.push_back(out);
   }
-  /// Turns of joints that are observed are counted beyond half a turn: their free rows are drives without
-  /// laws.
+  /// Rotations of observed joints are counted beyond half a turn: their free rows are drives without laws.
   void count_turns() {
     if (joint.form != Joint::Form::hinge && joint.form != Joint::Form::cardan) return;
     for (uint32_t row = 3; row < 6; ++row) {
@@ -114,7 +113,7 @@ struct Make {
       m.joint.locked[0] = 1;
       return;
     }
-    // Bounds are of the whole length.
+    // Bounds apply to the whole length.
     m.joint.length = 0;
     DriveDef bounds;
     bounds.lower = d.minimum, bounds.upper = d.maximum;
@@ -128,7 +127,7 @@ struct Make {
     m.drive(0, spring);
   }
   void operator()(const UniversalJointDef& d) const {
-    // The cross turns about x of a and z of b; its plane's normal is what is locked.
+    // The cross turns about x of a and z of b; the normal of its plane is locked.
     m.lock({1, 1, 1, 0, 1, 0}, Joint::Form::cardan, d.axis);
     m.turns = frame(d.axis, cross(d.axis_b, d.axis));
     if (d.turn) m.drive(3, *d.turn);
@@ -151,7 +150,7 @@ struct Make {
       if (*slide[e]) m.drive(static_cast<uint32_t>(e), **slide[e]);
       (*turn[e] ? free : locked).push_back(e);
     }
-    // Order of the turns: one that is free first, two that are free first and last, as in a cross.
+    // Order of the rotations: a single free one first, two free ones first and last, as in a cross.
     std::array<int, 3> order{0, 1, 2};
     if (free.size() == 1) order = {free[0], (free[0] + 1) % 3, (free[0] + 2) % 3};
     if (free.size() == 2) order = {free[0], locked[0], free[1]};
@@ -163,7 +162,7 @@ struct Make {
       const auto at = [e](const Vec3& v) { return e == 0 ? v.x : e == 1 ? v.y : v.z; };
       return Vec3{at(r.row[0]), at(r.row[1]), at(r.row[2])};
     };
-    // x and z of the rows are the user's own; y, locked where the order is odd, is what is left.
+    // x and z of the rows are the given axes; y, locked where the order is odd, completes the frame.
     m.turns = frame(axis(order[0]), cross(axis(order[2]), axis(order[0])));
     for (size_t e = 0; e < 3; ++e) {
       const auto& drive = *turn[order[e]];
@@ -209,7 +208,8 @@ class Builder {
       std::visit([&](const auto& d) { add(i, d); }, def_.joints[i]);
     }
     for (const auto& [entry, row] : gears_) mesh(entry, row);
-    if (!issues_.empty()) throw Error("scene_invalid", "a joint holds nothing together", std::move(issues_));
+    if (!issues_.empty())
+      throw Error("scene_invalid", "a joint does not connect two bodies", std::move(issues_));
     return std::move(out_);
   }
 
@@ -290,7 +290,7 @@ class Builder {
     j.turn_b = normalized(conjugate(b.orientation) * m.turns);
   }
 
-  /// A gear's joints, and the bodies that it wakes together.
+  /// The joints of a gear, and the bodies that it wakes together.
   void mesh(size_t entry, size_t row) {
     const auto& d = std::get<GearJointDef>(def_.joints[entry]);
     const std::pair<const char*, int64_t> ends[2] = {{"first", d.first}, {"second", d.second}};
@@ -304,21 +304,21 @@ class Builder {
       const bool turns = j.form == Joint::Form::hinge && !j.locked[3] && j.locked[0];
       const bool slides = j.form == Joint::Form::locked && !j.locked[0] && j.locked[1] && j.locked[2];
       if (!turns && !slides) {
-        return report(entry, member, "wrong_joint", "a gear couples hinges and sliders", std::to_string(at),
-                      "row of a hinge or slider");
+        return report(entry, member, "wrong_joint", "a gear couples revolute and prismatic joints",
+                      std::to_string(at), "row of a revolute or prismatic joint");
       }
       out_.joints[row].geared[e] = coordinate(static_cast<uint32_t>(at), turns ? 3 : 0);
       out_.joints[row].bodies[e] = moved(j.bodies[1]) ? j.bodies[1] : j.bodies[0];
     }
   }
 
-  /// The drive of a joint's row; one without laws where it has none.
+  /// The drive of a joint's row; a drive without laws if the row has none.
   uint32_t coordinate(uint32_t joint, uint32_t row) {
     Joint& j = out_.joints[joint];
     for (uint32_t k = j.first_drive; k < j.first_drive + j.drives; ++k) {
       if (out_.drives[k].row == row) return k;
     }
-    // Drives of a joint follow one another: those of joints with this one free way have none before it.
+    // Drives of a joint are consecutive; joints with this one free row have none before it.
     Drive d;
     d.joint = joint, d.row = row;
     j.first_drive = static_cast<uint32_t>(out_.drives.size()), j.drives = 1;

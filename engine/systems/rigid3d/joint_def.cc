@@ -19,16 +19,17 @@ TableOf<D>& add_common(TableOf<D>& t) {
   int64_t D::*repeat = &JointDef::repeat;
   int64_t D::*step = &JointDef::step;
   Vec3 D::*offset = &JointDef::offset;
-  return t.text("id", id, "its force, torque and coordinates are then observed as joint.ID.force and so on")
-      .integer("a", a, between(-1, kMostBodies), "row of a body; -1: the world")
-      .integer("b", b, between(-1, kMostBodies), "row of the other")
-      .vector("anchor", anchor, "m", any(), "place at t = 0; half way between the bodies when absent")
-      .number("break_force", force, "N", above(0), "force at which it breaks; never when absent")
-      .number("break_torque", torque, "N m", above(0), "torque at which it breaks; never when absent")
+  return t.text("id", id, "name; its force, torque and coordinates are observed as joint.ID.force and so on")
+      .integer("a", a, between(-1, kMostBodies), "row of the first body; -1: the world")
+      .integer("b", b, between(-1, kMostBodies), "row of the second body; -1: the world")
+      .vector("anchor", anchor, "m", any(), "point in the world at t = 0; absent: midway between the bodies")
+      .number("break_force", force, "N", above(0), "force at which it breaks; absent: never")
+      .number("break_torque", torque, "N m", above(0), "torque at which it breaks; absent: never")
       .choice("touch", touch, {"no", "yes"}, "whether its bodies collide with one another")
-      .integer("repeat", repeat, between(1, kMostBodies), "that many joints like this one")
-      .integer("step", step, between(1, kMostBodies), "rows of a and b from one to the next; -1 stays")
-      .vector("offset", offset, "m", any(), "of the anchor from one to the next");
+      .integer("repeat", repeat, between(1, kMostBodies), "number of joints like this one")
+      .integer("step", step, between(1, kMostBodies),
+               "added to rows a and b from one joint to the next; -1 stays")
+      .vector("offset", offset, "m", any(), "added to the anchor from one joint to the next");
 }
 
 struct DriveUnits {
@@ -50,28 +51,29 @@ TableOf<D>& add_drive(TableOf<D>& t, const DriveUnits& unit) {
   std::optional<double> D::*target = &DriveDef::motor_target;
   std::optional<double> D::*most = &DriveDef::max_motor;
   double D::*servo = &DriveDef::motor_rate;
-  return t.number("lower", lower, unit.at, any(), "smallest coordinate, 0 at t = 0; turns are counted on")
+  return t.number("lower", lower, unit.at, any(), "smallest coordinate, 0 at t = 0; full turns are counted")
       .number("upper", upper, unit.at, any(), "largest coordinate")
-      .number("stiffness", stiffness, unit.stiffness, at_least(0), "spring towards rest; absent: none")
-      .number("damping", damping, unit.damping, at_least(0), "of that spring, or alone")
+      .number("stiffness", stiffness, unit.stiffness, at_least(0),
+              "stiffness of a spring towards rest; absent: none")
+      .number("damping", damping, unit.damping, at_least(0), "of the spring, or damping alone")
       .number("hertz", hertz, "Hz", above(0),
-              "spring by the frequency that its bodies have on it as they stand at t = 0")
-      .number("damping_ratio", ratio, "1", at_least(0), "of that spring")
-      .number("rest", rest, unit.at, any(), "coordinate at which the spring is at rest")
-      .number("motor_speed", speed, unit.rate, any(), "speed that the motor wants; absent: no such motor")
-      .number("motor_target", target, unit.at, any(), "or coordinate that it wants")
-      .number("max_motor", most, unit.force, at_least(0), "most the motor can do; absent: anything")
-      .number("motor_rate", servo, "1/s", above(0),
-              "how fast it comes to its target: what is left fades at this rate");
+              "instead of stiffness: natural frequency of the bodies in their pose at t = 0")
+      .number("damping_ratio", ratio, "1", at_least(0), "of a spring given by hertz")
+      .number("rest", rest, unit.at, any(), "rest position of the spring")
+      .number("motor_speed", speed, unit.rate, any(), "target speed of the motor; absent: none")
+      .number("motor_target", target, unit.at, any(), "target position of the motor, instead of motor_speed")
+      .number("max_motor", most, unit.force, at_least(0),
+              "maximum force or torque of the motor; absent: unlimited")
+      .number("motor_rate", servo, "1/s", above(0), "rate at which the remaining error decays");
 }
 
-/// What is wrong between a drive's members.
+/// Reports contradictions between the members of a drive.
 void check_row(const DriveDef& d, const std::string& at, const DefTable::Report& report) {
   if (d.lower && d.upper && *d.lower > *d.upper) report(at + "/lower", "lower must not be above upper");
   if (d.hertz && (d.stiffness || d.damping)) {
     report(at + "/hertz", "give a spring by hertz and damping_ratio or by stiffness and damping");
   }
-  if (d.motor_speed && d.motor_target) report(at + "/motor_target", "a motor wants a speed or a target");
+  if (d.motor_speed && d.motor_target) report(at + "/motor_target", "a motor has either a speed or a target");
   if (d.max_motor && !d.motor_speed && !d.motor_target) {
     report(at + "/max_motor", "there is no motor: give motor_speed or motor_target");
   }
@@ -88,14 +90,14 @@ void check_axis(const Vec3& axis, const char* at, const DefTable::Report& report
 
 const DefTable& slide_drive_table() {
   static const DefTable t = [] {
-    TableOf<SlideDriveDef> table("a way of sliding that is free, within limits, sprung or driven");
+    TableOf<SlideDriveDef> table("a translation that is free, limited, sprung or driven");
     return add_drive(table, kSlides).build();
   }();
   return t;
 }
 const DefTable& turn_drive_table() {
   static const DefTable t = [] {
-    TableOf<TurnDriveDef> table("a way of turning that is free, within limits, sprung or driven");
+    TableOf<TurnDriveDef> table("a rotation that is free, limited, sprung or driven");
     return add_drive(table, kTurns).build();
   }();
   return t;
@@ -110,7 +112,7 @@ const DefTable& ball_table() {
 }
 const DefTable& fixed_table() {
   static const DefTable t = [] {
-    TableOf<FixedJointDef> table("b neither moves nor turns against a");
+    TableOf<FixedJointDef> table("b neither moves nor turns relative to a");
     return add_common(table).build();
   }();
   return t;
@@ -147,8 +149,8 @@ const DefTable& cylindrical_table() {
     TableOf<D> table("b slides along an axis of a and turns about it");
     add_common(table)
         .vector("axis", &D::axis, "1", any(), "direction at t = 0; any length")
-        .object("slide", &D::slide, slide_drive_table(), "along the axis; free when absent")
-        .object("turn", &D::turn, turn_drive_table(), "about the axis; free when absent")
+        .object("slide", &D::slide, slide_drive_table(), "translation along the axis; absent: free")
+        .object("turn", &D::turn, turn_drive_table(), "rotation about the axis; absent: free")
         .check([](const D& d, const DefTable::Report& report) {
           check_axis(d.axis, "/axis", report);
           check_drive(d.slide, "/slide", report), check_drive(d.turn, "/turn", report);
@@ -162,7 +164,7 @@ const DefTable& plane_table() {
     using D = PlaneJointDef;
     TableOf<D> table("a point of b stays in a plane of a; b turns about the plane's axis");
     add_common(table)
-        .vector("axis", &D::axis, "1", any(), "across the plane at t = 0; any length")
+        .vector("axis", &D::axis, "1", any(), "normal of the plane at t = 0; any length")
         .check([](const D& d, const DefTable::Report& report) { check_axis(d.axis, "/axis", report); });
     return table.build();
   }();
@@ -174,7 +176,7 @@ const DefTable& distance_table() {
     TableOf<D> table("keeps two points at a distance: a rod, or with bounds a rope");
     add_common(table)
         .vector("anchor_b", &D::anchor_b, "m", any(),
-                "point of b at t = 0, anchor being that of a; the bodies' centres when absent")
+                "point of b at t = 0, while anchor is that of a; absent: the bodies' centres")
         .number("length", &D::length, "m", above(0), "of the rod; absent: the distance at t = 0")
         .number("minimum", &D::minimum, "m", at_least(0), "smallest distance, instead of length")
         .number("maximum", &D::maximum, "m", above(0), "largest distance: a rope")
@@ -183,7 +185,7 @@ const DefTable& distance_table() {
             report("/minimum", "minimum must not be above maximum");
           }
           if (d.length && (d.minimum || d.maximum)) {
-            report("/length", "give a length or bounds of it");
+            report("/length", "give either length or minimum and maximum");
           }
         });
     return table.build();
@@ -196,12 +198,12 @@ const DefTable& spring_table() {
     TableOf<D> table("a damped spring between two points");
     add_common(table)
         .vector("anchor_b", &D::anchor_b, "m", any(),
-                "point of b at t = 0, anchor being that of a; the bodies' centres when absent")
-        .number("length", &D::length, "m", at_least(0), "at rest; absent: the distance at t = 0")
+                "point of b at t = 0, while anchor is that of a; absent: the bodies' centres")
+        .number("length", &D::length, "m", at_least(0), "rest length; absent: the distance at t = 0")
         .number("stiffness", &D::stiffness, "N/m", at_least(0), "force per length")
         .number("damping", &D::damping, "N s/m", at_least(0), "force per speed")
         .number("hertz", &D::hertz, "Hz", above(0),
-                "instead: the frequency that its bodies have on it as they stand at t = 0")
+                "instead of stiffness: natural frequency of the bodies in their pose at t = 0")
         .number("damping_ratio", &D::damping_ratio, "1", at_least(0), "of a spring given by hertz")
         .check([](const D& d, const DefTable::Report& report) {
           if (d.hertz && (d.stiffness || d.damping)) {
@@ -218,17 +220,17 @@ const DefTable& spring_table() {
 const DefTable& universal_table() {
   static const DefTable t = [] {
     using D = UniversalJointDef;
-    TableOf<D> table("a cross joins two shafts: one arm turns in a, the other, at right angles, in b");
+    TableOf<D> table("joins two shafts by a cross: one arm turns in a, the other, at right angles, in b");
     add_common(table)
         .vector("axis", &D::axis, "1", any(), "arm held by a, at t = 0; any length")
-        .vector("axis_b", &D::axis_b, "1", any(), "arm held by b; must be at right angles to axis")
-        .object("turn", &D::turn, turn_drive_table(), "about axis; free when absent")
-        .object("turn_b", &D::turn_b, turn_drive_table(), "about axis_b; free when absent")
+        .vector("axis_b", &D::axis_b, "1", any(), "arm held by b, at t = 0; must be at right angles to axis")
+        .object("turn", &D::turn, turn_drive_table(), "rotation about axis; absent: free")
+        .object("turn_b", &D::turn_b, turn_drive_table(), "rotation about axis_b; absent: free")
         .check([](const D& d, const DefTable::Report& report) {
           check_axis(d.axis, "/axis", report), check_axis(d.axis_b, "/axis_b", report);
           const double lengths = norm(d.axis) * norm(d.axis_b);
           if (lengths > 0 && std::abs(dot(d.axis, d.axis_b)) > 1e-6 * lengths) {
-            report("/axis_b", "must be at right angles to axis");
+            report("/axis_b", "axis_b must be at right angles to axis");
           }
           check_drive(d.turn, "/turn", report), check_drive(d.turn_b, "/turn_b", report);
         });
@@ -239,12 +241,13 @@ const DefTable& universal_table() {
 const DefTable& cone_twist_table() {
   static const DefTable t = [] {
     using D = ConeTwistJointDef;
-    TableOf<D> table("a ball joint whose axis stays in a cone and which twists within limits");
+    TableOf<D> table("a spherical joint with an axis that stays in a cone, and limited twist");
     add_common(table)
         .vector("axis", &D::axis, "1", any(), "of the cone and of the twist at t = 0; any length")
-        .number("swing", &D::swing, "rad", between(0, kHalfTurn), "half the cone's opening; free when absent")
-        .number("twist_lower", &D::twist_lower, "rad", any(), "smallest twist; free when absent")
-        .number("twist_upper", &D::twist_upper, "rad", any(), "largest twist; free when absent")
+        .number("swing", &D::swing, "rad", between(0, kHalfTurn),
+                "half of the cone's opening angle; absent: free")
+        .number("twist_lower", &D::twist_lower, "rad", any(), "smallest twist; absent: free")
+        .number("twist_upper", &D::twist_upper, "rad", any(), "largest twist; absent: free")
         .check([](const D& d, const DefTable::Report& report) {
           check_axis(d.axis, "/axis", report);
           if (d.twist_lower && d.twist_upper && *d.twist_lower > *d.twist_upper) {
@@ -259,22 +262,22 @@ const DefTable& six_dof_table() {
   static const DefTable t = [] {
     using D = SixDofJointDef;
     TableOf<D> table(
-        "each way of moving along and about three axes of a is locked when absent, free when it is {}; of "
-        "three "
-        "turns the second reaches a quarter turn to either side");
+        "translations and rotations along three axes of a: locked if absent, free if {}; of three "
+        "free rotations the second is limited to a quarter turn to either side");
     add_common(table)
-        .vector("axis", &D::axis, "1", any(), "x at t = 0; any length")
-        .vector("across", &D::across, "1", any(), "y at t = 0 as far as it is across x; some when absent")
-        .object("x", &D::x, slide_drive_table(), "sliding along x")
-        .object("y", &D::y, slide_drive_table(), "sliding along y")
-        .object("z", &D::z, slide_drive_table(), "sliding along z")
-        .object("turn_x", &D::turn_x, turn_drive_table(), "turning about x of a")
-        .object("turn_y", &D::turn_y, turn_drive_table(), "then about y")
-        .object("turn_z", &D::turn_z, turn_drive_table(), "then about z of b")
+        .vector("axis", &D::axis, "1", any(), "direction of x at t = 0; any length")
+        .vector("across", &D::across, "1", any(),
+                "direction of y at t = 0, made perpendicular to x; absent: arbitrary")
+        .object("x", &D::x, slide_drive_table(), "translation along x")
+        .object("y", &D::y, slide_drive_table(), "translation along y")
+        .object("z", &D::z, slide_drive_table(), "translation along z")
+        .object("turn_x", &D::turn_x, turn_drive_table(), "first rotation, about x of a")
+        .object("turn_y", &D::turn_y, turn_drive_table(), "second rotation, about y")
+        .object("turn_z", &D::turn_z, turn_drive_table(), "third rotation, about z of b")
         .check([](const D& d, const DefTable::Report& report) {
           check_axis(d.axis, "/axis", report);
           if (d.across && !(norm(cross(d.axis, *d.across)) > 1e-9 * norm(d.axis) * norm(*d.across))) {
-            report("/across", "must not be zero or along axis");
+            report("/across", "across must not be zero or parallel to axis");
           }
           check_drive(d.x, "/x", report), check_drive(d.y, "/y", report), check_drive(d.z, "/z", report);
           check_drive(d.turn_x, "/turn_x", report), check_drive(d.turn_y, "/turn_y", report);
@@ -287,18 +290,19 @@ const DefTable& six_dof_table() {
 const DefTable& motor_table() {
   static const DefTable t = [] {
     using D = MotorJointDef;
-    TableOf<D> table("drives b to a pose or at a velocity seen from a, with bounded strength");
+    TableOf<D> table("drives b to a pose or at a velocity relative to a, with limited force and torque");
     add_common(table)
-        .vector("move", &D::move, "m", any(), "added to where b is at t = 0")
-        .vector("turn", &D::turn, "rad", any(), "rotation vector added to how b is turned at t = 0")
-        .vector("velocity", &D::velocity, "m/s", any(), "of b against a, instead of move")
-        .vector("angular_velocity", &D::angular_velocity, "rad/s", any(), "of b against a, instead of turn")
+        .vector("move", &D::move, "m", any(), "added to the position of b at t = 0")
+        .vector("turn", &D::turn, "rad", any(), "rotation vector added to the orientation of b at t = 0")
+        .vector("velocity", &D::velocity, "m/s", any(), "of b relative to a, instead of move")
+        .vector("angular_velocity", &D::angular_velocity, "rad/s", any(),
+                "of b relative to a, instead of turn")
         .number("rate", &D::rate, "1/s", above(0),
                 "how fast it comes to its pose: what is left fades at this rate")
-        .number("max_force", &D::max_force, "N", at_least(0), "bound")
-        .number("max_torque", &D::max_torque, "N m", at_least(0), "bound")
+        .number("max_force", &D::max_force, "N", at_least(0), "limit of the force")
+        .number("max_torque", &D::max_torque, "N m", at_least(0), "limit of the torque")
         .check([](const D& d, const DefTable::Report& report) {
-          if (norm(d.turn) > kHalfTurn) report("/turn", "at most half a turn");
+          if (norm(d.turn) > kHalfTurn) report("/turn", "must be at most half a turn");
         });
     return table.build();
   }();
@@ -308,15 +312,14 @@ const DefTable& gear_table() {
   static const DefTable t = [] {
     using D = GearJointDef;
     TableOf<D> table(
-        "coordinate of one joint + ratio * coordinate of another stays: angles of revolute joints, lengths "
-        "of "
-        "prismatic ones");
-    table.text("id", &D::id, "its torque is then observed as joint.ID.torque")
+        "keeps coordinate of one joint + ratio * coordinate of another: angles of revolute joints, "
+        "positions of prismatic ones");
+    table.text("id", &D::id, "name; its torque is observed as joint.ID.torque")
         .integer("first", &D::first, between(0, kMostJoints),
-                 "row of a revolute or prismatic joint; entries count repeat times")
+                 "row of a revolute or prismatic joint; an entry with repeat has that many rows")
         .integer("second", &D::second, between(0, kMostJoints), "row of the other")
         .number("ratio", &D::ratio, "1", any(),
-                "turns of first per turn of second backwards; for a rack m/rad or rad/m")
+                "turns of first per turn of second in the opposite direction; m/rad or rad/m for a rack")
         .check([](const D& d, const DefTable::Report& report) {
           if (d.ratio == 0) report("/ratio", "the ratio must not be 0");
           if (d.first == d.second) report("/second", "a gear needs two different joints");

@@ -1,4 +1,4 @@
-// Parameters of joints between rigid bodies; units and bounds stand in the tables (joint_def.cc).
+// Parameters of joints between rigid bodies; units and bounds are in the tables (joint_def.cc).
 #pragma once
 #include <optional>
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace truestep::rigid3d {
 
-/// What every joint has. Body -1 is the world.
+/// Parameters common to all joints. Body -1 is the world.
 struct JointDef {
   std::string id;
   int64_t a = -1, b = 0;
@@ -20,7 +20,7 @@ struct JointDef {
   Vec3 offset;
 };
 
-/// Limits, spring and motor of one way of moving: m and N, or rad and N m.
+/// Limits, spring and motor of one degree of freedom: m and N, or rad and N m.
 struct DriveDef {
   std::optional<double> lower, upper;
   std::optional<double> stiffness, damping, hertz;
@@ -88,14 +88,14 @@ using AnyJointDef =
                  PlaneJointDef, DistanceJointDef, SpringJointDef, UniversalJointDef, ConeTwistJointDef,
                  SixDofJointDef, MotorJointDef, GearJointDef>;
 
-/// Most joints, and most bodies that they may name.
+/// Maximum number of joints, and of bodies that they may refer to.
 inline constexpr double kMostJoints = 1'000'000;
 
 /// The tables of AnyJointDef's alternatives, in their order.
 std::vector<std::pair<std::string, const DefTable*>> joint_tables();
-/// Rows of joints that an entry stands for.
+/// Number of joints that an entry stands for.
 int64_t joint_count(const AnyJointDef& d);
-/// Its id; empty when it has none.
+/// Id of the entry; empty if it has none.
 const std::string& joint_id(const AnyJointDef& d);
 
 }  // namespace truestep::rigid3d

@@ -1,7 +1,7 @@
-// Springs by frequency: the stiffness that gives the two bodies of a joint that frequency as they stand at
-// t = 0,  k = m_eff (2 pi f)^2,  c = 2 zeta m_eff 2 pi f,  m_eff the mass that the row feels
-// (joint_drives3.h). It stays what it is while the bodies turn: a spring whose stiffness followed their mass
-// would have no energy to keep.
+// Springs given by frequency: the stiffness that gives the joint's two bodies this frequency in their pose at
+// t = 0,  k = m_eff (2 pi f)^2,  c = 2 zeta m_eff 2 pi f,  with m_eff the effective mass of the row
+// (joint_drives3.h). It stays constant while the bodies turn: with a stiffness that followed the effective
+// mass, the spring would have no energy to conserve.
 #include <cmath>
 
 #include "engine/kernels/joint_drives3.h"
@@ -11,7 +11,7 @@
 namespace truestep::rigid3d {
 namespace {
 
-/// 1/kg or 1/(kg m^2): what a unit impulse on each driven row of the joint adds to its speed.
+/// Speed of each driven row of the joint per unit impulse on it, 1/kg or 1/(kg m^2).
 std::array<double, 6> row_mobility(const Joint& joint, const BodyList& bodies) {
   using W = Wide<double>;
   JointGroup<double> g{};

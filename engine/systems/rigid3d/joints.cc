@@ -11,7 +11,7 @@ namespace truestep::rigid3d {
 namespace {
 
 constexpr double kTurn = 6.283185307179586;
-/// Least cosine of the second Cardan angle: closer to a quarter turn the first and the third are one.
+/// Smallest cosine of the second Cardan angle: closer to a quarter turn the first and third axes coincide.
 constexpr double kLeastCosine = 0.02;
 
 Vec3 column(const Rotation& r, int k) {
@@ -22,7 +22,7 @@ Quat conjugate(const Quat& q) {
   return {q.w, -q.x, -q.y, -q.z};
 }
 
-/// Angles x of a, then y, then z of b, and the axes dual to those about which they turn.
+/// Angles x of a, then y, then z of b, and the axes dual to those of the rotations.
 void cardan(const Rotation& a, const Rotation& b, JointPlace& p) {
   const Vec3 x = column(a, 0), y = column(a, 1), z = column(a, 2), zb = column(b, 2);
   const double xx = dot(x, column(b, 0)), xy = dot(x, column(b, 1)), xz = dot(x, zb);

@@ -1,7 +1,7 @@
-// Joints between bodies, as they were built. A joint is up to six rows: three ways of sliding along axes of a
-// and three of turning. Locked rows have no coordinate but 0; others may be limited, sprung or driven, and
-// those are listed as drives. Rows of the state say which bodies joints hold now, what they carry, how far
-// their drives have turned and whether they broke.
+// Joints between bodies, as built from the scene. A joint has up to six rows: three translations along axes
+// of a and three rotations. The coordinate of a locked row is 0; others may be limited, sprung or driven, and
+// are listed as drives. Rows of the state hold the bodies of each joint, its loads, how far its drives have
+// turned and whether it is broken.
 #pragma once
 #include <array>
 #include <limits>
@@ -22,10 +22,10 @@ struct Drive {
   double lower = 0, upper = 0;
   double rest = 0;                          ///< coordinate of the spring
   double stiffness = 0, damping = 0;        ///< spring: N/m and N s/m, or N m/rad and N m s/rad
-  double frequency = 0, damping_ratio = 0;  ///< rad/s; what the two above are made of, where it is not 0
+  double frequency = 0, damping_ratio = 0;  ///< rad/s; define stiffness and damping where not 0
   enum class Wants : uint8_t { speed, place } wants = Wants::speed;
   double motor_target = 0, max_motor = kUnbounded;
-  double servo_rate = 0;  ///< 1/s, at which a motor comes to its place
+  double servo_rate = 0;  ///< 1/s, rate at which a motor approaches its target
 };
 
 struct Joint {
@@ -42,14 +42,14 @@ struct Joint {
   Form form = Form::free;
   double length = 0;  ///< m, of a line
   uint32_t first_drive = 0, drives = 0;
-  /// N and N m that rows 0 to 2 and 3 to 5 of a pose make at most together.
+  /// Limits in N and N m on rows 0 to 2 and 3 to 5 of a pose, each taken together.
   double max_force = kUnbounded, max_torque = kUnbounded;
   double break_force = kUnbounded, break_torque = kUnbounded;
   JointDef::Touch touch = JointDef::Touch::no;
   /// A gear: coordinates of two drives, first + ratio second = 0.
   std::array<uint32_t, 2> geared{};
   double ratio = 1;
-  /// Nothing but springs.
+  /// Has only springs.
   bool springs_only = false;
 };
 
@@ -58,23 +58,24 @@ struct JointList {
   std::vector<Drive> drives;
 };
 
-/// All joints of the scene. Error "scene_invalid" with pointers to what is not there or fits nothing.
+/// All joints of the scene. Throws Error "scene_invalid" with pointers to missing or unsuitable bodies and
+/// joints.
 JointList build_joints(const Rigid3dDef& def, const BodyList& bodies);
 
-/// Stiffness and damping of springs that are given by frequency, as the bodies stand at t = 0.
+/// Sets stiffness and damping of springs that are given by frequency, for the bodies' pose at t = 0.
 void stiffen_by_frequency(JointList& joints, const BodyList& bodies);
 
-/// Where a joint is.
+/// Current geometry of a joint.
 struct JointPlace {
   Vec3 arm_a, arm_b;     ///< m, from the centres to the anchors
   Vec3 gap;              ///< x_b + arm_b - x_a - arm_a
   Vec3 axes[3];          ///< of the linear rows
-  Vec3 turns[3];         ///< turn . (w_b - w_a) is the rate of the angular coordinates
+  Vec3 turns[3];         ///< turn . (w_b - w_a) is the rate of an angular coordinate
   double coordinate[6];  ///< m and rad; turns between -pi and pi
 };
 JointPlace joint_place(const Joint& joint, const Pose& a, const Pose& b);
 
-/// The turn that is `angle` but for whole turns, nearest to `near` (rad).
+/// The angle equal to `angle` modulo 2 pi that is closest to `near` (rad).
 double unwrapped(double angle, double near);
 
 }  // namespace truestep::rigid3d

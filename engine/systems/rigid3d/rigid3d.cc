@@ -16,7 +16,7 @@ using Part = BodyNow::Part;
 
 namespace {
 
-/// Bodies that may be spawned in addition to those of the scene.
+/// Number of bodies that may be spawned in addition to the scene's.
 constexpr size_t kSpare = 10'000;
 /// Steps between checks whether columns need another number of substeps.
 constexpr uint64_t kStepsPerLook = 4;
@@ -49,16 +49,16 @@ Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
   };
   add_stage("forces", "gravity and pushes", awake(&Rigid3d::apply_forces));
   add_stage("substeps", "more for tall columns", awake(&Rigid3d::choose_substeps));
-  add_stage("contacts", "which bodies touch, and where", awake(&Rigid3d::find_contacts));
+  add_stage("contacts", "finds which bodies touch, and where", awake(&Rigid3d::find_contacts));
   add_stage("solve",
-            "bodies that touch, in substeps; " + says_slowest_bounce(restitution_speed(gravity_, context.dt)),
+            "bodies in contact, in substeps; " + says_slowest_bounce(restitution_speed(gravity_, context.dt)),
             awake(&Rigid3d::solve));
-  add_stage("integrate_free", "bodies that touch nothing", awake(&Rigid3d::integrate_free));
-  add_stage("fast bodies", "none passes another within a step", awake(&Rigid3d::stop_fast_bodies));
+  add_stage("integrate_free", "bodies without contacts", awake(&Rigid3d::integrate_free));
+  add_stage("fast bodies", "none passes through another within a step", awake(&Rigid3d::stop_fast_bodies));
   if (def.sleeping) {
-    add_stage("sleep", "groups that rest are left alone", awake(&Rigid3d::update_sleeping));
+    add_stage("sleep", "groups of bodies at rest are not computed", awake(&Rigid3d::update_sleeping));
   } else {
-    skip_stage("sleep", "switched off");
+    skip_stage("sleep", "sleeping is false");
   }
 }
 
@@ -119,7 +119,7 @@ void Rigid3d::choose_substeps(State& s, const StepInput& in) const {
   if (in.step % kStepsPerLook != 1 || scratch(in).parts > 1) return;
   const int now = substeps(s, in.h);
   const int wanted = scratch(in).buckling.substeps(s, bodies_.kinds, settings_, now, in.h);
-  // One at a time: the energy stored in contact springs changes with their stiffness.
+  // In steps of one: the energy stored in contact springs changes with their stiffness.
   const int next = std::clamp(wanted, now - 1, now + 1);
   if (next != now) change_substeps(s, in.h, now, next);
 }
@@ -131,7 +131,7 @@ void Rigid3d::change_substeps(State& s, double h, int now, int next) const {
                        columns::joint_impulse, columns::drive_impulse}) {
     for (double& impulse : s.f64(c)) impulse *= share;
   }
-  // Offsets are what the contacts' springs give way by.
+  // Offsets are the yields of the contact springs.
   if (!settings_.contact_hertz) {
     for (const auto c : {columns::contact_offset, columns::contact_uneven}) {
       for (double& offset : s.f64(c)) offset *= share * share;
@@ -145,7 +145,7 @@ void Rigid3d::find_contacts(State& s, const StepInput& in) const {
   scratch.before.resize(s.rows(columns::position));
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   for (size_t i = 0; i < scratch.before.size(); ++i) scratch.before[i] = {load3(x, i), load_quat(q, i)};
-  // Whatever is joined to a moving body moves.
+  // Bodies joined to a moving body move too.
   const auto held = s.span<uint32_t>(columns::joint_bodies);
   const auto asleep = s.span<uint32_t>(columns::asleep);
   const auto moves = [&](uint32_t i) {
@@ -212,7 +212,7 @@ void Rigid3d::integrate_free(State& s, const StepInput& in) const {
         store3(x, i, load3(x, i) + (v0 + a * (0.5 * h)) * h);
         store3(v, i, v0 + scratch.change[i]);
       } else {
-        // v' = a - c v, solved.
+        // Exact solution of v' = a - c v.
         const double c = b.linear_damping, e = trig::exp(-c * h), m = (1 - e) / c;
         store3(x, i, load3(x, i) + v0 * m + a * ((h - m) / c));
         store3(v, i, v0 * e + a * m);
@@ -220,7 +220,7 @@ void Rigid3d::integrate_free(State& s, const StepInput& in) const {
       const double half = b.angular_damping == 0 ? 1 : trig::exp(-0.5 * b.angular_damping * h);
       Quat turned = load_quat(q, i);
       Vec3 spin = load3(w, i) * half;
-      // Half of a torque's change before and half after (Strang).
+      // Half of the change by a torque before and half after (Strang).
       if (!scratch.twist.empty()) spin += free_rotation::spin_of(turned, scratch.twist[i] * 0.5, b.moments);
       const auto m = free_rotation::advance({turned, spin}, b.moments, h);
       turned = m.orientation, spin = m.angular_velocity;
@@ -271,14 +271,14 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
           scratch.contacts.joined(i, j)) {
         continue;
       }
-      // A body that touches from the start may go on moving, but its core must not pass through.
+      // A body in contact from the start may go on moving, but its core must not pass through.
       std::optional<Impact> hit;
       const Sweep other = sweep(j);
       const Contact* c = contact_of(i, j);
       if (!c) hit = time_of_impact(k.solid, own, o.solid, other, 0.25 * now[i].margin);
       if (!hit || hit->t == 0) hit = time_of_impact(core, own, o.solid, other, 0.1 * k.inner);
-      // Overlapping cores may part, and what is near a wall may leave it; a core that
-      // is inside a wall has no side to return to.
+      // Overlapping cores may separate, and a body close to a wall may leave it; a core that is inside a wall
+      // has no side to return to.
       const bool parting = c && dot(c->manifold.normal, moved(c->b) - moved(c->a)) > 0;
       if (hit && hit->t == 0 && o.moved_by_forces() && parting) continue;
       if (hit && hit->t == 0 && hit->gap > 0 && dot(hit->normal, own.move - other.move) < 0) continue;
@@ -289,10 +289,9 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
   for (const auto& [i, t] : scratch.stopped) {
     const Sweep own = sweep(i);
     store3(x, i, own.from.position + own.move * t);
-    // A body that is stopped at once still turns, or a corner that is stuck would stay stuck.
+    // A body stopped at once still rotates; otherwise a stuck corner would stay stuck.
     if (t > 0) store_quat(q, i, normalized(free_rotation::turn(own.turn * t) * own.from.orientation));
-    // Forces do not act during the time that it loses: a body that is set back must not keep the fall's
-    // speed.
+    // Forces must not act during the time lost: a body set back would otherwise keep the speed of the fall.
     store3(v, i, load3(v, i) - scratch.change[i] * (1 - t));
   }
 }

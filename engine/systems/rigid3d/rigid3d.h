@@ -1,8 +1,9 @@
 // Rigid bodies with contacts. Body i has a pose (x, q) of its centre of mass and principal axes and moves by
 //   m x'' = f + sum(contact impulses),   L' = torque,   q' = 1/2 (0, w) q,   w = R I^-1 R^T L
-//   separation >= 0,  normal impulse >= 0,  |friction| <= mu normal,  v_n+ = -e v_n-  (above rest_speed)
-// Bodies that touch nothing follow their free motion (exact parabola, rotation of fourth order); the others
-// go through the substepped solver (solver.h). Bodies that rest together sleep together.
+//   separation >= 0,  normal impulse >= 0,  |friction| <= mu normal,  v_n+ = -e v_n-  (above
+//   restitution_speed)
+// Bodies without contacts follow their free motion (exact parabola, rotation of fourth order); the others go
+// through the substepped solver (solver.h). Bodies that rest together sleep together.
 #pragma once
 #include <memory>
 #include <mutex>
@@ -21,19 +22,19 @@ class Rigid3d final : public StagedSystem, public BodyOwner, public BodySleep {
 
   State initial_state() const override;
   void observe(const State& s, double t, Observables& out) const override;
-  /// Closed unless motors, user forces or kinematic bodies do work.
+  /// Defined unless motors, user forces or kinematic bodies do work.
   std::optional<Energy> energy(const State& s, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;
   std::optional<double> limit(Limit which, const State&, double) const override {
     return which == Limit::speed ? std::optional(speed_limit_) : std::nullopt;
   }
-  /// Parts: the bodies, and "joints" with what they carry.
+  /// Parts: the bodies, and "joints" with their loads.
   FieldView field(const State& s, size_t part, size_t field, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
   void step(State& s, const StepInput& in) const override;
   void apply(State& s, const Command& c) const override;
   uint32_t drawing_version(const State& s) const override;
-  /// Bodies are visuals of the main part, planes obstacles.
+  /// Bodies are visuals of the main part, planes are obstacles.
   void draw(const State& s, double t, Wish wishes, Drawing& out) const override;
 
   /// The bodies; sensors touch nothing.
@@ -57,28 +58,28 @@ class Rigid3d final : public StagedSystem, public BodyOwner, public BodySleep {
     std::vector<Pose> before;
     std::vector<uint32_t> parent;
     std::vector<double> rested;
-    std::vector<uint8_t> adrift;  ///< 1: nothing that does not move holds the body's island
+    std::vector<uint8_t> adrift;  ///< 1: no fixed body supports the body's island
     std::vector<uint32_t> near;
     std::vector<std::pair<uint32_t, double>> stopped;
-    int parts = 1;  ///< that this step is divided into
+    int parts = 1;  ///< number of parts into which this step is divided
   };
   static Scratch& scratch(const StepInput& in);
-  /// Whether contacts of the last step are mostly of bodies that turn far in a step of h.
+  /// True if contacts of the last step are mostly between bodies that rotate far in a step of h.
   bool contacts_turn_fast(const State& s, double h) const;
-  /// The same of those of this step.
+  /// The same for the contacts of this step.
   bool contacts_turn_fast(const State& s, std::span<Contact* const> found, double h) const;
   bool turns_fast(const State& s, uint32_t body, double h) const;
   bool all_turn_fast(const State& s, size_t turning) const;
   void apply_forces(State& s, const StepInput& in) const;
   int substeps(const State& s, double h) const;
   void choose_substeps(State& s, const StepInput& in) const;
-  /// Switches to `next` substeps in a step of h and rescales what the state holds per substep.
+  /// Switches to `next` substeps in a step of h and rescales the per-substep values in the state.
   void change_substeps(State& s, double h, int now, int next) const;
-  /// Enough that touching bodies turn little in each.
+  /// Number of substeps with which touching bodies rotate little in each.
   int substeps_of_turns(const State& s, double h) const;
   void find_contacts(State& s, const StepInput& in) const;
   void solve(State& s, const StepInput& in) const;
-  /// m/s, as given or by gravity.
+  /// m/s, as given or derived from gravity.
   double restitution_speed(const Vec3& gravity, double dt) const;
   void integrate_free(State& s, const StepInput& in) const;
   void stop_fast_bodies(State& s, const StepInput& in) const;
@@ -88,15 +89,14 @@ class Rigid3d final : public StagedSystem, public BodyOwner, public BodySleep {
   size_t checked_body(const State& s, const Command& c) const;
   void set_motor(State& s, const Command& c) const;
   void observe_joints(const State& s, Observables& out) const;
-  /// J in the springs of unbroken joints, sum of k s^2 / 2.
+  /// Energy in J of the springs of unbroken joints, sum of k s^2 / 2.
   double spring_energy(const State& s) const;
   /// Largest distance (m) of two points that an unbroken joint keeps together.
   double widest_gap(const State& s) const;
-  /// True where a joint can do work of its own: motors, and gaps of more than a hundredth of a body that it
-  /// closes.
+  /// True where a joint can do work: motors, and a gap of more than a hundredth of a body that it closes.
   bool joints_drive(const State& s) const;
   enum class JointLoad : uint8_t { force, torque };
-  /// Per body what its joints do to it, into 3 numbers each.
+  /// Per body the loads from its joints, 3 numbers each.
   void joint_loads(const State& s, JointLoad what, std::span<double> out) const;
 
   const std::vector<Visual>& visuals() const;
@@ -110,9 +110,9 @@ class Rigid3d final : public StagedSystem, public BodyOwner, public BodySleep {
   BodyList bodies_;
   JointList joints_;
   std::vector<BodyForm> forms_;          ///< one per kind
-  mutable std::once_flag visuals_made_;  ///< meshes are made when somebody looks for the first time
+  mutable std::once_flag visuals_made_;  ///< meshes are built at the first use
   mutable std::vector<Visual> visuals_;
-  SolverSettings settings_;  ///< restitution_speed only in a step
+  SolverSettings settings_;  ///< restitution_speed is set in a step only
   std::optional<double> restitution_speed_;
   double speed_limit_ = 0;  ///< m/s and rad/s
   Rigid3dDef::Precision precision_;

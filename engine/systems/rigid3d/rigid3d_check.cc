@@ -1,4 +1,4 @@
-// What a state from outside may hold: bodies of kinds, contacts and joints of bodies that are there.
+// Checks of a state from outside: valid kinds of bodies, contacts and joints between existing bodies.
 #include "engine/systems/rigid3d/rigid3d.h"
 #include "engine/systems/rigid3d/rigid3d_state.h"
 

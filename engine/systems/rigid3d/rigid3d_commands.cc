@@ -7,7 +7,7 @@ namespace truestep::rigid3d {
 
 namespace {
 
-// Where a command acts, about the centre of mass in the body's frame.
+// Point of action of a command, about the centre of mass in the body's frame.
 std::optional<Vec3> place_on(const State& s, const Command& c, size_t body) {
   if (!c.at) return std::nullopt;
   const Rotation r = rotation(load_quat(s.f64(columns::orientation).data(), body));
@@ -16,7 +16,7 @@ std::optional<Vec3> place_on(const State& s, const Command& c, size_t body) {
 
 }  // namespace
 
-/// The command's row, refused unless forces move that body.
+/// Row of the command; refused unless the body is dynamic.
 size_t Rigid3d::checked_body(const State& s, const Command& c) const {
   const size_t i = checked_command_row(c, s.rows(columns::position), "body");
   if (!bodies_.kinds[s.span<uint32_t>(columns::kind)[i]].moved_by_forces()) {
@@ -62,10 +62,10 @@ void Rigid3d::apply(State& s, const Command& c) const {
           s, c.index == -1 ? std::nullopt : std::optional(s.span<uint64_t>(columns::id)[checked_body(s, c)]));
     case CommandKind::spawn: {
       if (s.rows(columns::position) >= most_bodies_) {
-        refuse_command("kind", "full", "the system holds its largest number of bodies",
+        refuse_command("kind", "full", "the system has its maximum number of bodies",
                        std::to_string(most_bodies_));
       }
-      // "name" is the id of an entry of "bodies"; without one the last dynamic entry is taken.
+      // "name" is the id of an entry of "bodies"; the default is the last dynamic entry.
       std::optional<uint32_t> chosen;
       for (uint32_t k = 0; k < bodies_.kinds.size(); ++k) {
         const BodyKind& b = bodies_.kinds[k];
@@ -75,7 +75,8 @@ void Rigid3d::apply(State& s, const Command& c) const {
       for (const uint32_t k : s.span<uint32_t>(columns::kind)) {
         if (!falls_through(bodies_.kinds[*chosen], bodies_.kinds[k])) continue;
         refuse_command("name", "surfaces_do_not_meet",
-                       "a mesh does not meet other meshes and height fields, and one is there: it would fall "
+                       "a mesh does not collide with other meshes and height fields, and the scene has one: "
+                       "it would fall "
                        "through",
                        "a hull, a compound or a box");
       }

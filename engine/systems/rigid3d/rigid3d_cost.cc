@@ -1,5 +1,5 @@
-// What a scene of rigid bodies in space will cost, from its description alone. Measured in gallery scenes:
-// stacks, heaps, ragdolls, machines.
+// Estimated cost of a scene of rigid bodies in space, from its description alone. Measured with gallery
+// scenes: stacks, heaps, ragdolls, machines.
 #include <algorithm>
 #include <cmath>
 
@@ -11,11 +11,11 @@ namespace {
 
 struct Numbers {
   double bodies = 0, moving = 0;
-  double level = 0;   // of those that move: as low as the lowest, so that they lie on the floor
-  double heaped = 0;  // in blocks of copies
-  double layered = 0, layered_edges = 0;     // in layers that fall on each other; those that are no spheres
-  double edged = 0;                          // of hulls and compounds, whose faces are many
-  double balls = 0, guided = 0, joints = 0;  // joints: balls, those with six rows to drive, others
+  double level = 0;                       // of dynamic bodies: as low as the lowest, which lie on the floor
+  double heaped = 0;                      // in blocks of copies
+  double layered = 0, layered_edges = 0;  // in layers that fall on each other; those that are not spheres
+  double edged = 0;                       // of hulls and compounds, which have many faces
+  double balls = 0, guided = 0, joints = 0;  // joints: spherical, with six driven rows, others
 };
 
 bool in_a_block(const BodyDef& b) {
@@ -67,7 +67,7 @@ double remembered_contacts(const Numbers& n) {
 }
 
 double seconds(const Rigid3dDef& d, const Numbers& n) {
-  // A body on the floor touches that alone, one above others several; what is joined touches little.
+  // A body on the floor touches only the floor, one above touches several; jointed bodies touch little.
   const double free = std::max(n.moving - n.balls - n.guided - n.joints, 0.0) / std::max(n.moving, 1.0);
   const double contacts =
       std::max(free * (1.6 * n.level + 3.5 * (n.moving - n.level)), 0.5 * n.moving) + 1.3 * n.layered;
@@ -83,7 +83,7 @@ Cost rigid3d_cost(const void* def) {
   const auto& d = *static_cast<const Rigid3dDef*>(def);
   const Numbers n = count(d);
   const double contacts = remembered_contacts(n);
-  // Joints but balls have limits and drives.
+  // All joints except spherical ones have limits and drives.
   return {.state_bytes = 150 * n.bodies + 180 * contacts,
           .workspace_bytes = 900 * n.bodies + 1350 * contacts + 1000 * n.balls +
                              5000 * (n.joints + n.guided) + (d.joints.empty() ? 0 : 10e3),

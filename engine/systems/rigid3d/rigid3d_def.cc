@@ -10,21 +10,24 @@ constexpr double kMostBodies = 200'000;
 
 const DefTable& copies_table() {
   static const DefTable t =
-      TableOf<CopiesDef>("many bodies from one, about the body's position")
+      TableOf<CopiesDef>("many bodies from one, arranged about its position")
           .choice("layout", &CopiesDef::layout, {"grid", "wall", "pyramid", "circle"},
-                  "grid: count x y z; wall: count[0] in the lowest row, one less in each above; pyramid: the "
-                  "same in both directions; circle: count[0] on a circle about y")
-          .integers("count", &CopiesDef::count, between(1, kMostBodies), {1, 3}, "how many along x, y, z")
-          .vector("spacing", &CopiesDef::spacing, "m", any(), "from one to the next along x, y, z")
+                  "grid: count along x, y, z; wall: count[0] in the lowest row, one less in each row above; "
+                  "pyramid: the same in both directions; circle: count[0] on a circle about y")
+          .integers("count", &CopiesDef::count, between(1, kMostBodies), {1, 3},
+                    "number of bodies along x, y, z")
+          .vector("spacing", &CopiesDef::spacing, "m", any(), "distance between neighbours along x, y, z")
           .number("radius", &CopiesDef::radius, "m", above(0), "of the circle")
-          .number("jitter", &CopiesDef::jitter, "m", at_least(0), "random displacement, drawn by the seed")
+          .number("jitter", &CopiesDef::jitter, "m", at_least(0),
+                  "maximum random displacement, from the scene's seed")
           .choice("turn", &CopiesDef::turn, {"none", "random", "outward"},
-                  "orientation of the copies: the body's, any, or the body's turned with the circle")
+                  "orientation of the copies: that of the body, random, or that of the body rotated along "
+                  "the circle")
           .build();
   return t;
 }
 
-/// Rows that bodies of all shapes share.
+/// Rows common to bodies of all shapes.
 template <class D>
 TableOf<D>& add_common(TableOf<D>& t) {
   BodyDef::Motion D::*motion = &BodyDef::motion;
@@ -53,9 +56,9 @@ TableOf<D>& add_common(TableOf<D>& t) {
   bool D::*sensor = &BodyDef::sensor;
   std::optional<Vec3> D::*color = &BodyDef::color;
   std::optional<CopiesDef> D::*copies = &BodyDef::copies;
-  return t.text("id", id, "name for expectations and pictures")
+  return t.text("id", id, "name for commands, expectations and pictures")
       .choice("motion", motion, {"dynamic", "fixed", "kinematic"},
-              "moved by forces, not at all, or by its own velocity whatever it meets")
+              "moved by forces, not at all, or only by its own velocity")
       .vector("position", position, "m", any(), "of the shape's origin")
       .vector("axis", axis, "1", any(), "axis of its rotation; any length")
       .number("angle", angle, "rad", any(), "angle of its rotation")
@@ -65,38 +68,37 @@ TableOf<D>& add_common(TableOf<D>& t) {
       .vector("angular_velocity", spin, "rad/s", any(), "in the world")
       .number("density", density, "kg/m^3", above(0), "uniform")
       .number("mass", mass, "kg", above(0), "instead of density; scales the shape's inertia too")
-      .numbers(
-          "inertia", inertia, "kg m^2", any(), {0, 6},
-          "about the centre of mass, instead of the shape's: xx yy zz or xx yy zz xy xz yz in the shape's "
-          "axes; principal moments above 0, none above the sum of the other two")
-      .vector("force", force, "N", any(), "constant, on the centre of mass; keeps the body awake")
+      .numbers("inertia", inertia, "kg m^2", any(), {0, 6},
+               "about the centre of mass, instead of that of the shape: xx yy zz or xx yy zz xy xz yz in its "
+               "axes; principal moments above 0, none above the sum of the other two")
+      .vector("force", force, "N", any(), "constant, at the centre of mass; keeps the body awake")
       .vector("torque", torque, "N m", any(), "constant; keeps the body awake")
       .choice("force_frame", force_frame, {"world", "body"},
-              "axes of force and torque: fixed, or turning with the shape. energy.potential holds that of a "
-              "force in the world, power.applied what the others do")
-      .number("linear_damping", linear, "1/s", at_least(0), "rate at which velocity fades")
-      .number("angular_damping", angular, "1/s", at_least(0), "rate at which turning fades")
-      .number("gravity_scale", gravity, "1", any(), "share of gravity that it feels")
-      .number("friction", friction, "1", at_least(0), "Coulomb's coefficient; of two bodies sqrt(a b) counts")
+              "axes of force and torque: fixed, or turning with the shape. energy.potential includes a "
+              "force in the world; power.applied is the power of the others")
+      .number("linear_damping", linear, "1/s", at_least(0), "rate at which its velocity decays")
+      .number("angular_damping", angular, "1/s", at_least(0), "rate at which its angular velocity decays")
+      .number("gravity_scale", gravity, "1", any(), "factor on the gravity that acts on it")
+      .number("friction", friction, "1", at_least(0),
+              "Coulomb's coefficient; of a contact: sqrt(a b) of both bodies")
       .number("restitution", restitution, "1", between(0, 1),
-              "share of the normal speed kept; the larger counts")
+              "fraction of the normal speed kept; of a contact: the larger of both values")
       .number("rolling_resistance", rolling, "m", at_least(0),
-              "torque against rolling per normal force; the larger counts")
-      .number(
-          "spinning_resistance", spinning, "m", at_least(0),
-          "torque against spinning on the spot per normal force; absent: that of friction under a patch of "
-          "a hundredth of a ball's or capsule's radius; the larger counts")
-      .integer("category", category, between(0, 0xffffffff), "bits of what it is")
+              "torque against rolling per normal force; of a contact: the larger of both values")
+      .number("spinning_resistance", spinning, "m", at_least(0),
+              "torque against spinning on the spot per normal force; absent: from friction under a patch of "
+              "a hundredth of a ball's or capsule's radius; of a contact: the larger of both values")
+      .integer("category", category, between(0, 0xffffffff), "bits for the categories that it belongs to")
       .also("group")
-      .integer("mask", mask, between(0, 0xffffffff), "bits of what it touches")
-      .boolean("sensor", sensor, "is touched without touching back")
+      .integer("mask", mask, between(0, 0xffffffff), "bits for the categories that it collides with")
+      .boolean("sensor", sensor, "detects overlaps, collides with nothing")
       .vector("color", color, "1", between(0, 1), "red, green, blue")
       .object("copies", copies, copies_table(), "many bodies like this one");
 }
 
 void check_inertia(const std::vector<double>& I, const DefTable::Report& report) {
   if (I.empty()) return;
-  if (I.size() != 3 && I.size() != 6) return report("/inertia", "needs xx yy zz or xx yy zz xy xz yz");
+  if (I.size() != 3 && I.size() != 6) return report("/inertia", "must be xx yy zz or xx yy zz xy xz yz");
   const Symmetric3 inertia = inertia_of(I);
   const Vec3 m = principal_axes(inertia).moments;
   if (const auto fault = inertia_fault(inertia)) {
@@ -111,20 +113,20 @@ DefTable finish(TableOf<D>& t) {
   add_common(t);
   t.check([](const D& d, const DefTable::Report& report) {
     if (!d.orientation.empty() && d.orientation.size() != 4)
-      report("/orientation", "needs four numbers w x y z");
+      report("/orientation", "must have four numbers w x y z");
     if (d.orientation.size() == 4) {
       double n = 0;
       for (const double x : d.orientation) n += x * x;
       if (!(std::abs(n - 1) < 1e-6)) report("/orientation", "must have length 1");
     }
     if (d.motion != BodyDef::Motion::dynamic) {
-      if (!d.inertia.empty()) report("/inertia", "only a dynamic body has one");
+      if (!d.inertia.empty()) report("/inertia", "only a dynamic body has an inertia");
       if (norm2(d.force) > 0) report("/force", "only a dynamic body is moved by forces");
       if (norm2(d.torque) > 0) report("/torque", "only a dynamic body is moved by forces");
     }
     check_inertia(d.inertia, report);
     if (d.angle != 0 && !(norm(d.axis) > 0)) report("/axis", "the axis must not be zero");
-    if (body_count(d) > kMostBodies) report("/copies/count", "more than 200000 bodies");
+    if (body_count(d) > kMostBodies) report("/copies/count", "the copies are more than 200000 bodies");
     constexpr bool surface = std::is_same_v<D, PlaneBodyDef> || std::is_same_v<D, HeightFieldBodyDef>;
     if (surface && d.motion == BodyDef::Motion::dynamic) {
       report("/motion", "this shape has no mass: it must be fixed");
@@ -154,7 +156,7 @@ const DefTable& capsule_table() {
     TableOf<CapsuleBodyDef> t("cylinder with round ends along y");
     t.number("radius", &CapsuleBodyDef::radius, "m", above(0), "radius of the cylinder and of its ends")
         .number("half_length", &CapsuleBodyDef::half_length, "m", above(0),
-                "half of the cylinder without ends");
+                "half of the length without the ends");
     return finish(t);
   }();
   return t;
@@ -178,7 +180,7 @@ const DefTable& hull_table() {
 }
 const DefTable& mesh_table() {
   static const DefTable t = [] {
-    TableOf<MeshBodyDef> t("triangles, seen from where they run anticlockwise; dynamic only when closed");
+    TableOf<MeshBodyDef> t("triangles, anticlockwise seen from outside; dynamic only if closed");
     t.vectors("vertices", &MeshBodyDef::vertices, "m", any(), {3, 1'000'000}, "corners")
         .integers("triangles", &MeshBodyDef::triangles, at_least(0), {3, 3'000'000}, "three indices each");
     return finish(t);
@@ -187,7 +189,7 @@ const DefTable& mesh_table() {
 }
 const DefTable& height_field_table() {
   static const DefTable t = [] {
-    TableOf<HeightFieldBodyDef> t("heights on a grid, rising along y; fixed");
+    TableOf<HeightFieldBodyDef> t("heights along y on a grid; fixed");
     t.integers("count", &HeightFieldBodyDef::count, between(2, 4096), {2, 2}, "points along x and z")
         .number("spacing", &HeightFieldBodyDef::spacing, "m", above(0), "from point to point")
         .numbers("heights", &HeightFieldBodyDef::heights, "m", any(), {4, 10'000'000},
@@ -199,7 +201,7 @@ const DefTable& height_field_table() {
 const DefTable& plane_table() {
   static const DefTable t = [] {
     TableOf<PlaneBodyDef> t("half space; fixed");
-    t.vector("normal", &PlaneBodyDef::normal, "1", any(), "towards where bodies may be; any length");
+    t.vector("normal", &PlaneBodyDef::normal, "1", any(), "pointing to the free side; any length");
     return finish(t);
   }();
   return t;
@@ -235,7 +237,8 @@ const DefTable& capsule_part_table() {
   static const DefTable t = [] {
     TableOf<CapsulePartDef> t("cylinder with round ends along y");
     t.number("radius", &CapsulePartDef::radius, "m", above(0), "radius")
-        .number("half_length", &CapsulePartDef::half_length, "m", above(0), "half of the cylinder");
+        .number("half_length", &CapsulePartDef::half_length, "m", above(0),
+                "half of the length without the ends");
     return finish_part(t);
   }();
   return t;
@@ -306,43 +309,44 @@ const DefTable& rigid3d_table() {
                      {"plane", &plane_table()},
                      {"compound", &compound_table()}},
                     {1, 200'000}, "the bodies, in the order of their rows")
-          .variants("joints", &D::joints, joint_tables(), {0, 200'000}, "what holds bodies together")
+          .variants("joints", &D::joints, joint_tables(), {0, 200'000}, "joints between bodies")
           .choice("engine", &D::engine, {"truestep", "bullet"},
-                  "who steps: this product, or Bullet 3.24 to compare with")
+                  "solver: this product's own, or Bullet 3.24 for comparison")
           .vector("gravity", &D::gravity, "m/s^2", any(), "instead of the scene's")
-          .integer("substeps", &D::substeps, between(1, 64), "parts of a step in which contacts are solved")
+          .integer("substeps", &D::substeps, between(1, 64),
+                   "substeps of the contact solver per step of the scene")
           .choice("precision", &D::precision, {"f32", "f64"},
-                  "numbers in which contacts are solved; poses are f64")
-          .number("friction", &D::friction, "1", at_least(0), "of bodies that do not say otherwise")
-          .number("restitution", &D::restitution, "1", between(0, 1), "of bodies that do not say otherwise")
-          .number(
-              "restitution_speed", &D::restitution_speed, "m/s", at_least(0),
-              "slower impacts do not bounce; absent: half of what gravity adds in a step, hops of one step")
+                  "precision of the contact solver; poses are always f64")
+          .number("friction", &D::friction, "1", at_least(0), "default for bodies")
+          .number("restitution", &D::restitution, "1", between(0, 1), "default for bodies")
+          .number("restitution_speed", &D::restitution_speed, "m/s", at_least(0),
+                  "slower impacts do not bounce; absent: half of the speed that gravity adds in a step (hops "
+                  "of one step)")
           .also("rest_speed")
-          .number("rolling_resistance", &D::rolling_resistance, "m", at_least(0),
-                  "of bodies that do not say otherwise")
+          .number("rolling_resistance", &D::rolling_resistance, "m", at_least(0), "default for bodies")
           .number("spinning_resistance", &D::spinning_resistance, "m", at_least(0),
-                  "of bodies that do not say otherwise; 0: balls spin on for ever")
+                  "default for bodies; 0: balls spin for ever")
           .number("contact_hertz", &D::contact_hertz, "Hz", above(0),
-                  "of contacts as springs; 0.13 of the substeps' rate unless given")
+                  "frequency of contacts as springs; absent: 0.13 of the rate of substeps")
           .number("contact_damping_ratio", &D::contact_damping_ratio, "1", above(0),
                   "damping ratio of soft contacts")
           .also("contact_damping")
-          .number("push_out_speed", &D::push_out_speed, "m/s", above(0), "fastest way out of one another")
-          .boolean("sleeping", &D::sleeping, "groups of bodies that rest are not computed")
-          .number(
-              "sleep_speed", &D::sleep_speed, "m/s", above(0),
-              "bodies whose points are slower may rest, where they also stay within 0.4 of this times "
-              "sleep_time (an eighth where joints or contacts without friction hold them): sleep takes no "
-              "mean speed above that")
-          .number("sleep_time", &D::sleep_time, "s", at_least(0), "for this long before they sleep")
+          .number("push_out_speed", &D::push_out_speed, "m/s", above(0),
+                  "maximum speed at which overlapping bodies are separated")
+          .boolean("sleeping", &D::sleeping, "bodies at rest are not computed until something touches them")
+          .number("sleep_speed", &D::sleep_speed, "m/s", above(0),
+                  "bodies whose points are slower may rest if they also stay within 0.4 of this times "
+                  "sleep_time (an eighth if held by joints or contacts without friction), so that no "
+                  "higher mean speed falls asleep")
+          .number("sleep_time", &D::sleep_time, "s", at_least(0),
+                  "time at rest before sleep; freely floating bodies do not sleep")
           .check([](const D& d, const DefTable::Report& report) {
             double n = 0;
             for (const AnyBodyDef& b : d.bodies) n += body_count(common(b));
-            if (n > kMostBodies) report("/bodies", "more than 200000 bodies in all");
+            if (n > kMostBodies) report("/bodies", "the system has more than 200000 bodies");
             double joints = 0;
             for (const AnyJointDef& j : d.joints) joints += static_cast<double>(joint_count(j));
-            if (joints > kMostJoints) report("/joints", "more than a million joints in all");
+            if (joints > kMostJoints) report("/joints", "the system has more than a million joints");
           })
           .build();
   return kTable;

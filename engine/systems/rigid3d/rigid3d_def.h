@@ -1,4 +1,4 @@
-// Parameters of the system "rigid3d"; units and bounds stand in the table (rigid3d_def.cc).
+// Parameters of the system "rigid3d"; units and bounds are in the table (rigid3d_def.cc).
 #pragma once
 #include <optional>
 #include <string>
@@ -14,7 +14,7 @@
 
 namespace truestep::rigid3d {
 
-/// Many bodies from one: places on a lattice, in rows that get shorter, on a circle.
+/// Copies of a body: positions on a lattice, in rows of decreasing length, or on a circle.
 struct CopiesDef {
   enum class Layout : uint8_t { grid, wall, pyramid, circle } layout = Layout::grid;
   std::vector<int64_t> count{1, 1, 1};
@@ -24,7 +24,7 @@ struct CopiesDef {
   enum class Turn : uint8_t { none, random, outward } turn = Turn::none;
 };
 
-/// What bodies of every shape have.
+/// Parameters common to bodies of all shapes.
 struct BodyDef {
   std::string id;
   enum class Motion : uint8_t { dynamic, fixed, kinematic } motion = Motion::dynamic;
@@ -119,20 +119,20 @@ struct Rigid3dDef {
 };
 
 const DefTable& rigid3d_table();
-/// What it gives out.
+/// Fields and observables of the system.
 const Outputs& rigid3d_outputs();
 std::unique_ptr<const System> build_rigid3d(const void* def, const BuildContext& context);
 Cost rigid3d_cost(const void* def);
 
-/// Members that every alternative has.
+/// Members common to all alternatives.
 inline const BodyDef& common(const AnyBodyDef& d) {
   return std::visit([](const auto& b) -> const BodyDef& { return b; }, d);
 }
-/// Tensor of three or six numbers of a def's "inertia".
+/// Tensor from the three or six numbers of "inertia".
 inline Symmetric3 inertia_of(const std::vector<double>& I) {
   return I.size() == 6 ? Symmetric3{I[0], I[1], I[2], I[3], I[4], I[5]} : Symmetric3{I[0], I[1], I[2]};
 }
-/// Bodies that a def stands for, in double so that nothing overflows.
+/// Number of bodies that a def stands for; a double, which cannot overflow.
 double body_count(const BodyDef& d);
 
 }  // namespace truestep::rigid3d

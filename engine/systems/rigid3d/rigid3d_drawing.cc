@@ -1,5 +1,5 @@
-// How bodies of a rigid3d state are drawn: one visual per shape, or per part of a compound, that rows of the
-// state carry; planes as shapes in space; contacts and joints as marks.
+// Drawing of a rigid3d state: one visual per shape, or per part of a compound, attached to rows of the state;
+// planes as shapes in space; contacts and joints as marks.
 #include <map>
 
 #include "engine/collision/drawn_mesh.h"
@@ -10,7 +10,7 @@ namespace truestep::rigid3d {
 
 namespace {
 
-constexpr double kLoose = 0.02;  // m; points further apart than this are no contacts any more
+constexpr double kLoose = 0.02;  // m; points further apart than this are no longer contacts
 
 Visual::Motion motion_of(const BodyKind& k) {
   using Motion = Visual::Motion;
@@ -34,7 +34,7 @@ std::vector<Visual> visuals_of(std::span<const BodyKind> kinds) {
     Visual visual;
     visual.motion = motion_of(k);
     if (k.color) visual.color = {k.color->x, k.color->y, k.color->z};
-    // Fixed bodies use none of the colours of those that move.
+    // Fixed bodies use none of the colours of dynamic ones.
     if (visual.motion == Visual::Motion::dynamic && !k.color) {
       std::vector<double> key;
       describe(key, k.solid);
@@ -119,8 +119,7 @@ void Rigid3d::draw_strings(const State& s, std::vector<DrawnString>& out) const 
   }
 }
 
-// Every birth, every removal and every joint that breaks counts: births = next id - n_0, removals = next id -
-// rows.
+// Counts births, removals and broken joints: births = next id - n_0, removals = next id - rows.
 uint32_t Rigid3d::drawing_version(const State& s) const {
   const uint64_t next = s.span<uint64_t>(columns::counters)[0];
   const auto broken = s.span<uint32_t>(columns::joint_broken);
@@ -158,7 +157,7 @@ std::vector<ContactMark> Rigid3d::contact_marks(const State& s) const {
   for (size_t begin = 0, end = 0; begin < rows; begin = end) {
     const uint32_t a = pairs[2 * begin], b = pairs[2 * begin + 1];
     for (end = begin; end < rows && pairs[2 * end] == a && pairs[2 * end + 1] == b;) ++end;
-    // The state holds the loads of the points; their places are computed again.
+    // The state holds the loads of the points; their positions are computed again.
     manifolds.clear();
     const Solid &sa = bodies_.kinds[kind[a]].solid, &sb = bodies_.kinds[kind[b]].solid;
     if (single(sa) && single(sb)) {
@@ -188,7 +187,7 @@ std::vector<JointMark> Rigid3d::joint_marks(const State& s) const {
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   const auto pose = [&](uint32_t i) { return i == kNoBody ? Pose{} : Pose{load3(x, i), load_quat(q, i)}; };
   for (size_t k = 0; k < joints_.joints.size(); ++k) {
-    // A gear has no place of its own: it couples two other joints.
+    // A gear has no position of its own: it couples two other joints.
     if (s.span<uint32_t>(columns::joint_broken)[k] || joints_.joints[k].form == Joint::Form::gear) continue;
     out.push_back(mark_of(joints_.joints[k], pose(held[2 * k]), pose(held[2 * k + 1])));
   }

@@ -1,4 +1,4 @@
-// Joints of the system "rigid3d" from outside: what they say about themselves, and their motors' commands.
+// Joints of the system "rigid3d" as users see them: their observables, and commands to their motors.
 #include <algorithm>
 #include <cmath>
 
@@ -49,7 +49,7 @@ void Rigid3d::observe_joints(const State& s, Observables& out) const {
       continue;
     }
     static constexpr const char* kRows[6] = {".x", ".y", ".z", ".turn_x", ".turn_y", ".turn_z"};
-    // One way of sliding or turning has the plain name.
+    // A single translation or rotation has the plain name.
     size_t slides = 0, turns = 0;
     for (size_t e = 0; e < 3; ++e) slides += !j.locked[e], turns += !j.locked[3 + e];
     for (size_t e = 0; e < 6; ++e) {
@@ -122,7 +122,8 @@ void Rigid3d::set_motor(State& s, const Command& c) const {
   const size_t k = checked_command_row(c, joints_.joints.size(), "joint");
   const Joint& j = joints_.joints[k];
   const bool strength = c.name == "max_motor";
-  if (strength && c.value < 0) refuse_command("value", "out_of_range", "the motor's most must be at least 0");
+  if (strength && c.value < 0)
+    refuse_command("value", "out_of_range", "the maximum of the motor must be at least 0");
   const auto wants = c.name == "motor_speed" ? Drive::Wants::speed : Drive::Wants::place;
   size_t changed = 0;
   for (uint32_t d = j.first_drive; d < j.first_drive + j.drives; ++d) {

@@ -1,4 +1,4 @@
-// What a rigid3d state says about itself: energies, momenta, fields.
+// Observables and fields of a rigid3d state: energies, momenta.
 #include <algorithm>
 #include <cmath>
 
@@ -21,7 +21,7 @@ enum Field : size_t {
   kJointTorque
 };
 
-// W of a body's constant torque, and of its constant force where that turns with it.
+// Power in W of a body's constant torque, and of its constant force where that turns with the body.
 double applied_power(const BodyKind& b, const Quat& q, const Vec3& v, const Vec3& w) {
   const Rotation R = rotation(q);
   return b.force_turns ? dot(R.apply(b.force), v) + dot(R.apply(b.torque), w) : dot(b.torque, w);

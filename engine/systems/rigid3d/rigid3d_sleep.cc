@@ -1,5 +1,5 @@
-// When bodies fall asleep (rigid/sleeping.h): slow ones that hold on to something at rest, a whole island at
-// once; and how couplings see it (core/body_sleep.h).
+// Puts bodies to sleep (rigid/sleeping.h): slow ones that are supported by something at rest, a whole island
+// at once; and how couplings see it (core/body_sleep.h).
 #include <algorithm>
 #include <cmath>
 
@@ -13,7 +13,7 @@ using Part = BodyNow::Part;
 
 namespace {
 
-/// Share of sleep_speed below which a motor's wanted speed lets its bodies sleep.
+/// Target speed of a motor, as a fraction of sleep_speed, below which its bodies may sleep.
 constexpr double kMotorAtRest = 0.01;
 /// Rotation vector between two orientations, for small angles; rad.
 Vec3 turned(const Quat& from, const Quat& to) {
@@ -21,7 +21,7 @@ Vec3 turned(const Quat& from, const Quat& to) {
   return Vec3{d.x, d.y, d.z} * (d.w < 0 ? -2.0 : 2.0);
 }
 
-/// Place and orientation of a body against those that the columns of sleep keep.
+/// Position and orientation of a body relative to those in the sleep columns.
 class Way {
  public:
   Way(const double* x, const double* q, double* x0, double* q0, double* middle, size_t row, double reach)
@@ -54,10 +54,10 @@ void Rigid3d::update_sleeping(State& s, const StepInput& in) const {
   const auto kind = s.span<uint32_t>(columns::kind);
   const auto calm = s.f64(columns::sleep_timer);
   double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
-  // What holds a body: contacts with friction alone, or something else too.
+  // What holds a body: only contacts with friction, or something else too.
   constexpr double kRolls = 2, kHeld = 1;
-  // A resting body is supported, in the end by something that does not move. Bodies
-  // that touch while floating free drift for ever.
+  // A resting body is supported, ultimately by something that does not move. Bodies that touch while floating
+  // freely drift for ever.
   scratch.parent.resize(n), scratch.rested.assign(n, 0), scratch.adrift.assign(n, 1);
   start_islands(scratch.parent);
   const auto holds = [&](uint32_t i) { return i == kNoBody || now[i].part == Part::fixed; };

@@ -1,5 +1,5 @@
-// Columns of a rigid3d state. One row per body, in the order of birth; contacts ascend by their bodies' rows
-// and carry the impulses that the next step starts from.
+// Columns of a rigid3d state. One row per body, in order of creation; contacts ascend by the rows of their
+// bodies and carry the impulses that the next step starts from.
 #pragma once
 #include <span>
 
@@ -17,9 +17,9 @@ enum : State::Column {
   orientation,        ///< f64 x 4, of the principal axes
   angular_velocity,   ///< f64 x 3, in the world
   kind,               ///< u32, which BodyKind
-  id,                 ///< u64, ascending, never used twice
+  id,                 ///< u64, ascending, never reused
   sleep_timer,        ///< f64, s for which the body has rested
-  sleep_position,     ///< f64 x 3, where that began
+  sleep_position,     ///< f64 x 3, position when that began
   sleep_orientation,  ///< f64 x 4
   sleep_middle,       ///< f64 x 6, m rad: shift and rotation vector from there after half of sleep_time
   asleep,             ///< u32
@@ -28,30 +28,30 @@ enum : State::Column {
   contact_ids,                    ///< u32 x 5: points, then features of up to four
   contact_normal,                 ///< f64 x 3
   contact_impulse,                ///< f64 x 4, N s of one substep along the normal
-  contact_offset,                 ///< f64, m, by which the contact gives way under its load
-  contact_uneven,                 ///< f64 x 4, m, by which a point's offset is thicker than the contact's
+  contact_offset,                 ///< f64, m, yield of the contact under its load
+  contact_uneven,                 ///< f64 x 4, m, by which a point's offset exceeds the contact's
   contact_friction,               ///< f64 x 4: N s in the world, N m s about the normal
   contact_roll,                   ///< f64 x 3, N m s in the world
-  contact_depth,                  ///< f64, m, of the deepest point when it was found; negative: apart
+  contact_depth,                  ///< f64, m, of the deepest point when it was found; negative: separated
   contacts_end,
   joint_bodies = contacts_end,  ///< u32 x 2, rows, kNoBody: the world
   joint_impulse,                ///< f64 x 6, N s and N m s of one substep along the joint's axes
   joint_load,                   ///< f64 x 6, N and N m on b in the world, of the last substep
   joint_broken,                 ///< u32
   drive_impulse,                ///< f64 x 4: spring, motor, lower, upper; of one substep
-  drive_coordinate,             ///< f64, m or rad; turns are counted
-  drive_motor,                  ///< f64 x 2: speed or place that the motor wants, most that it can do
-  counters,                     ///< u64: next id
-  gravity,                      ///< f64 x 3
-  substep,                      ///< f64, s, length of the last step's substeps; 0 before the first
-  push_id,                      ///< u64
-  push_force,                   ///< f64 x 3, N
-  push_at,                      ///< f64 x 3, m, where on the body, in the frame of its principal axes
-  push_remaining,               ///< f64, s
-  drag_id,                      ///< u64
-  drag_target,                  ///< f64 x 3, m
-  drag_at,                      ///< f64 x 3, m, as of pushes
-  drag_stiffness,               ///< f64, N/m
+  drive_coordinate,             ///< f64, m or rad; full turns are counted
+  drive_motor,     ///< f64 x 2: target speed or position of the motor, its maximum force or torque
+  counters,        ///< u64: next id
+  gravity,         ///< f64 x 3
+  substep,         ///< f64, s, length of the last step's substeps; 0 before the first
+  push_id,         ///< u64
+  push_force,      ///< f64 x 3, N
+  push_at,         ///< f64 x 3, m, point on the body, in the frame of its principal axes
+  push_remaining,  ///< f64, s
+  drag_id,         ///< u64
+  drag_target,     ///< f64 x 3, m
+  drag_at,         ///< f64 x 3, m, as for pushes
+  drag_stiffness,  ///< f64, N/m
 };
 inline constexpr UserForces kHands{{push_id, push_force, push_remaining, push_at},
                                    {drag_id, drag_target, drag_stiffness, drag_at}};
@@ -60,16 +60,16 @@ inline constexpr UserForces kHands{{push_id, push_force, push_remaining, push_at
 /// The state at t = 0.
 State rigid3d_at_start(const BodyList& bodies, const JointList& joints, const Vec3& gravity);
 
-/// One body more, at the end.
+/// Appends a body.
 void append_body(State& s, const BodyStart& b);
 
 /// Row of the body with this id, or nothing.
 std::optional<size_t> row_of_body(const State& s, uint64_t id);
 
-/// Takes a body away: its contacts, joints, pushes and drags too. Bodies that touched it wake up.
+/// Removes a body with its contacts, joints, pushes and drags. Bodies that touched it wake up.
 void remove_body(State& s, size_t row);
 
-/// Wakes a body and all that it rests on, carries or is joined to.
+/// Wakes a body and everything that it rests on, carries or is joined to.
 void wake_body(State& s, size_t row, std::span<const BodyKind> kinds);
 
 inline Quat load_quat(const double* p, size_t i) {

@@ -1,10 +1,10 @@
-// A step where most of what is awake touches and turns fast: contact points and normals of the step's start
-// are stale after a turn of a few tenths of a radian (a spinning box would stand on corners that have gone
-// round), so that the stages run once a substep, and substeps are as many as keep each below a fifth of a
-// radian: a flat box on corners that were a third of a radian old sank into the ground and went away. What
-// rolls or spins among many that do not turn is left to the step as it is: the search for contacts is a large
-// part of what a step costs. What only comes to touch in a step is not cut, but its friction knows how it
-// turns (contact_solve3.h).
+// A step where most awake bodies touch and rotate fast: contact points and normals from the start of the step
+// are stale after a rotation of a few tenths of a radian (a spinning box would stand on corners that have
+// moved on). The stages then run once per substep, with enough substeps to keep each below a fifth of a
+// radian: a flat box on corners that were a third of a radian old sank into the ground and went away. Bodies
+// that roll or spin among many that do not rotate are left to the normal step, because the search for
+// contacts is a large part of its cost. Steps are not divided for new contacts either, but their friction
+// accounts for the rotation (contact_solve3.h).
 #include <algorithm>
 #include <cmath>
 
@@ -13,15 +13,15 @@
 namespace truestep::rigid3d {
 
 namespace {
-/// rad in a step; contacts of bodies that turn as far, for every body awake.
+/// rad per step; contacts of bodies that rotate this far, per awake body.
 constexpr double kFastTurn = 0.1, kMost = 1;
-/// rad in a substep, at most.
+/// Maximum rotation in a substep, rad.
 constexpr double kSubstepTurn = 0.2;
 }  // namespace
 
 bool Rigid3d::turns_fast(const State& s, uint32_t i, double h) const {
   const BodyKind& k = bodies_.kinds[s.span<uint32_t>(columns::kind)[i]];
-  // Where a ball touches does not depend on how it turns.
+  // The contact point of a ball does not depend on its rotation.
   if (s.span<uint32_t>(columns::asleep)[i] || k.reach == k.inner) return false;
   return norm2(load3(s.f64(columns::angular_velocity).data(), i)) * (h * h) > kFastTurn * kFastTurn;
 }

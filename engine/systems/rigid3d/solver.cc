@@ -11,19 +11,19 @@ namespace truestep::rigid3d {
 
 namespace {
 
-/// Most rounds of impacts that bodies pass on to one another in a substep; what is left does not bounce.
+/// Maximum rounds of impacts passed on between bodies in one substep; the rest does not bounce.
 constexpr int kImpactRounds = 64;
-/// Share of push_out_speed up to which the speed of pushes is left to the relaxation, which takes back most
-/// of it: walls and towers lean where positions are corrected apart from velocities.
+/// Fraction of push_out_speed up to which the speed of pushes is left to the relaxation, which removes most
+/// of it: walls and towers lean where positions are corrected separately from velocities.
 constexpr double kGentlePush = 0.25;
-/// rad/s; slower bodies change their axis of rotation by less than a float shows.
+/// rad/s; the axis of rotation of slower bodies changes by less than the resolution of a float.
 constexpr double kSlowSpin = 1e-2;
 
 Vec3 roots(const Vec3& a) {
   return {std::sqrt(a.x), std::sqrt(a.y), std::sqrt(a.z)};
 }
 
-/// What turning freely for a time h adds to a spin (rad/s) about principal axes.
+/// Change of a spin (rad/s) about principal axes by free rotation for a time h.
 Vec3 gyroscopic_change(const Vec3& spin, const Vec3& moments, double h) {
   if (norm2(spin) <= kSlowSpin * kSlowSpin) return {};
   if (moments.x == moments.y && moments.y == moments.z) return {};
@@ -49,7 +49,7 @@ void ContactSolver<T>::choose_bodies(const State& s, std::span<const BodyKind> k
   const auto kind = s.span<uint32_t>(columns::kind);
   slot_.assign(kind.size(), kNoBody);
   listed_.clear();
-  // Contacts between two moving bodies come first: the ground is solved after what it carries.
+  // Contacts between two moving bodies come first: the ground is solved after its load.
   enum class Ends : uint8_t { both_move, one_moves };
   const auto list = [&](Ends ends) {
     for (uint32_t k = 0; k < contacts.size(); ++k) {
@@ -157,13 +157,13 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
         for (int e = 0; e < 8; ++e) v[i].x[e] *= damping_[i].x[e];
       }
     });
-    // Before warm starting: impacts use the velocities that bodies really have.
+    // Before warm starting: impacts use the actual velocities of the bodies.
     if (bounces) hit({T(h), T(settings.restitution_speed)}, settings.substeps - 1 - k);
     each_body([&](size_t i) {
       for (int e = 0; e < 8; ++e) start_[i].x[e] = v[i].x[e] += warm_[i].x[e];
     });
-    // There and back: sweeps in one order only would feed bodies that rest on several others, because the
-    // impulses they start from sum up what the sweeps left (eigenvalues of the iteration become complex).
+    // Alternating: sweeps in one order only would feed energy to bodies that rest on several others, because
+    // their warm-start impulses add up what the sweeps left (eigenvalues of the iteration become complex).
     const ColourOrder order = k % 2 == 0 ? ColourOrder::forth : ColourOrder::back;
     const bool parts = deep.exchange(false);
     pass.start = parts ? start_.data() : nullptr;
@@ -182,8 +182,8 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
       }
     });
     pass.elapsed = T((k + 1) * h);
-    // Velocities must satisfy the joints at the new places: what swings would lose (h w)^2 of its energy
-    // per substep with the directions of the old ones.
+    // Velocities must satisfy the joints at the new positions: with the directions of the old ones a swinging
+    // body would lose (h w)^2 of its energy per substep.
     const Renewal renewal = k + 1 < settings.substeps ? Renewal::goes_on : Renewal::last;
     joints_.renew(d, warm_.data(), pass.elapsed, renewal, team_);
     balls_.renew(moved_.data(), warm_.data(), renewal, team_);
@@ -198,9 +198,9 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
         look(g);
       });
     };
-    // Where many bodies overlap, one sweep a substep is not enough of an even number of them: with v the
-    // velocities and G a sweep, warm starts make v'' = G (2 v' - v), which grows for eigenvalues of G below
-    // -1/3. There and back within a substep G has none below 0.
+    // Where many bodies overlap, one sweep per substep is not enough with an even number of substeps: with
+    // velocities v and a sweep G, warm starts give v'' = G (2 v' - v), which grows for eigenvalues of G below
+    // -1/3. With a sweep in each direction per substep, G has none below 0.
     relax(order);
     if (parts) relax(order == ColourOrder::forth ? ColourOrder::back : ColourOrder::forth);
     each_body([&](size_t i) {
@@ -286,14 +286,14 @@ void ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
     if (hit_contacts<Hits::bouncing>(g, bodies, end, pass)) any = true;
   });
   if (!any) return;
-  // An impact passes on through contacts that do not bounce.
+  // An impact is passed on through contacts that do not bounce.
   for (int round = 1; round < kImpactRounds && any; ++round) {
     any = false;
     each_colour(contact_lanes_, groups_, team_, [&](ContactGroup<T>& g) {
       if (hit_contacts<Hits::all>(g, bodies, end, pass)) any = true;
     });
   }
-  // A body whose spin has changed has other gyroscopic torques for the rest of the step.
+  // A body whose spin has changed has different gyroscopic torques for the rest of the step.
   for (size_t i = 0; i < n && substeps_left > 0 && !jointed_; ++i) {
     const T *v = velocity_[i].x, *before = start_[i].x;
     if (std::equal(v + 3, v + 6, before + 3)) continue;
@@ -314,7 +314,7 @@ void ContactSolver<T>::store_bodies(State& s) {
     const T *r = velocity_[k].x, *d = displacement_[k].x;
     store3(v, i, Vec3{double(r[0]), double(r[1]), double(r[2])} * b.root);
     store3(x, i, load3(x, i) + Vec3{double(d[0]), double(d[1]), double(d[2])} * b.root);
-    // Both turns are the body's own: w by its orientation at the end.
+    // Both rotations are in the body's frame: w in that of its orientation at the end.
     const Quat from = load_quat(q, i);
     const Rotation R = rotation(from);
     const Vec3 turn = apply_transposed(b.turn, {double(d[3]), double(d[4]), double(d[5])});
@@ -338,7 +338,7 @@ void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, const Jo
     ends_.push_back({slot_[contacts[k]->a], slot_[contacts[k]->b]});
     many_.push_back(contacts[k]->manifold.count > 2);
   }
-  // The lane with the most points decides how long a group takes.
+  // The lane with the most points determines the time of a group.
   make_lanes(listed_, ends_, many_, body_.size(), W::kLanes, colouring_, contact_lanes_);
   if (groups_.size() < contact_lanes_.count) groups_.resize(contact_lanes_.count + contact_lanes_.count / 4);
   team_.for_blocks(contact_lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {

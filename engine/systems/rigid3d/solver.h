@@ -1,6 +1,6 @@
-// Contacts of a step solved in substeps: velocities, bias, positions, relax (Catto, "Solver2D", 2024), the
-// contacts of one colour side by side. Bodies are moved by what comes out. The impulses of all contacts act
-// on from substep to substep; their sum is kept per body, so that starting warm is one addition.
+// Solves the contacts of a step in substeps: velocities, bias, positions, relax (Catto, "Solver2D", 2024),
+// with the contacts of one colour in parallel, and moves the bodies. The impulses of all contacts persist
+// from substep to substep; their sum is kept per body, which makes warm starting one addition.
 #pragma once
 #include <span>
 #include <vector>
@@ -15,22 +15,22 @@
 
 namespace truestep::rigid3d {
 
-/// What forces do to every body in a step.
+/// Change of every body by forces in a step.
 struct ForceChange {
   std::span<const Vec3> velocity;  ///< m/s
-  std::span<const Vec3> momentum;  ///< angular, N m s, in the world; empty where nothing twists
+  std::span<const Vec3> momentum;  ///< angular, N m s, in the world; empty without torques
 };
 
 template <class T>
 class ContactSolver {
  public:
   using W = Wide<T>;
-  /// Moves the bodies that have contacts (`slots` tells which) by in.h; `change` is what gravity, pushes and
-  /// torques add to the velocity and to the angular momentum of every body in that time.
+  /// Moves the bodies that have contacts (see `slots`) by in.h; `change` is the change of velocity and
+  /// angular momentum of every body by gravity, pushes and torques in that time.
   void solve(State& s, std::span<const BodyKind> kinds, const JointList& joints,
              std::span<Contact* const> contacts, std::span<const BodyNow> now, const ForceChange& change,
              const SolverSettings& settings, const StepInput& in);
-  /// Per body: its place among those that this step's solver moved, or kNoBody.
+  /// Per body: its index among the bodies moved by this step's solver, or kNoBody.
   std::span<const uint32_t> slots() const { return slot_; }
 
  private:
@@ -43,23 +43,23 @@ class ContactSolver {
             std::span<const BodyNow> now);
   void substeps(const State& s, const JointList& joints, const SolverSettings& settings, const StepInput& in);
   void set_turned(size_t body, const Vec3& gyroscopic);
-  /// Where joints are: moves the bodies for a substep of h with the velocities that they have.
+  /// With joints: moves the bodies for a substep of h with their current velocities.
   void move_jointed(T h);
-  /// Bodies on which springs act alone begin and end a step with half of what pulls them in a substep.
+  /// Bodies on which only springs act begin and end a step with half of the spring impulse of a substep.
   void choose_sprung(const State& s, const JointList& joints, std::span<Contact* const> contacts);
   void kick(T times);
-  /// Marks in parts_ the bodies of islands in which all rest on one another under the impulses that were
-  /// found: only their springs may start under load, because what topples would be thrown up by them.
+  /// Marks in parts_ the bodies of islands in which all bodies rest on one another under the impulses found:
+  /// only their springs may start under load, because loaded springs would throw up what topples.
   void find_resting();
-  /// Lets the first step start from the impulses and offsets that gravity's loads ask for.
+  /// Starts the first step from the impulses and offsets that the gravity loads require.
   void find_loads(const State& s, std::span<const BodyKind> kinds, std::span<Contact* const> contacts,
                   std::span<const BodyNow> now, const SolverSettings& settings, double h);
-  /// The contacts that bear something, from the highest body down, and the loads that gravity puts on them.
+  /// Load-bearing contacts, from the highest body down, and the gravity loads on them.
   void list_bearings(std::span<Contact* const> contacts, std::span<const BodyNow> now, const Vec3& up);
   void hand_down_loads(std::span<Contact* const> contacts, std::span<const BodyNow> now);
-  /// Lets contacts bounce that close within a substep.
+  /// Applies bounces to contacts that close within a substep.
   void hit(const ImpactPass<T>& pass, int substeps_left);
-  /// Marks the lanes of islands in which a contact is deep, and remembers their impulses.
+  /// Marks the lanes of islands with a deep contact, and stores their impulses.
   void start_parting(const ContactPass<T>& pass);
   void store_impulses(std::span<Contact* const> contacts, const PenetrationOffsetRule& rule);
   void store_bodies(State& s);
@@ -69,7 +69,7 @@ class ContactSolver {
       for (size_t i = begin; i < end; ++i) body(i);
     });
   }
-  /// Body `upper` rests on `lower` (kNoBody: on what does not move) with this contact.
+  /// Body `upper` rests on `lower` (kNoBody: on something fixed) through this contact.
   struct Bearing {
     uint32_t upper, lower, group;
     int lane;
@@ -79,12 +79,12 @@ class ContactSolver {
   template <class U>
   using Aligned = std::vector<U, CacheLineAllocator<U>>;
   std::vector<uint32_t> slot_, body_;
-  std::vector<uint32_t> island_;  // per body that moves, where some overlap deeply
+  std::vector<uint32_t> island_;  // per moving body, where some overlap deeply
   std::vector<uint8_t> parts_;
   std::vector<ScaledBody> scaled_;
   std::vector<Vec3> moments_;
-  /// Where joints follow their bodies' turns: roots and ratios (free_rotation.h) of the moments, half of what
-  /// a substep changes in the (scaled) spin, and whether that has an axis to change.
+  /// For joints that follow the rotation of their bodies: roots and ratios (free_rotation.h) of the moments,
+  /// half of the change of the (scaled) spin in a substep, and whether its axis can change.
   struct Turning {
     Vec3 root, ratios, half;
     bool asymmetric;
@@ -101,10 +101,10 @@ class ContactSolver {
   LaneColouring colouring_;
   std::vector<ConstraintEnds> ends_;
   std::vector<uint32_t> listed_;
-  std::vector<uint8_t> many_;  // contacts of more than two points
+  std::vector<uint8_t> many_;  // contacts with more than two points
   std::vector<Bearing> bearings_;
-  uint32_t flags_ = 0, common_flags_ = 0;  // of any group, of all
-  std::vector<uint8_t> held_, sprung_;     // per place: something else acts on it; springs alone do
+  uint32_t flags_ = 0, common_flags_ = 0;  // of any group, of all groups
+  std::vector<uint8_t> held_, sprung_;  // per index: something else acts on the body; only springs act on it
   bool damped_ = false, springs_ = false, jointed_ = false;
 };
 

@@ -12,7 +12,7 @@ bool only_a_ball(const Joint& j) {
          j.max_torque == kUnbounded;
 }
 
-/// Axes along which the state has the impulses of a joint.
+/// Axes along which the state stores the impulses of a joint.
 void slide_axes(const Joint& j, const Rotation& a, Vec3 out[3]) {
   const Rotation r = a * rotation(j.slide_frame);
   for (int e = 0; e < 3; ++e) out[e] = axis(r, e);

@@ -1,5 +1,5 @@
-// Joints of a step that are balls and nothing more: three rows instead of six, and nothing that a pass does
-// not need. The others are solver_joint.h's; both use the same softness and the same columns of the state.
+// Purely spherical joints of a step: three rows instead of six, and no data that a pass does not need. The
+// others are in solver_joint.h; both use the same softness and the same columns of the state.
 #pragma once
 #include <span>
 #include <vector>
@@ -16,21 +16,21 @@ class BallSolver {
  public:
   using W = Wide<T>;
   using Bodies = typename JointSolver<T>::Bodies;
-  /// Takes what it can solve from `listed`, the joints of this step.
+  /// Takes the joints that it can solve from `listed`, the joints of this step.
   void take(std::vector<uint32_t>& listed, const State& s, std::span<const Joint> joints,
             std::span<const BodyNow> now);
   /// h: a substep.
   void fill(const State& s, std::span<const Joint> joints, const Bodies& bodies, double h,
             const ThreadTeam& team);
-  /// Before the first substep: adds to `warm` what the joints carried last.
+  /// Before the first substep: adds the last impulses of the joints to `warm`.
   void start(Record8<T>* warm, const ThreadTeam& team);
-  /// When the bodies have moved: what joints carry turns with them; `moved` (scaled, in the frames of the
-  /// step's start) is what they did in the substep.
+  /// After the bodies have moved: rotates the impulses of the joints with them; `moved` (scaled, in the
+  /// frames at the start of the step) is the motion in the substep.
   void renew(const Record8<T>* moved, Record8<T>* warm, Renewal renewal, const ThreadTeam& team);
   void bias(Record8<T>* v, const ThreadTeam& team);
   void relax(Record8<T>* v, const ThreadTeam& team);
-  /// What the next step starts from, once the bodies of `s` are where they go; h: a substep. Joints that
-  /// carried too much break.
+  /// Stores the start values of the next step, once the bodies of `s` are at their new positions; h: a
+  /// substep. Overloaded joints break.
   void store(State& s, std::span<const Joint> joints, double h) const;
 
  private:

@@ -1,4 +1,4 @@
-// The contact solver's groups of contacts: how they are filled from manifolds, and what goes back to them.
+// Groups of contacts in the solver: how they are filled from manifolds, and which results go back to them.
 #include <algorithm>
 #include <cmath>
 
@@ -14,8 +14,8 @@ Vec3 get3(const Wide<T> in[3], int lane) {
   return {in[0][lane], in[1][lane], in[2][lane]};
 }
 
-/// The solid of a manifold's part when it is one of revolution that is met beside its axis too, and where it
-/// is; nothing for balls and capsules, on which contacts always face the axis.
+/// The solid of a manifold's part, and its pose, if it is a solid of revolution that can be touched off its
+/// axis; null for balls and capsules, whose contact normals always meet the axis.
 const Solid* cylinder_of(const Solid& s, uint32_t part, Transform& at) {
   if (s.kind == SolidKind::cylinder) return &s;
   if (s.kind != SolidKind::compound) return nullptr;
@@ -25,8 +25,8 @@ const Solid* cylinder_of(const Solid& s, uint32_t part, Transform& at) {
   return &p.solid;
 }
 
-/// m/s along n at x: how fast what a cylinder is made of moves there by turning about its own axis. Its
-/// surface stays where it is, whatever point of a rim passes.
+/// m/s along n at x: speed of a cylinder's material there due to rotation about its own axis. The surface
+/// stays in place while points of the rim pass.
 double passes(const BodyKind& kind, uint32_t part, Transform at, const Vec3& spin, const Vec3& x,
               const Vec3& n) {
   if (!cylinder_of(kind.solid, part, at)) return 0;
@@ -119,7 +119,7 @@ void ContactSolver<T>::store_impulses(std::span<Contact* const> contacts, const 
       c.penetration_offset =
           sum > 0 ? next_penetration_offset(c.penetration_offset, depth / sum, sum * (a * a + b * b), rule)
                   : 0;
-      // At most the offset: a contact that lost its load holds no point up.
+      // At most the offset: a contact that lost its load holds up no point.
       for (double& u : c.uneven) u = std::clamp(u, -c.penetration_offset, c.penetration_offset);
       c.slide = get3(g.tangent[0], lane) * g.slide[0][lane] + get3(g.tangent[1], lane) * g.slide[1][lane];
       c.twist = g.twist[lane];

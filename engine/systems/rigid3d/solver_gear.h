@@ -1,5 +1,6 @@
-// Gears of a step: first coordinate + ratio * second = 0 over the drives of two joints, one after the other.
-// The impulse acts along the directions that leave the locked rows of both joints alone (joint_drives3.h).
+// Gears of a step: first coordinate + ratio * second = 0 over the drives of two joints, solved one after the
+// other. The impulse acts along directions that do not affect the locked rows of both joints
+// (joint_drives3.h).
 #pragma once
 #include <span>
 
@@ -11,12 +12,12 @@ template <class T>
 struct GearRow {
   uint32_t joint = 0;
   struct Mesh {
-    uint32_t group = 0, drive = 0;  ///< places in the solver's lists
+    uint32_t group = 0, drive = 0;  ///< indices in the solver's lists
     int lane = 0;
   } mesh[2];
-  T ratio = 1, error = 0;  ///< of coordinates; at the step's start
+  T ratio = 1, error = 0;  ///< of coordinates; at the start of the step
   T impulse = 0;
-  // Made anew in every substep.
+  // Computed anew in every substep.
   struct End {
     uint32_t slot;
     T j[6], p[6];
@@ -27,7 +28,7 @@ struct GearRow {
 template <class T>
 void prepare_gear(GearRow<T>& gear, std::span<const JointGroup<T>> groups,
                   std::span<const JointDrive<T>> drives, uint32_t end);
-/// Adds `times` the gear's impulse to the records.
+/// Adds the gear's impulse, times `times`, to the records.
 template <class T>
 void apply_gear(const GearRow<T>& gear, Record8<T>* records, uint32_t end, T times);
 template <ContactSolve kind, class T>

@@ -8,7 +8,7 @@
 namespace truestep::rigid3d {
 
 namespace {
-/// Joints are springs of this share of the substeps' rate, with this damping ratio.
+/// Rate of joint springs as a fraction of the substeps' rate, and their damping ratio.
 constexpr double kJointHertzShare = 0.25, kJointDamping = 2;
 }  // namespace
 
@@ -45,7 +45,7 @@ void JointSolver<T>::fill(const State& s, const JointList& joints, const Bodies&
   fill_gears(s, joints);
 }
 
-/// Room for the drives of every group, one for each row that any of its lanes drives.
+/// Allocates the drives of every group, one for each row that any of its lanes drives.
 template <class T>
 void JointSolver<T>::count_drives(const JointList& joints) {
   uint32_t total = 0;
@@ -125,7 +125,7 @@ void JointSolver<T>::fill_group(size_t group, const State& s, const JointList& j
   }
 }
 
-/// What kinematic bodies add to J v.
+/// Contribution of kinematic bodies to J v.
 template <class T>
 void JointSolver<T>::set_drift(JointGroup<T>& g, int lane, const State& s,
                                const std::array<uint32_t, 2>& held, const Bodies& bodies,
@@ -157,7 +157,7 @@ void JointSolver<T>::fill_drive(JointGroup<T>& g, int lane, const State& s, cons
   const double* impulse = s.f64(columns::drive_impulse).data() + 4 * static_cast<size_t>(index);
   const double* motor = s.f64(columns::drive_motor).data() + 2 * static_cast<size_t>(index);
   d.laws |= drive.laws;
-  // Row 0 of a line is measured from the length that it wants.
+  // Row 0 of a line is measured from the target length.
   d.start.set(lane, drive.row < 3 ? T(at.coordinate[drive.row]) : T(0));
   if (drive.laws & Drive::kSpring) {
     g.flags |= JointGroup<T>::kSprings;
@@ -182,7 +182,7 @@ void JointSolver<T>::fill_drive(JointGroup<T>& g, int lane, const State& s, cons
   }
 }
 
-/// Places of this step's joints, and the gears both of whose joints are among them.
+/// Indices of this step's joints, and the gears both of whose joints are among them.
 template <class T>
 void JointSolver<T>::fill_gears(const State& s, const JointList& joints) {
   gears_.clear();

@@ -1,5 +1,5 @@
-// Joints of a step: those that hold a moving body, side by side by colour, warm started, and solved before
-// the contacts in every pass; gears after them. What they carry is kept in the state from step to step.
+// Joints of a step that hold a moving body: in SIMD lanes by colour, warm started, and solved before the
+// contacts in every pass; gears after them. The state keeps their impulses from step to step.
 #pragma once
 #include <span>
 #include <vector>
@@ -20,7 +20,7 @@ template <class T>
 class JointSolver {
  public:
   using W = Wide<T>;
-  /// What the step knows of its bodies: slot[i] is body i's place in `scaled`, or kNoBody.
+  /// Bodies of the step: slot[i] is the index of body i in `scaled`, or kNoBody.
   struct Bodies {
     std::span<const BodyNow> now;
     std::span<const uint32_t> slot;
@@ -29,35 +29,36 @@ class JointSolver {
   };
   /// Lists the joints of this step and marks the bodies that they move (slot 0).
   void choose(const State& s, std::span<const BodyNow> now, std::span<uint32_t> slot);
-  /// Those of this step, before `fill`.
+  /// The joints of this step, before `fill`.
   std::vector<uint32_t>& listed() { return listed_; }
   /// h: a substep.
   void fill(const State& s, const JointList& joints, const Bodies& bodies, double h, const ThreadTeam& team);
-  /// Before the first substep of h: adds to `warm` what the joints carried last.
+  /// Before the first substep of h: adds the last impulses of the joints to `warm`.
   void start(const JointList& joints, const Record8<T>* moved, Record8<T>* warm, double h,
              const ThreadTeam& team);
-  /// Joints of this step that are springs and nothing else, before `fill`.
+  /// True if this step has joints with only springs, before `fill`.
   bool has_springs(const JointList& joints) const;
-  /// Marks the bodies (by place) that other joints of this step hold.
+  /// Marks the bodies (by index) that other joints of this step hold.
   void mark_held(const State& s, const JointList& joints, std::span<const uint32_t> slot,
                  std::span<uint8_t> held) const;
-  /// Springs act alone on bodies that nothing holds: a step may begin and end with half a pull of theirs
-  /// (oscillator_step). Marks in `sprung` where one does. After `start`.
+  /// Where only springs act on a body, a step may begin and end with half a spring impulse (oscillator_step).
+  /// Marks these bodies in `sprung`. After `start`.
   void loosen(const State& s, const JointList& joints, std::span<const uint8_t> held,
               std::span<uint8_t> sprung, double h);
-  /// Half a pull of those where they are now, `times` over.
+  /// Applies half a spring impulse of those at their current positions, times `times`.
   void kick(Record8<T>* v, T times, const ThreadTeam& team);
-  /// When the bodies have moved, `elapsed` (s) after the step's start: what joints carry turns with them.
+  /// After the bodies have moved, `elapsed` (s) after the start of the step: rotates the impulses of joints
+  /// with them.
   void renew(const Record8<T>* moved, Record8<T>* warm, double elapsed, Renewal renewal,
              const ThreadTeam& team);
   /// Softness of joints, for substeps of h.
   static SoftConstraint<double> softness(double h);
-  /// Springs pull, before what is locked answers in `bias`.
+  /// Applies springs, before locked rows respond in `bias`.
   void pull(Record8<T>* v, const ThreadTeam& team);
   void bias(Record8<T>* v, const ThreadTeam& team);
   void relax(Record8<T>* v, const ThreadTeam& team);
-  /// What the next step starts from, once the bodies of `s` are where they go; h: a substep. Joints that
-  /// carried too much break.
+  /// Stores the start values of the next step, once the bodies of `s` are at their new positions; h: a
+  /// substep. Overloaded joints break.
   void store(State& s, const JointList& joints, double h);
 
  private:
@@ -70,7 +71,7 @@ class JointSolver {
   void fill_gears(const State& s, const JointList& joints);
   void soften(size_t group, const JointList& joints, double h);
   void prepare(JointGroup<T>& g, const Record8<T>* moved, double elapsed);
-  /// The group's drive of that row.
+  /// The drive of the group for this row.
   JointDrive<T>& drive_of(const JointGroup<T>& g, uint32_t row) {
     return drives_[g.first_drive + static_cast<uint32_t>(std::popcount(g.driven_rows & ((1u << row) - 1)))];
   }
@@ -85,7 +86,7 @@ class JointSolver {
   std::vector<ConstraintEnds> ends_;
   std::vector<uint32_t> listed_;
   std::vector<uint32_t> place_;     // of joints: group * lanes + lane, or kNoBody
-  std::vector<double> coordinate_;  // of the scene's drives at the step's start
+  std::vector<double> coordinate_;  // of the scene's drives at the start of the step
   JointPass<T> pass_, relax_;
   uint32_t end_ = 0;
 };

@@ -1,5 +1,5 @@
-// Springs and motors of a step's joints: their coefficients, and springs that act alone on their bodies,
-// which begin and end a step with half a pull (oscillator_step in soft_constraint.h).
+// Springs and motors of a step's joints: their coefficients, and springs that are the only action on their
+// bodies, which begin and end a step with half an impulse (oscillator_step in soft_constraint.h).
 #include <algorithm>
 
 #include "engine/math/trig.h"
@@ -7,7 +7,7 @@
 
 namespace truestep::rigid3d {
 
-/// Coefficients of springs and motors for substeps of h, by the masses that they move now.
+/// Coefficients of springs and motors for substeps of h, from the current effective masses.
 template <class T>
 void JointSolver<T>::soften(size_t group, const JointList& joints, double h) {
   JointGroup<T>& g = groups_[group];
@@ -30,7 +30,7 @@ void JointSolver<T>::soften(size_t group, const JointList& joints, double h) {
         d.spring.scale.set(lane, T(step.scale));
       }
       if (drive.laws & Drive::kMotor) {
-        // A servo wants the speed that takes it there at its rate, whatever hangs on it.
+        // A servo moves at the speed that approaches its target at its rate, whatever its load.
         if (drive.wants == Drive::Wants::place) {
           d.motor.scale.set(lane, T(1));
           d.motor.push.set(lane, T((1 - trig::exp(-drive.servo_rate * h)) / h));

@@ -1,8 +1,8 @@
-// The impulses that a scene starts with. Substeps carry loads on from the one before; the first has none, and
-// a sweep passes a load on by a course or two, so that what is tall would plunge before its lowest contacts
-// knew of its top. So gravity's loads are handed down once, from the highest body to the lowest (bearing.h):
-// exact for stacked boxes. Sweeps as if everything were at rest add what leaning bodies, wedges and arches
-// need. Where everything is held then, contacts start with offsets as thick as they give way under their
+// Initial impulses of a scene. Substeps carry loads on from the previous one; the first has none, and a sweep
+// passes a load on by only a course or two: a tall structure would sink before its lowest contacts felt its
+// top. Gravity loads are therefore passed down once, from the highest body to the lowest (bearing.h): exact
+// for stacked boxes. Sweeps with all bodies treated as at rest add the loads of leaning bodies, wedges and
+// arches. If everything is then supported, contacts start with offsets equal to their yields under these
 // loads.
 #include <algorithm>
 #include <cmath>
@@ -15,11 +15,12 @@ namespace truestep::rigid3d {
 
 namespace {
 
-/// Sweeps for the loads that a scene starts with, and groups of contacts that these may take in all.
+/// Sweeps for the initial loads of a scene, and the number of groups of contacts that they may process in
+/// all.
 constexpr size_t kLoadSweeps = 2000, kLoadGroups = 200'000;
-/// Contacts steeper than this (cosine between normal and vertical) get nothing.
+/// Contacts steeper than this (cosine between normal and vertical) carry nothing.
 constexpr double kBears = 0.3;
-/// Share of the smaller body's reach that an offset may have at the start: springs under load store energy.
+/// Largest offset at the start, as a fraction of the smaller body's reach: loaded springs store energy.
 constexpr double kMostStart = 0.02;
 
 }  // namespace
@@ -101,8 +102,8 @@ void ContactSolver<T>::hand_down_loads(std::span<Contact* const> contacts, std::
 
 template <class T>
 void ContactSolver<T>::find_resting() {
-  /// Share of what forces would give a body that may be left when it is held, and how much of that it may
-  /// move already.
+  /// Fraction of the velocity change by forces that may remain in a supported body, and multiple of it at
+  /// which the body may already move.
   constexpr double kHeld = 0.05, kStill = 2;
   const auto size2 = [](const Record8<T>& r) {
     double sum = 0;
@@ -131,7 +132,7 @@ void ContactSolver<T>::find_loads(const State& s, std::span<const BodyKind> kind
   const double h = step / settings.substeps;
   ContactPass<T> pass{};
   pass.inverse_h = T(1 / h);
-  // As if everything were at rest: velocities are what gravity adds in a substep and contacts take back.
+  // As if everything were at rest: velocities are what gravity adds in a substep and contacts remove.
   start_.assign(change_.begin(), change_.end());
   hand_down_loads(contacts, now);
   each_colour(contact_lanes_, groups_, team_,
@@ -153,7 +154,7 @@ void ContactSolver<T>::find_loads(const State& s, std::span<const BodyKind> kind
       if (m == kNoBody) continue;
       const uint32_t body = std::min(g.a[lane], g.b[lane]);
       if (body < end && !parts_[body]) continue;
-      // Each point gives way by what it bears alone.
+      // Each point yields by its own load.
       double load = 0, given = 0;
       for (int p = 0; p < g.points; ++p) {
         const double point = g.place[p].impulse[lane], inverse = g.point_inverse[p][lane];
@@ -168,7 +169,7 @@ void ContactSolver<T>::find_loads(const State& s, std::span<const BodyKind> kind
       const double share = mean > kMostStart * smallest ? kMostStart * smallest / mean : 1;
       c.penetration_offset = share * mean;
       for (int p = 0; p < g.points; ++p) {
-        // What each gives way: one offset for all would lift the points that bear less.
+        // The yield of each point: one offset for all would lift the points with less load.
         const double point = g.place[p].impulse[lane], inverse = g.point_inverse[p][lane];
         if (inverse > 0) c.uneven[p] = share * gives_way * point / inverse - c.penetration_offset;
         const T separation = g.place[p].separation_at_start[lane] - T(c.penetration_offset + c.uneven[p]);

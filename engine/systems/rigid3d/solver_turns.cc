@@ -1,8 +1,7 @@
-// How bodies turn within a step where joints hold some: their turns are rotation vectors that add up as turns
-// do,
-//   p' = w + (p x w) / 2 + p x (p x w) / 12 + ..      (Bortz 1971, w about the body's own axes),
-// and between impulses a body turns freely, so that it keeps its angular momentum: gyroscopic torques of the
-// step's start would do work on spins that joints have turned by then.
+// Rotation of bodies within a step where joints hold some: rotation vectors that compose as rotations do,
+//   p' = w + (p x w) / 2 + p x (p x w) / 12 + ..      (Bortz 1971, w about the body's own axes).
+// Between impulses a body rotates freely and keeps its angular momentum: gyroscopic torques from the start of
+// the step would do work on spins that joints have turned since.
 #include <algorithm>
 
 #include "engine/kernels/free_rotation.h"
@@ -14,8 +13,8 @@ void ContactSolver<T>::move_jointed(T h) {
   const size_t n = body_.size();
   const auto end = static_cast<uint32_t>(n);
   team_.for_blocks(n, kBodiesPerBlock, [&](size_t begin, size_t last) {
-    // Half of what turning freely changes before the move and half after it: the mean of the spin at both
-    // ends keeps the angular momentum.
+    // Half of the change by free rotation before the move and half after it: the mean spin of both ends keeps
+    // the angular momentum.
     for (size_t i = begin; i < last; ++i) {
       Turning& turning = turning_[i];
       if (!turning.asymmetric) continue;
@@ -40,7 +39,7 @@ void ContactSolver<T>::move_jointed(T h) {
       cross(d + 3, v + 3, once), cross(d + 3, once, twice);
       for (int e = 0; e < 3; ++e) {
         d[e] += v[e], d[3 + e] += madd(W(T(1.0 / 12)), twice[e], madd(W(T(0.5)), once[e], v[3 + e]));
-        // As seen from where the body was at the step's start.
+        // In the frame of the body at the start of the step.
         v[3 + e] += madd(W(T(0.5)), twice[e], once[e]);
       }
       scatter6(moved_.data(), at, end, v), scatter6(displacement_.data(), at, end, d);
@@ -48,7 +47,7 @@ void ContactSolver<T>::move_jointed(T h) {
     for (size_t i = begin; i < last; ++i) {
       if (!turning_[i].asymmetric) continue;
       const double half[3] = {turning_[i].half.x, turning_[i].half.y, turning_[i].half.z};
-      // Of the impulses that the next substep starts from it is none.
+      // It is not part of the impulses that the next substep starts from.
       for (int e = 0; e < 3; ++e) velocity_[i].x[3 + e] += T(half[e]), start_[i].x[3 + e] += T(2 * half[e]);
     }
   });

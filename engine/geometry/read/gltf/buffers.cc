@@ -19,7 +19,7 @@ std::vector<std::byte> from_base64(std::string_view text, const std::string& whe
     if (c == '/' || c == '_') v = 63;
     if (c == '=') break;
     if (c == '\n' || c == '\r' || c == ' ') continue;
-    if (v < 0) fail(where, "byte " + std::to_string(k) + " is not of base64");
+    if (v < 0) fail(where, "byte " + std::to_string(k) + " is not a base64 character");
     held = held << 6 | static_cast<uint32_t>(v), bits += 6;
     if (bits < 8) continue;
     bits -= 8;
@@ -64,7 +64,7 @@ Buffers::Buffers(const Value& document, std::span<const std::byte> binary) : doc
       const std::string text = uri.text_or("");
       const size_t comma = text.find(";base64,");
       if (!text.starts_with("data:") || comma == std::string::npos) {
-        fail(uri.where(), "only data URIs in base64 are read, no files beside this one");
+        fail(uri.where(), "only data URIs in base64 are read, not external files");
       }
       bytes = from_base64(std::string_view(text).substr(comma + 8), uri.where());
     } else if (k == 0) {
@@ -74,7 +74,7 @@ Buffers::Buffers(const Value& document, std::span<const std::byte> binary) : doc
     }
     const double length = buffers[k].member("byteLength").number();
     if (!(length >= 0) || length > static_cast<double>(bytes.size())) {
-      fail(buffers[k].where() + "/byteLength", "there are " + std::to_string(bytes.size()) + " bytes only");
+      fail(buffers[k].where() + "/byteLength", "there are only " + std::to_string(bytes.size()) + " bytes");
     }
     buffers_.push_back(std::move(bytes));
   }
@@ -92,7 +92,7 @@ std::vector<double> Buffers::numbers(const Value& reference, size_t width, bool 
     if (type == name) columns = count;
   }
   if (columns == 0 || (width != 0 && columns != width)) {
-    fail(a.where() + "/type", "\"" + type + "\" is not what belongs here");
+    fail(a.where() + "/type", "\"" + type + "\" is the wrong type here");
   }
   const auto component = static_cast<int>(a.member("componentType").number());
   size_t size = 0;
@@ -110,10 +110,11 @@ std::vector<double> Buffers::numbers(const Value& reference, size_t width, bool 
       size = 4;
       break;
     default:
-      fail(a.where() + "/componentType", "is no type of glTF");
+      fail(a.where() + "/componentType", "is not a component type of glTF");
   }
   const double count = a.member("count").number();
-  if (!(count >= 1) || count != std::floor(count)) fail(a.where() + "/count", "is no count");
+  if (!(count >= 1) || count != std::floor(count))
+    fail(a.where() + "/count", "must be a whole number above 0");
   const Value view = views[a.member("bufferView").index(views.size(), "buffer view")];
   const std::vector<std::byte>& buffer = buffers_[view.member("buffer").index(buffers_.size(), "buffer")];
   const double offset = view.member("byteOffset").number_or(0), inside = a.member("byteOffset").number_or(0);

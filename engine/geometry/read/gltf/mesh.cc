@@ -11,13 +11,13 @@ void read_weights(const Value& attributes, const Buffers& buffers, size_t count,
                   GltfMesh& mesh) {
   const Value joints = attributes.member("JOINTS_0"), weights = attributes.member("WEIGHTS_0");
   if (!joints.there()) {
-    if (!mesh.joints.empty()) fail(attributes.where(), "a part of the mesh has no JOINTS_0");
+    if (!mesh.joints.empty()) fail(attributes.where(), "a primitive of the mesh has no JOINTS_0");
     return;
   }
-  if (mesh.joints.size() != first) fail(attributes.where(), "a part of the mesh has no JOINTS_0");
+  if (mesh.joints.size() != first) fail(attributes.where(), "a primitive of the mesh has no JOINTS_0");
   const std::vector<double> j = buffers.numbers(joints, 4, false), w = buffers.numbers(weights, 4, true);
   if (j.size() != 4 * count || w.size() != 4 * count)
-    fail(joints.where(), "are not as many as there are positions");
+    fail(joints.where(), "must have as many as there are positions");
   for (size_t k = 0; k < count; ++k) {
     std::array<uint32_t, 4> joint;
     std::array<double, 4> weight;
@@ -58,12 +58,12 @@ GltfMesh read_mesh(const Value& v, const Buffers& buffers) {
     } else {
       for (size_t k = 0; k < places.size(); ++k) indices.push_back(static_cast<double>(k));
     }
-    if (indices.size() % 3 != 0) fail(primitive.where() + "/indices", "are not three a triangle");
+    if (indices.size() % 3 != 0) fail(primitive.where() + "/indices", "must have three per triangle");
     for (size_t k = 0; k < indices.size(); k += 3) {
       std::array<uint32_t, 3> t;
       for (size_t i = 0; i < 3; ++i) {
         if (!(indices[k + i] >= 0 && indices[k + i] < static_cast<double>(places.size()))) {
-          fail(primitive.where() + "/indices", "element " + std::to_string(k + i) + " is no vertex");
+          fail(primitive.where() + "/indices", "element " + std::to_string(k + i) + " is not a vertex");
         }
         t[i] = static_cast<uint32_t>(first + static_cast<size_t>(indices[k + i]));
       }
@@ -72,13 +72,13 @@ GltfMesh read_mesh(const Value& v, const Buffers& buffers) {
     read_weights(attributes, buffers, places.size(), first, mesh);
     const Value targets = primitive.member("targets");
     if (p > 0 && targets.size() != mesh.targets.size())
-      fail(targets.where(), "are not as many as in the first primitive");
+      fail(targets.where(), "must have as many as in the first primitive");
     mesh.targets.resize(targets.size());
     for (size_t k = 0; k < targets.size(); ++k) {
       mesh.targets[k].resize(first);
       std::vector<Vec3> offsets(places.size());
       if (targets[k].member("POSITION").there()) offsets = buffers.vectors(targets[k].member("POSITION"));
-      if (offsets.size() != places.size()) fail(targets[k].where(), "has not as many vertices as the base");
+      if (offsets.size() != places.size()) fail(targets[k].where(), "must have as many vertices as the base");
       mesh.targets[k].insert(mesh.targets[k].end(), offsets.begin(), offsets.end());
     }
   }

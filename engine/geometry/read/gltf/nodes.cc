@@ -28,7 +28,7 @@ void place(const Value& v, GltfNode& node) {
   const auto take = [&](const char* name, double* out, size_t count) {
     const Value a = v.member(name);
     if (!a.there()) return false;
-    if (a.size() != count) fail(a.where(), "has not " + std::to_string(count) + " numbers");
+    if (a.size() != count) fail(a.where(), "must have " + std::to_string(count) + " numbers");
     for (size_t k = 0; k < count; ++k) out[k] = a[k].number();
     return true;
   };
@@ -51,11 +51,11 @@ void place(const Value& v, GltfNode& node) {
     take("translation", t, 3), take("rotation", q, 4), take("scale", s, 3);
   }
   if (!(s[0] > 0) || std::abs(s[1] - s[0]) > 1e-3 * s[0] || std::abs(s[2] - s[0]) > 1e-3 * s[0]) {
-    fail(v.where() + "/scale", "is not the same in all directions");
+    fail(v.where() + "/scale", "must be the same in all directions");
   }
   const Quat turn{q[3], q[0], q[1], q[2]};
   const double length = std::sqrt(turn.w * turn.w + turn.x * turn.x + turn.y * turn.y + turn.z * turn.z);
-  if (!(length > 1e-6)) fail(v.where() + "/rotation", "is no rotation");
+  if (!(length > 1e-6)) fail(v.where() + "/rotation", "is not a rotation");
   node.local = {{t[0], t[1], t[2]}, normalized(turn)};
   node.scale = s[0];
 }
@@ -75,7 +75,7 @@ std::vector<GltfNode> read_nodes(const Value& document) {
     const Value children = nodes[k].member("children");
     for (size_t c = 0; c < children.size(); ++c) {
       GltfNode& child = all[children[c].index(n, "node")];
-      if (child.parent >= 0) fail(children[c].where(), "the node has a parent already");
+      if (child.parent >= 0) fail(children[c].where(), "the node already has a parent");
       child.parent = static_cast<int32_t>(k);
     }
   }

@@ -26,22 +26,22 @@ class Value {
     const std::string at = where_ + "/" + std::string(name);
     if (!v_) return {nullptr, at};
     const auto* o = v_->if_object();
-    if (!o) fail(where_, "is no object");
+    if (!o) fail(where_, "is not an object");
     return {o->if_contains(name), at};
   }
   size_t size() const {
     if (!v_) return 0;
     const auto* a = v_->if_array();
-    if (!a) fail(where_, "is no array");
+    if (!a) fail(where_, "is not an array");
     return a->size();
   }
   Value operator[](size_t k) const {
     const std::string at = where_ + "/" + std::to_string(k);
-    if (k >= size()) fail(at, "is not there");
+    if (k >= size()) fail(at, "is missing");
     return {&v_->get_array()[k], at};
   }
   double number() const {
-    if (!v_) fail(where_, "is not there");
+    if (!v_) fail(where_, "is missing");
     double x = 0;
     if (v_->is_double()) {
       x = v_->get_double();
@@ -50,7 +50,7 @@ class Value {
     } else if (v_->is_uint64()) {
       x = static_cast<double>(v_->get_uint64());
     } else {
-      fail(where_, "is no number");
+      fail(where_, "is not a number");
     }
     if (!(std::abs(x) <= kMostValue)) fail(where_, "is not finite or too large");
     return x;
@@ -67,7 +67,7 @@ class Value {
   std::string text_or(const std::string& otherwise) const {
     if (!v_) return otherwise;
     const auto* s = v_->if_string();
-    if (!s) fail(where_, "is no text");
+    if (!s) fail(where_, "is not a string");
     return std::string(*s);
   }
 

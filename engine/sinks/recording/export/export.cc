@@ -97,7 +97,7 @@ std::vector<size_t> chosen_systems(const RecordingInfo& info, const ExportOption
     const auto& all = info.layout.parts;
     const auto it = std::find_if(all.begin(), all.end(), [&](const RecordedPart& s) { return s.id == id; });
     if (it == all.end())
-      throw Error("unknown_system", "no system '" + id + "' in this recording, it has: " + known);
+      throw Error("unknown_system", "no system '" + id + "' in this recording; it has: " + known);
     chosen.push_back(static_cast<size_t>(it - all.begin()));
   }
   return chosen;
@@ -116,7 +116,7 @@ ExportFormat export_format(const std::string& name) {
   if (name == "npz") return ExportFormat::kNpz;
   if (name == "vtu") return ExportFormat::kVtu;
   if (name == "vti") return ExportFormat::kVti;
-  throw Error("unknown_format", "no export format '" + name + "', there are: csv, ply, npz, vtu, vti");
+  throw Error("unknown_format", "no export format '" + name + "'; formats are csv, ply, npz, vtu, vti");
 }
 
 std::vector<std::string> export_recording(RecordingReader& reader, const ExportOptions& options) {

@@ -24,7 +24,7 @@ struct Check {
   }
   void indices(const std::string& pointer, const std::vector<uint32_t>& v, size_t arity, uint32_t rows) {
     if (v.size() % arity != 0)
-      add(pointer, "the number of indices is not a multiple of the cell's corners", "");
+      add(pointer, "the number of indices must be a multiple of the cell's corners", "");
     for (uint32_t i : v) {
       if (i >= rows) return add(pointer, "an index is not below max_rows", std::to_string(i));
     }
@@ -40,16 +40,16 @@ void validate_layout(const RecordingLayout& layout) {
     const RecordedPart& system = layout.parts[s];
     const std::string at = "/systems/" + std::to_string(s);
     check.name(at + "/id", system.id, ids);
-    if (system.max_rows == 0) check.add(at + "/max_rows", "a system has at least one row", "0");
+    if (system.max_rows == 0) check.add(at + "/max_rows", "a system must have at least one row", "0");
     if (system.kind == PartInfo::Kind::grid &&
         (system.rows != RowPolicy::kFixed || system.lattice.rows() != system.max_rows)) {
-      check.add(at + "/lattice", "a grid has the rows of its lattice", std::to_string(system.max_rows));
+      check.add(at + "/lattice", "a grid must have the rows of its lattice", std::to_string(system.max_rows));
     }
-    if (system.fields.empty()) check.add(at + "/fields", "a system has at least one field", "");
+    if (system.fields.empty()) check.add(at + "/fields", "a system must have at least one field", "");
     std::set<std::string> fields{"box", "rows"};  // both are links of the system's own group
     for (const RecordedField& field : system.fields) {
       check.name(at + "/fields/" + field.name, field.name, fields);
-      if (field.width == 0) check.add(at + "/fields/" + field.name, "the width is at least 1", "0");
+      if (field.width == 0) check.add(at + "/fields/" + field.name, "the width must be at least 1", "0");
     }
     check.indices(at + "/lines", system.lines, 2, system.max_rows);
     check.indices(at + "/triangles", system.triangles, 3, system.max_rows);

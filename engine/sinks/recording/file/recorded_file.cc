@@ -29,7 +29,7 @@ H5 open_file(const std::string& path, RecordingOwner owner) {
     if (id >= 0) return H5(id);
   }
   if (std::filesystem::exists(path) && H5Fis_hdf5(path.c_str()) == 0)
-    throw Error("recording_foreign", "this file is no recording of Truestep: it is not even an HDF5 file");
+    throw Error("recording_foreign", "this file is not a Truestep recording: it is not an HDF5 file");
   throw_h5_error("open the recording");
 }
 
@@ -53,7 +53,7 @@ std::vector<std::string> links(hid_t file, const char* path) {
 std::string room_for_text(hid_t type, uint64_t file_size) {
   const size_t bytes = H5Tget_size(type);
   if (H5Tget_class(type) != H5T_STRING || bytes > file_size)
-    damaged("a text is none, or longer than the file");
+    damaged("a text is missing or longer than the file");
   return std::string(bytes, '\0');
 }
 
@@ -63,7 +63,7 @@ std::string text_of(const std::string& bytes) {
 
 // Must be one element, or reading it would write past the end of the destination.
 void check_scalar(hid_t space) {
-  if (H5Sget_simple_extent_npoints(space) != 1) damaged("a single value is many");
+  if (H5Sget_simple_extent_npoints(space) != 1) damaged("a single value has several elements");
 }
 
 std::string read_text(hid_t file, const std::string& path, uint64_t file_size) {
@@ -106,7 +106,7 @@ std::vector<uint32_t> read_indices(hid_t file, const std::string& path, uint64_t
   std::vector<uint32_t> v(count);
   h5_ok(H5Dread(set, H5T_NATIVE_UINT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, v.data()), "read the topology");
   for (const uint32_t index : v) {
-    if (index >= rows) damaged("the topology names a row that there is not");
+    if (index >= rows) damaged("the topology refers to a row that does not exist");
   }
   return v;
 }
@@ -275,7 +275,7 @@ void RecordedFile::read_parts(PartInfo::Kind kind) {
     if (kind == PartInfo::Kind::grid) {
       part.lattice = read_lattice(group, file_size_);
       if (part.lattice.rows() != part.max_rows)
-        damaged("the grid '" + id + "' has other rows than its lattice");
+        damaged("the grid '" + id + "' does not have the rows of its lattice");
     }
     info_.layout.parts.push_back(std::move(part));
   }
@@ -297,7 +297,7 @@ void RecordedFile::check_not_behind_end(hid_t set, const hsize_t* at, uint64_t f
   unsigned filters = 0;
   h5_ok(H5Dget_chunk_info_by_coord(set, at, &filters, &address, &size), "find a frame");
   if (address == HADDR_UNDEF || address + size > file_size_) {
-    damaged("frame " + std::to_string(frame) + " lies behind the end of the file");
+    damaged("frame " + std::to_string(frame) + " lies beyond the end of the file");
   }
 }
 

@@ -93,7 +93,7 @@ void write_part(hid_t file, const std::string& id, const RecordedShapes& s) {
 double read_radius(hid_t group) {
   H5 attribute = h5_id(H5Aopen(group, "point_radius", H5P_DEFAULT), "open an attribute");
   H5 space = h5_id(H5Aget_space(attribute), "read a shape");
-  if (H5Sget_simple_extent_npoints(space) != 1) shapes_damaged("a single value is many");
+  if (H5Sget_simple_extent_npoints(space) != 1) shapes_damaged("a single value has several elements");
   double radius = 0;
   h5_ok(H5Aread(attribute, H5T_NATIVE_DOUBLE, &radius), "read an attribute");
   return radius;
@@ -158,7 +158,7 @@ RecordedDrawing read_shapes(hid_t file, const RecordingLayout& layout, uint64_t 
     m.positions = read_rows<float>(group, "positions", H5T_NATIVE_FLOAT, 3, file_size);
     m.triangles = read_rows<uint32_t>(group, "triangles", H5T_NATIVE_UINT32, 3, file_size);
     for (const uint32_t corner : m.triangles) {
-      if (corner >= m.positions.size() / 3) shapes_damaged("a mesh names a corner that there is not");
+      if (corner >= m.positions.size() / 3) shapes_damaged("a mesh refers to a corner that does not exist");
     }
   }
   for (const RecordedPart& part : layout.parts) {

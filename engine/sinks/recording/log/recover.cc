@@ -120,7 +120,7 @@ Answer copy_and_replace(const std::string& path, uint64_t found, uint64_t least,
 Answer from_log(const std::string& path, const LoggedChunks& log, uint64_t least) {
   return copy_and_replace(path, log.frames, least, [&](const std::string& fresh, std::string& why) {
     const uint64_t kept = rebuild_from_log(log, path, fresh);
-    if (kept < log.frames) why = "chunks that the log names are not in the file";
+    if (kept < log.frames) why = "chunks listed in the log are missing from the file";
     return kept;
   });
 }
@@ -174,7 +174,7 @@ Answer recover_here(const std::string& path, Trust trust) {
   const auto log = read_chunk_log(path);
   if (trust == Trust::log) {
     return log ? from_log(path, *log, 1)
-               : answer(RecoveryOutcome::kUnreadable, 0, 0, "the chunk log is damaged, too");
+               : answer(RecoveryOutcome::kUnreadable, 0, 0, "the chunk log is damaged as well");
   }
   const auto info = info_of(path);
   const bool finished = info && info->completion == RecordingCompletion::kFinalized;
@@ -200,7 +200,7 @@ Answer wait_for(int pipe_end, pid_t child, std::chrono::milliseconds limit) {
   if (ended == 0) {
     kill(child, SIGKILL);
     waitpid(child, nullptr, 0);
-    return answer(RecoveryOutcome::kTimedOut, 0, 0, "the time limit passed");
+    return answer(RecoveryOutcome::kTimedOut, 0, 0, "the repair exceeded its time limit");
   }
   Answer a{};
   if (read(pipe_end, &a, sizeof a) == static_cast<ssize_t>(sizeof a)) return a;
@@ -211,7 +211,7 @@ Answer wait_for(int pipe_end, pid_t child, std::chrono::milliseconds limit) {
 RecoveryReport recover_in_child(const std::string& path, const RecoveryOptions& options, Trust trust) {
   RecoveryReport report;
   int ends[2];
-  if (pipe(ends) != 0) throw Error("recording_io", "no pipe for the repair");
+  if (pipe(ends) != 0) throw Error("recording_io", "could not open a pipe for the repair");
   const pid_t parent = getpid();
   const pid_t child = fork();
   if (child == 0) {
@@ -227,7 +227,7 @@ RecoveryReport recover_in_child(const std::string& path, const RecoveryOptions& 
   close(ends[1]);
   if (child < 0) {
     close(ends[0]);
-    throw Error("recording_io", "no process for the repair");
+    throw Error("recording_io", "could not start a process for the repair");
   }
   const Answer a = wait_for(ends[0], child, options.time_limit);
   close(ends[0]);
