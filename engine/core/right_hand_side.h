@@ -43,6 +43,10 @@ class SecondOrder {
   /// Shape of both da/dx and da/dv.
   virtual MatrixShape shape() const { return {}; }
   virtual bool has_jacobian() const { return false; }
+  /// Inverse masses, one for three rows, that leave da/dx and da/dv symmetric once rows are divided by them
+  /// (0: the rows are zero); the entries of a sparse shape are then whole blocks of 3 x 3. Empty: not
+  /// symmetric.
+  virtual std::span<const double> symmetric_in() const { return {}; }
   /// Overwrites the values of da/dx and da/dv in the order of `shape`.
   virtual void jacobian(double t, const double* x, const double* v, double* dadx, double* dadv) const {}
 };

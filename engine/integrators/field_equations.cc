@@ -39,6 +39,11 @@ FieldJacobian& FieldEquations::bound_jacobian() const {
 MatrixShape FieldEquations::shape() const {
   return has_jacobian() ? bound_jacobian().shape() : MatrixShape{};
 }
+std::span<const double> FieldEquations::symmetric_in() const {
+  if (!has_jacobian() || !motion_.field.symmetric_jacobian()) return {};
+  const auto w = motion_.field.inverse_mass(motion_.state);
+  return 3 * w.size() == motion_.v.size() ? w : std::span<const double>{};
+}
 void FieldEquations::jacobian(double t, const double* x, const double* v, double* dadx, double* dadv) const {
   bound_jacobian().evaluate(motion_, t, x, v, dadx, dadv);
 }

@@ -30,6 +30,7 @@ class FieldEquations final : public RightHandSide, public SecondOrder {
   /// The field's own, converted to columns when an implicit method first asks.
   bool has_jacobian() const override { return plain_ && motion_.field.has_jacobian(); }
   MatrixShape shape() const override;
+  std::span<const double> symmetric_in() const override;
   using RightHandSide::jacobian;
   void jacobian(double t, const double* x, const double* v, double* dadx, double* dadv) const override;
   /// The field's, made when an implicit method first asks.

@@ -21,12 +21,10 @@ std::optional<double> force_step_seconds(const Integration& s, const State& stat
   const FieldEquations f(motion);
   std::vector<double> y(motion.x.begin(), motion.x.end());
   y.insert(y.end(), motion.v.begin(), motion.v.end());
-  const IntegratorOptions& o = *s.options;
-  const Tolerance tolerance{o.relative_tolerance.value_or(0), o.absolute_tolerance.value_or(o.tolerance)};
   // About 20 operations per unknown of a point, as in a cloth.
   constexpr double kPerUnknown = 20;
   const double rate = kPerUnknown * static_cast<double>(y.size());
-  const auto work = implicit_step_work(*s.method, f, rate, h, y.data(), tolerance);
+  const auto work = implicit_step_work(*s.method, f, rate, h, y.data(), tolerance_of(*s.options));
   return work ? std::optional(work->seconds()) : std::nullopt;
 }
 

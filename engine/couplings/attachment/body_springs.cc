@@ -67,8 +67,11 @@ void BodyAttachment::damp(const std::vector<Live>& live, Points& points, Bodies&
   }
 }
 
-// The pull of a stretched spring at the start, so that whatever it holds is loaded while it moves: a rope
-// left slack for a step would be straightened by its load along directions that it no longer has.
+// The pull of a stretched spring, so that whatever it holds is loaded while it moves: a rope left slack for a
+// step would be straightened by its load along directions that it no longer has. Its direction is that
+// towards which both ends are moving: the rest of the impulse turns a taut rope by its linear response and
+// lengthens it by the square of that angle, from which a swinging load gained energy. Its size is no larger
+// than at the start, since a stretch predicted for a stiff spring feeds on itself.
 void BodyAttachment::give_first(const CoupledStates& s, const StepInput& in, Exchange& sum) const {
   Points points(this->points(s), sides_.points());
   Bodies bodies(this->bodies(s), sides_.bodies(), &in.workspace);
@@ -76,8 +79,9 @@ void BodyAttachment::give_first(const CoupledStates& s, const StepInput& in, Exc
   for (const Live& l : live(points, bodies, in)) {
     if (l.kicked) continue;
     const Vec3 r = separation(points, l.link.rows[0], bodies, l.link.body, l.place);
-    const double stretch = norm(r) - l.rest;
-    const Vec3 j = stretch > 0 ? normalized(r) * (-in.h * def_.stiffness * stretch) : Vec3{};
+    const Vec3 later = r + l.link.relative(points, bodies) * in.h;
+    const double stretch = std::min(norm(r), norm(later)) - l.rest;
+    const Vec3 j = stretch > 0 ? normalized(later) * (-in.h * def_.stiffness * stretch) : Vec3{};
     store3(given, l.pair, j);
     if (j == Vec3{}) continue;
     give(l.link, j, points, bodies, in.h);

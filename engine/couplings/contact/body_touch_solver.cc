@@ -105,7 +105,9 @@ double BodyTouchSolver::stop(SolvedTouch& s, Exchange& out) {
   }
   if (by == Vec3{}) return 0;
   t.link.push(points_, bodies_, by);
-  out.add(-by, -dot(by, u + times(s.mass, by) * 0.5));
+  // From the velocities themselves: corrections of places have turned the body since its masses were
+  // computed.
+  out.add(-by, -dot(by, u + t.link.relative(points_, bodies_)) * 0.5);
   return norm(by) * s.normal;
 }
 

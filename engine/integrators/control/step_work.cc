@@ -32,19 +32,20 @@ constexpr Habits kHabits[] = {
     {"cvode_bdf", 2, 0.1, 0.2, 1.6, 1},
 };
 
-/// ns per multiplication of a factorisation and of a solve: loops over a band are vectorised, those over a
-/// pattern are not.
+/// ns per multiplication of an LU factorisation and of a solve: loops over a band and over blocks are
+/// vectorised, those over the pattern of an LU are not.
 struct Pace {
   double factor, solve;
 };
-Pace pace(NewtonMatrix::Kind kind) {
-  switch (kind) {
+Pace pace(const NewtonMatrix& matrix) {
+  switch (matrix.kind()) {
     case NewtonMatrix::Kind::dense:
       return {0.3, 0.6};
     case NewtonMatrix::Kind::band:
       return {0.13, 0.5};
     case NewtonMatrix::Kind::sparse:
-      return {1.4, 2};
+      // By blocks and half of them: nets of 40 x 40 points.
+      return matrix.symmetric() ? Pace{0.09, 0.6} : Pace{1.4, 2};
     case NewtonMatrix::Kind::own:
       break;
   }
@@ -77,13 +78,17 @@ constexpr double kTrialSeconds = 0.15, kFewest = 2;
 /// Ends a run after some internal steps.
 class Stop final : public StepWatcher {
  public:
-  explicit Stop(size_t steps) : left_(steps) {}
-  Verdict accepted(double, double&, double*, const Interpolant&) override {
-    return left_-- > 1 ? Verdict::go_on : Verdict::stop;
+  explicit Stop(size_t steps) : steps_(steps) {}
+  Verdict accepted(double, double& t1, double*, const Interpolant&) override {
+    if (++taken == (steps_ + 1) / 2) middle = t1;
+    return taken < steps_ ? Verdict::go_on : Verdict::stop;
   }
 
+  size_t taken = 0;
+  double middle = 0;  ///< s, the time after half of the steps
+
  private:
-  size_t left_;
+  size_t steps_;
 };
 
 /// How far a method gets in its first internal steps, as a share of the step, and their work.
@@ -98,7 +103,10 @@ std::optional<Trial> try_steps(const Integrator& method, const RightHandSide& f,
   Carry carry;
   Stop stop(steps);
   Trial out;
-  Advance run{.f = f, .t = 0, .t_end = h, .y = at.data(), .workspace = workspace, .carry = carry};
+  // A method that continues over the session's steps takes internal steps of any length.
+  constexpr double kMany = 30;
+  const double t_end = method.name.starts_with("cvode") ? kMany * h : h;
+  Advance run{.f = f, .t = 0, .t_end = t_end, .y = at.data(), .workspace = workspace, .carry = carry};
   run.tolerance = tolerance, run.watcher = &stop, run.statistics = &out.count;
   run.max_steps = 4 * steps;
   try {
@@ -107,6 +115,11 @@ std::optional<Trial> try_steps(const Integrator& method, const RightHandSide& f,
     return std::nullopt;
   }
   out.done = run.reached / h;
+  // The first half begins with minute steps of order 1, which no later step of the session repeats.
+  if (t_end > h && stop.middle > 0 && run.reached > stop.middle) {
+    const double share = 1 - static_cast<double>((steps + 1) / 2) / static_cast<double>(stop.taken);
+    out.done = (run.reached - stop.middle) / (share * h);
+  }
   return out.done > 0 ? std::optional(out) : std::nullopt;
 }
 
@@ -128,12 +141,12 @@ std::optional<StepWork> implicit_step_work(const Integrator& method, const Right
   w.rate = rate + static_cast<double>(f.size());
   w.jacobian = matrix.jacobian_work(rate);
   const FactorWork each = matrix.factor_work();
-  const Pace ns = pace(matrix.kind());
+  const Pace ns = pace(matrix);
   // radau5 factorises and solves one real and one complex matrix, counted one by one: the mean of both.
   const double complex = method.name == "radau5" ? 2.5 : 1;
   w.factorisation = complex * ns.factor * each.factor, w.solve = complex * ns.solve * each.solve;
   // The number of internal steps depends on the solution.
-  if (method.stepping != Integrator::Stepping::adaptive || method.name.starts_with("cvode")) return w;
+  if (method.stepping != Integrator::Stepping::adaptive) return w;
   const double most = kTrialSeconds / std::max(w.seconds() / steps, 1e-6);
   if (most < kFewest) return w;
   if (const auto trial = try_steps(method, f, h, y, tolerance, static_cast<size_t>(most))) {

@@ -2,12 +2,11 @@
 
 #include <sunmatrix/sunmatrix_band.h>
 #include <sunmatrix/sunmatrix_dense.h>
-#include <sunmatrix/sunmatrix_sparse.h>
 
 #include <algorithm>
 
 #include "engine/base/errors.h"
-#include "engine/integrators/linear/sparse_lu.h"
+#include "engine/integrators/linear/sparse_factors.h"
 
 namespace truestep {
 
@@ -98,23 +97,7 @@ void CvodeJacobian::evaluate(double t, const double* y, SUNMatrix j) {
   }
   SUNMatZero(j);
   if (kind_ == Kind::sparse) {
-    // Columns in order: those of x hold da/dx below, those of v the identity above and da/dv below.
-    auto* start = SUNSparseMatrix_IndexPointers(j);
-    auto* rows = SUNSparseMatrix_IndexValues(j);
-    double* values = SUNSparseMatrix_Data(j);
-    sunindextype k = 0;
-    const auto column = [&](size_t c, const std::vector<double>& from, size_t offset) {
-      for (int32_t e = shape_.column_start[c]; e < shape_.column_start[c + 1]; ++e, ++k) {
-        rows[k] = sunindextype(offset) + shape_.rows[size_t(e)], values[k] = from[size_t(e)];
-      }
-    };
-    for (size_t c = 0; c < m; ++c) start[c] = k, column(c, first_, second_ ? m : 0);
-    for (size_t c = 0; second_ && c < m; ++c) {
-      start[m + c] = k;
-      rows[k] = sunindextype(c), values[k] = 1, ++k;
-      column(c, second_values_, m);
-    }
-    start[n_] = k;
+    SM_ELEMENT_D(j, 0, 1) = 1;
     return;
   }
   const auto place = [&](size_t i, size_t half) { return interleaved_ ? 2 * i + half : i + half * m; };
@@ -129,62 +112,69 @@ void CvodeJacobian::evaluate(double t, const double* y, SUNMatrix j) {
   });
 }
 
+// J = [0 1; 0 0] stands for the Jacobian, which stays in first_ and second_values_: CVODE forms I - gamma J
+// of it, from which the solver reads gamma.
 SUNMatrix CvodeJacobian::sparse_matrix(SUNContext context) const {
-  const size_t entries = second_ ? 2 * shape_.rows.size() + n_ / 2 : shape_.rows.size();
-  return SUNSparseMatrix(sunindextype(n_), sunindextype(n_), sunindextype(entries + n_), CSC_MAT, context);
+  return SUNDenseMatrix(2, 2, context);
 }
 
-namespace {
+// A linear solver for CVODE on top of our sparse factors, (I - gamma J) x = b; equations of second order in
+// half the size as in newton_matrix.h.
+struct CvodeJacobian::Sparse {
+  const CvodeJacobian* jacobian;
+  SparseFactors factors;
+  double gamma = 0;
 
-// A linear solver for CVODE on top of our sparse factors.
-struct Content {
-  std::unique_ptr<SparseLu<double>> lu = make_sparse_lu<double>();
-  std::vector<int> start, rows;  // of the pattern that was analysed
-};
-Content& content(SUNLinearSolver s) {
-  return *static_cast<Content*>(s->content);
-}
+  static Sparse& of(SUNLinearSolver s) { return *static_cast<Sparse*>(s->content); }
 
-int setup(SUNLinearSolver s, SUNMatrix a) {
-  try {
-    Content& c = content(s);
-    const auto n = SUNSparseMatrix_Columns(a);
-    const auto* start = SUNSparseMatrix_IndexPointers(a);
-    const auto* rows = SUNSparseMatrix_IndexValues(a);
-    const std::vector<int> new_start(start, start + n + 1), new_rows(rows, rows + start[n]);
-    if (new_start != c.start || new_rows != c.rows) {
-      c.lu->analyse(int(n), new_start.data(), new_rows.data());
-      c.start = new_start, c.rows = new_rows;
+  static int setup(SUNLinearSolver s, SUNMatrix a) {
+    try {
+      Sparse& own = of(s);
+      const CvodeJacobian& j = *own.jacobian;
+      const double z = own.gamma = -SM_ELEMENT_D(a, 0, 1);
+      const bool factored = j.second_ ? own.factors.factor(j.first_.data(), j.second_values_.data(), z * z, z,
+                                                           j.second_->symmetric_in())
+                                      : own.factors.factor(j.first_.data(), nullptr, z, 0.0);
+      return factored ? 0 : 1;
+    } catch (...) {
+      return -1;
     }
-    return c.lu->factor(SUNSparseMatrix_Data(a)) ? 0 : 1;
-  } catch (...) {
-    return -1;
   }
-}
 
-int solve(SUNLinearSolver s, SUNMatrix, N_Vector x, N_Vector b, realtype) {
-  try {
-    double* out = N_VGetArrayPointer(x);
-    std::copy_n(N_VGetArrayPointer(b), N_VGetLength(b), out);
-    content(s).lu->solve(out);
-    return 0;
-  } catch (...) {
-    return -1;
+  static int solve(SUNLinearSolver s, SUNMatrix, N_Vector x, N_Vector b, realtype) {
+    try {
+      Sparse& own = of(s);
+      const CvodeJacobian& j = *own.jacobian;
+      double* p = N_VGetArrayPointer(x);
+      std::copy_n(N_VGetArrayPointer(b), j.n_, p);
+      if (j.second_) {
+        const size_t m = j.n_ / 2;
+        double* q = p + m;
+        j.for_entries(j.shape_, m, [&](size_t row, size_t column, size_t k) {
+          q[row] += own.gamma * (j.first_[k] * p[column]);
+        });
+        own.factors.solve(q);
+        for (size_t i = 0; i < m; ++i) p[i] += own.gamma * q[i];
+      } else {
+        own.factors.solve(p);
+      }
+      return 0;
+    } catch (...) {
+      return -1;
+    }
   }
-}
-
-}  // namespace
+};
 
 SUNLinearSolver CvodeJacobian::sparse_solver(SUNContext context) const {
   SUNLinearSolver s = SUNLinSolNewEmpty(context);
   if (!s) return nullptr;
-  s->content = new Content;
+  s->content = new Sparse{this, {second_ ? n_ / 2 : n_, shape_.column_start, shape_.rows}};
   s->ops->gettype = [](SUNLinearSolver) { return SUNLINEARSOLVER_DIRECT; };
   s->ops->initialize = [](SUNLinearSolver) { return 0; };
-  s->ops->setup = setup;
-  s->ops->solve = solve;
+  s->ops->setup = Sparse::setup;
+  s->ops->solve = Sparse::solve;
   s->ops->free = [](SUNLinearSolver solver) {
-    delete &content(solver);
+    delete &Sparse::of(solver);
     solver->content = nullptr;
     SUNLinSolFreeEmpty(solver);
     return 0;

@@ -32,10 +32,12 @@ class CvodeJacobian {
   /// df/dy at (t, y), y in CVODE's order.
   void evaluate(double t, const double* y, SUNMatrix j);
 
+  /// For Kind::sparse; the solver refers to this.
   SUNMatrix sparse_matrix(SUNContext context) const;
   SUNLinearSolver sparse_solver(SUNContext context) const;
 
  private:
+  struct Sparse;
   void put(SUNMatrix j, size_t row, size_t column, double value) const;
   template <class F>
   void for_entries(const MatrixShape& shape, size_t n, F&& f) const;

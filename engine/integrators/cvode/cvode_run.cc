@@ -201,7 +201,7 @@ void CvodeRun::fail(const std::string& why) {
 
 Statistics CvodeRun::work() const {
   void* cvode = memory_->cvode.get();
-  long steps = 0, rates = 0, setups = 0, failures = 0, jacobians = 0;
+  long steps = 0, rates = 0, setups = 0, failures = 0, jacobians = 0, solves = 0;
   CVodeGetNumSteps(cvode, &steps);
   CVodeGetNumRhsEvals(cvode, &rates);
   CVodeGetNumErrTestFails(cvode, &failures);
@@ -211,10 +211,12 @@ Statistics CvodeRun::work() const {
     long extra = 0;
     CVodeGetNumLinRhsEvals(cvode, &extra);
     rates += extra;
+    CVodeGetNumNonlinSolvIters(cvode, &solves);
   }
   Statistics s;
   s.steps = uint64_t(steps), s.rejected = uint64_t(failures), s.rates = uint64_t(rates);
   s.factorisations = uint64_t(setups), s.jacobians = uint64_t(jacobians);
+  s.solves = uint64_t(solves);
   return s;
 }
 

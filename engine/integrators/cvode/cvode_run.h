@@ -3,7 +3,7 @@
 // solutions come from CVODE's own polynomial. BDF solves its systems with the right-hand side's own Jacobian
 // (or CVODE's differences, or ours for sparse patterns) and CVODE's dense or band factors; equations of
 // second order with a band are interleaved, (x0, v0, x1, v1, ...), which keeps the band narrow; sparse ones
-// go to our sparse factors (sparse_lu.h). Adams uses fixed-point iterations.
+// go to our sparse factors (sparse_factors.h), in half the size. Adams uses fixed-point iterations.
 #pragma once
 #include <exception>
 #include <memory>

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <string>
+#include <type_traits>
 
 #include "engine/base/errors.h"
 #include "engine/core/linear_solver.h"
@@ -197,7 +198,12 @@ bool NewtonMatrix::assemble_and_factor(Factors<T>& f, T with_first, T with_secon
   };
   if (kind_ == Kind::sparse) {
     if (!f.sized) f.permuted.resize(m_), f.sized = true;
-    return sparse_->factor(a, b, with_first, with_second);
+    if constexpr (std::is_same_v<T, double>) {
+      const auto masses = second_order_ ? second_order_->symmetric_in() : std::span<const double>{};
+      return sparse_->factor(a, b, with_first, with_second, masses);
+    } else {
+      return sparse_->factor(a, b, with_first, with_second);
+    }
   }
   if (kind_ == Kind::dense) {
     if (!f.sized) f.dense.resize(m_), f.permuted.resize(m_), f.sized = true;

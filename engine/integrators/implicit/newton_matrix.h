@@ -36,6 +36,8 @@ class NewtonMatrix {
   /// Unknowns of the factorised system: the number of equations or half of it.
   size_t unknowns() const { return m_; }
   bool half_size() const { return second_order_ != nullptr; }
+  /// Whether a sparse real system is symmetric in blocks (symmetric_factors.h).
+  bool symmetric() const { return second_order_ && !second_order_->symmetric_in().empty(); }
 
   /// Multiplications of one real factorisation and of one solve, after bind.
   FactorWork factor_work() const;

@@ -17,12 +17,10 @@ namespace {
 
 template <const DirkTableau& T, class Equations>
 class Dirk final : public Interpolant {
-  static constexpr bool kAdaptive = T.error_order > 0;
-  using Scale = IncrementScale<Equations>;
-
  public:
-  explicit Dirk(Equations& eq)
-      : eq_(eq), solver_(eq, kAdaptive ? Scale::By::tolerance : Scale::By::solution) {
+  using Scale = IncrementScale<Equations>;
+  /// `scale`: by the tolerance for steps that may be shortened, by the solution for fixed ones.
+  Dirk(Equations& eq, typename Scale::By scale) : eq_(eq), solver_(eq, scale) {
     std::copy_n(eq.advance().y, eq.size(), eq.array(y_));
   }
 
@@ -140,7 +138,8 @@ class Dirk final : public Interpolant {
 template <const DirkTableau& T>
 void advance_adaptive(Advance& a) {
   visit_equations(a, [&](auto& eq) {
-    Dirk<T, std::remove_reference_t<decltype(eq)>> method(eq);
+    using Method = Dirk<T, std::remove_reference_t<decltype(eq)>>;
+    Method method(eq, Method::Scale::By::tolerance);
     drive(a, method, {.q = double(T.error_order), .beta = 0.04, .grow = 6});
   });
 }
@@ -148,7 +147,8 @@ void advance_adaptive(Advance& a) {
 template <const DirkTableau& T>
 void advance_fixed(Advance& a) {
   visit_equations(a, [&](auto& eq) {
-    Dirk<T, std::remove_reference_t<decltype(eq)>> method(eq);
+    using Method = Dirk<T, std::remove_reference_t<decltype(eq)>>;
+    Method method(eq, Method::Scale::By::solution);
     drive_fixed(a, method);
   });
 }

@@ -4,6 +4,8 @@
 #include <complex>
 #include <vector>
 
+#include "engine/integrators/linear/symmetric_factors.h"
+
 namespace truestep {
 
 namespace {
@@ -27,6 +29,9 @@ struct SparseFactors::Parts {
   size_t n;
   SparseLibrary library;
   std::vector<int> start, rows;
+  std::vector<int32_t> given_start, given_rows;  // without the added diagonal
+  std::unique_ptr<SymmetricFactors> symmetric;   // once asked for
+  bool is_symmetric = false;                     // the last real factors
   std::vector<size_t> place;  // position of every given entry among the values including the diagonal
   std::vector<size_t> diagonal;
   Solver<double> real;
@@ -54,6 +59,8 @@ SparseFactors::SparseFactors(size_t n, std::span<const int32_t> column_start, st
     : parts_(std::make_unique<Parts>()) {
   Parts& p = *parts_;
   p.n = n, p.library = library;
+  p.given_start.assign(column_start.begin(), column_start.end());
+  p.given_rows.assign(rows.begin(), rows.end());
   p.start.push_back(0);
   for (size_t j = 0; j < n; ++j) {
     bool has_diagonal = false;
@@ -79,7 +86,15 @@ SparseFactors::SparseFactors(size_t n, std::span<const int32_t> column_start, st
 
 SparseFactors::~SparseFactors() = default;
 
-bool SparseFactors::factor(const double* a1, const double* a2, double c1, double c2) {
+bool SparseFactors::factor(const double* a1, const double* a2, double c1, double c2,
+                           std::span<const double> inverse_mass) {
+  Parts& p = *parts_;
+  p.is_symmetric = false;
+  if (!inverse_mass.empty()) {
+    if (!p.symmetric) p.symmetric = std::make_unique<SymmetricFactors>(p.n, p.given_start, p.given_rows);
+    p.is_symmetric = p.symmetric->factor(a1, a2, c1, c2, inverse_mass);
+    if (p.is_symmetric) return true;
+  }
   return parts_->factor(parts_->real, a1, a2, c1, c2);
 }
 bool SparseFactors::factor(const double* a1, const double* a2, Complex c1, Complex c2) {
@@ -87,6 +102,7 @@ bool SparseFactors::factor(const double* a1, const double* a2, Complex c1, Compl
 }
 
 void SparseFactors::solve(double* b) {
+  if (parts_->is_symmetric) return parts_->symmetric->solve(b);
   parts_->real.lu->solve(b);
 }
 void SparseFactors::solve(Complex* b) {

@@ -1,5 +1,6 @@
-// Sparse LU of M = I - c1 A1 - c2 A2 for two matrices of one pattern, real or complex: the fill-reducing
-// order is found once per pattern; see sparse_lu.h.
+// Sparse factors of M = I - c1 A1 - c2 A2 for two matrices of one pattern, real or complex: LU, or L D L^T
+// where inverse masses make M symmetric and it needs no pivots. The fill-reducing order is found once per
+// pattern; see sparse_lu.h and symmetric_factors.h.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -18,7 +19,9 @@ class SparseFactors {
   ~SparseFactors();
 
   /// False: singular. `a2` may be null.
-  bool factor(const double* a1, const double* a2, double c1, double c2);
+  /// `inverse_mass` as in SecondOrder::symmetric_in.
+  bool factor(const double* a1, const double* a2, double c1, double c2,
+              std::span<const double> inverse_mass = {});
   bool factor(const double* a1, const double* a2, Complex c1, Complex c2);
   void solve(double* b);
   void solve(Complex* b);
