@@ -4,7 +4,9 @@
 // that load: an integral term in addition to the spring. It is the same for all points of a contact, because
 // a tower whose contacts could learn a tilt would lean. A mode with the damping rate s is excited by offsets
 // that adapt within T < 1 / (2 s), and a pile with redundant contacts never reaches zero depth everywhere: an
-// offset is therefore frozen while the depth is small compared with it (docs/standing.md).
+// offset is therefore frozen while the depth is small compared with it (docs/standing.md). In a heap of odd
+// shapes offsets are strains between grains, which yield at a strain of some percent: they may be kept thinner
+// than that.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -14,9 +16,10 @@ namespace truestep {
 
 /// How the offsets of contacts adapt to their loads.
 struct PenetrationOffsetRule {
-  double learnt = 0;    ///< fraction of the depth that is added per step
-  double per_load = 0;  ///< s; times the load, the largest offset
-  double slack = 0;     ///< fraction of an offset: smaller depths leave the offset unchanged
+  double learnt = 0;       ///< fraction of the depth that is added per step
+  double per_load = 0;     ///< s; times the load, the largest offset
+  double slack = 0;        ///< fraction of an offset: smaller depths leave the offset unchanged
+  double most = HUGE_VAL;  ///< m: no offset grows beyond
 };
 
 /// Largest offset as a multiple of the spring's compression under the load, so that no offset outlives its
@@ -46,7 +49,7 @@ inline double next_penetration_offset(double offset, double depth, double load,
   const double thickest = rule.per_load * load, gives_way = offset + depth;
   const double slower = gives_way > kThickOffset ? std::sqrt(kThickOffset / gives_way) : 1;
   const double next = std::abs(depth) < rule.slack * offset ? offset : offset + rule.learnt * slower * depth;
-  return std::clamp(next, 0.0, thickest);
+  return std::clamp(std::min(next, std::max(offset, rule.most)), 0.0, thickest);
 }
 
 }  // namespace truestep

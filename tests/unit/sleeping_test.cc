@@ -45,6 +45,13 @@ TEST(ContactPad, LearnsItsLoadAndThenRests) {
   EXPECT_GT(next_penetration_offset(pad, 0.9 * pad, load, padding), pad);
   // The offset left by a load that is gone would lift what remains.
   EXPECT_LE(next_penetration_offset(pad, -pad, load / 100, padding), padding.per_load * load / 100);
+  // One with a bound grows up to it, and a thicker one that it began with stays.
+  PenetrationOffsetRule bounded = padding;
+  bounded.most = 0.1 * gives;
+  double thin = 0;
+  for (int i = 0; i < 3000; ++i) thin = next_penetration_offset(thin, gives - thin, load, bounded);
+  EXPECT_DOUBLE_EQ(thin, bounded.most);
+  EXPECT_DOUBLE_EQ(next_penetration_offset(0.3 * gives, 0.7 * gives, load, bounded), 0.3 * gives);
 }
 
 }  // namespace

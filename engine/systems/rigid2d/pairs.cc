@@ -1,6 +1,7 @@
 #include "engine/systems/rigid2d/pairs.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace truestep::rigid2d {
 namespace {
@@ -102,6 +103,16 @@ void touch_pair(const Model& model, const State& s, const Pairs& p, Hit& h, flat
   if (!passes(model, s, h, contact)) h.what = Hit::What::touching;
 }
 
+/// Whether a hit wakes the one that sleeps. Bodies sleep apart whose distance is just above the margin; they
+/// would wake one another for ever if the least approach were enough.
+bool wakes(const Model& model, const Pairs& p, size_t i) {
+  const Hit& h = p.hits[i];
+  const flat::Contact& contact = p.contacts[i];
+  double gap = HUGE_VAL;
+  for (uint32_t k = 0; k < contact.points; ++k) gap = std::min(gap, contact.point[k].separation);
+  return gap <= 0.5 * model.margin + flat::norm(p.ahead[h.body_b] - p.ahead[h.body_a]);
+}
+
 }  // namespace
 
 bool may_touch(const Model& model, uint32_t body_a, uint32_t body_b) {
@@ -136,10 +147,12 @@ void find_contacts(const Model& model, State& s, double h, Pairs& p, const Threa
     });
     bool any = false;
     const auto status = s.span<uint32_t>(columns::status);
-    for (const Hit& h : p.hits) {
+    for (size_t i = 0; i < p.hits.size(); ++i) {
+      const Hit& h = p.hits[i];
       if (h.what != Hit::What::touching || (p.active[h.body_a] && p.active[h.body_b])) continue;
       const uint32_t still = p.active[h.body_a] ? h.body_b : h.body_a;
-      if (is_asleep(model.light[still], status[still])) seeds[still] = 1, any = true;
+      if (!is_asleep(model.light[still], status[still]) || !wakes(model, p, i)) continue;
+      seeds[still] = 1, any = true;
     }
     if (!any || !wake_islands(model, s, seeds)) break;
     for (size_t i = 0; i < n; ++i) {

@@ -203,7 +203,7 @@ void Rigid2d::solve(State& s, const StepInput& in) const {
   SolverSettings settings = settings_for(in.h, small_steps(s));
   settings.restitution_speed = restitution_speed(flat::norm(Vec2{g[0], g[1]}), in.h);
   solver->solve(model_, s, w.pairs, w.hands, settings, in.arena);
-  solver->store_contacts(w.pairs, settings.padding, s);
+  solver->store_contacts(model_, w.pairs, settings.padding, s);
   const auto impulse = s.f64(columns::drag_impulse);
   size_t next = 0;
   for (size_t k = 0; k < s.rows(columns::drag_body); ++k) {

@@ -14,6 +14,10 @@ constexpr size_t kBlock = 1024;    // bodies per task
 constexpr size_t kPackBlock = 64;  // packs per task
 /// Maximum rounds of impacts passed on between bodies in one small step; the rest does not bounce.
 constexpr int kImpactRounds = 64;
+/// Share of the smaller body's inner radius up to which offsets grow; those of the start may be thicker.
+/// Of 24 heaps of 40 layers, that yield where grains are strained by some percent, 21 sleep within 10 s of
+/// rest so, 13 with a hundredth and none without a bound.
+constexpr double kThickestLearnt = 1.0 / 400;
 
 /// Calls body(pack) for all packs, colour after colour; packs of one colour run in parallel.
 template <class Packs, class Body>
@@ -335,7 +339,8 @@ void Solver<T>::solve(const Model& model, State& state, const Pairs& pairs, Hand
 }
 
 template <class T>
-void Solver<T>::store_contacts(const Pairs& pairs, const PenetrationOffsetRule& rule, State& state) {
+void Solver<T>::store_contacts(const Model& model, const Pairs& pairs, const PenetrationOffsetRule& rule,
+                               State& state) {
   const auto ids = state.span<uint32_t>(columns::contact_id);
   const auto impulses = state.span<float>(columns::contact_impulse);
   old_id_.assign(ids.begin(), ids.end());
@@ -386,7 +391,11 @@ void Solver<T>::store_contacts(const Pairs& pairs, const PenetrationOffsetRule& 
       // Offsets that differ by no more than the rounding of separations are treated as one.
       if (std::abs(before[1] - before[0]) <= 0x1p-22 * largest) before[1] = before[0];
       const double yields = (1 - c.mass_scale[k]) / (c.mass_scale[k] * c.bias_rate[k]);  // m per m/s of load
-      const PenetrationOffsetRule own{rule.learnt, kMostOffset * yields};
+      const auto inner = [&](uint32_t row) {
+        return row < moved_ ? model.light[movers_[row]].inner : HUGE_VAL;
+      };
+      const PenetrationOffsetRule own{rule.learnt, kMostOffset * yields, rule.slack,
+                                      kThickestLearnt * std::min(inner(c.a[k]), inner(c.b[k]))};
       offset[0] = offset[1] = 0;
       if (load > 0) {
         const double first = impulse[0] / load;

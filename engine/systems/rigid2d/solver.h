@@ -98,7 +98,8 @@ class Solver {
   void solve(const Model& model, State& state, const Pairs& pairs, Hands& hands,
              const SolverSettings& settings, const ThreadArena& arena);
   /// Stores the rows of `contact` for touching pairs, and those carried along.
-  void store_contacts(const Pairs& pairs, const PenetrationOffsetRule& rule, State& state);
+  void store_contacts(const Model& model, const Pairs& pairs, const PenetrationOffsetRule& rule,
+                      State& state);
 
   /// Motion of a body in this step (m, rad).
   struct Moved {
