@@ -39,6 +39,7 @@ struct FlowModel {
   /// The largest divergence is noted at the end of a step, where a single state does not show it.
   bool keeps_divergence() const { return texts.obstacles_move || fourth_order(); }
   bool two_fluids() const { return def.second_fluid.has_value(); }
+  bool two_viscosities() const { return two_fluids() && def.second_fluid->viscosity; }
   /// kg/m^3, of a cell of which the second fluid fills a share.
   double density_of(double share) const;
   /// m/s^2, along axis a where sides hold the fluids against it; 0 along a periodic axis.
@@ -59,7 +60,8 @@ inline constexpr size_t kPressure = mac::kCentre + 1;
 struct FlowFields {
   mac::Fields u{}, rate{};  ///< rate: of the step before, for two-step methods
   double *pressure = nullptr, *scalar = nullptr;
-  double* second = nullptr;  ///< share of the second fluid in a cell
+  double* second = nullptr;  ///< share of the second fluid in a cell, half a substep behind
+  double border_h = 0;       ///< s, of the substep before, for the border of two fluids; 0: none
   double viscosity = 0;
   std::array<double, 3> impulse{};  ///< N s per density, that obstacles have had from the fluid
   double turning = 0;               ///< N m s per density, the same about their axes
@@ -79,6 +81,8 @@ class Flow {
   /// Makes the velocity free of divergence; p += scale of what it took. Faces on sides are set for time t.
   void project(FlowFields& f, double t, double h);
   void fill(FlowFields& f, double t);
+  /// share = that of the second fluid at the end of the last substep, at time t.
+  void bring_up(FlowFields& f, double t, double* share);
   /// Takes densities of two fluids from where they are now; before `project`.
   void weigh(FlowFields& f);
   /// 1/s, largest divergence of a cell at time t, obstacles where they are then.
@@ -106,9 +110,23 @@ class Flow {
   /// to += factor (what the weight of two fluids does to faces of component c, beyond p - density gravity .
   /// x).
   void add_weight(size_t c, double factor, double* to);
-  /// Convection of first order within two cells of the border of two fluids.
-  void damp_at_border(const FlowFields& f, size_t c, double viscosity, double* rate);
+  /// Carries the border of two fluids by the velocity at time t from the middle of the substep before to that
+  /// of this one, and notes what that does to the velocity.
   void carry_second(FlowFields& f, double t, double h);
+  enum class Carried : uint8_t { volume, momentum };
+  void carry_border(FlowFields& f, double t, double h, double* share, Carried carried);
+  /// Faces within two cells of the border, where it is or also where it was before.
+  enum class Since : uint8_t { now, before };
+  void note_border(const FlowFields& f, Since since);
+  /// Beside the border: rate (m/s^2, of component c), or what the velocity has become in h, is what the
+  /// fluxes of mass say.
+  void convect_at_border(size_t c, double* rate);
+  void convect_at_border(const FlowFields& f, size_t c, double h, double* moved);
+  template <class F>
+  void for_border_faces(size_t c, F&& set);
+  /// rate += what viscosity (m^2/s, of the first fluid) does to two fluids, explicitly.
+  void add_viscosity(const FlowFields& f, size_t c, double viscosity, double* rate);
+  void find_fluidity(const FlowFields& f);
   /// to -= factor grad p by the density of `density` on the faces of component c that the equations decide.
   void subtract_pressure(const FlowFields& f, size_t c, const double* p, double factor, double* to);
   // Obstacles (flow_solids.cc).
@@ -145,8 +163,11 @@ class Flow {
   std::optional<lattice::StaggeredSolver> pressure_, scalar_;
   std::optional<lattice::CutPoisson> cut_pressure_;
   std::array<Buffer, 10> arrays_;
-  std::array<Buffer, 3> lightness_;           ///< of two fluids: `density` by the density of a face
-  std::array<Buffer, 3> lift_;                ///< m/s^2, by their border on a face
+  std::array<Buffer, 3> lightness_;  ///< of two fluids: `density` by the density of a face
+  std::array<Buffer, 3> lift_;       ///< m/s^2, by their border on a face
+  Buffer fluidity_;                  ///< 1/(Pa s), of cells where each fluid has its viscosity
+  std::array<Buffer, 3> carried_;    ///< m/s^2, convection with the fluxes of mass
+  std::array<std::vector<uint8_t>, 3> beside_border_;
   std::array<std::vector<double>, 3> force_;  ///< constant in time
   MovingSolids solids_;
   std::array<std::vector<Solids::Face>, 3> were_inside_;

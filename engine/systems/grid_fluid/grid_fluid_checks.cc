@@ -134,6 +134,11 @@ void check_two_fluids(const GridFluidDef& d, const DefTable::Report& report) {
   if (d.order == GridFluidDef::Order::fourth)
     report("/second_fluid", "differences of fourth order need one density");
   if (!d.obstacles.empty()) report("/obstacles", "two fluids have no obstacles between them");
+  if (d.second_fluid->viscosity) {
+    if (d.advection != GridFluidDef::Advection::central)
+      report("/second_fluid/viscosity", "two viscosities need central advection");
+    if (d.viscous == GridFluidDef::Viscous::implicit) report("/viscous", "two viscosities are explicit");
+  }
   constexpr double kMostRatio = 1000;
   const double ratio = d.second_fluid->density / d.density;
   if (!(ratio <= kMostRatio && ratio >= 1 / kMostRatio))
