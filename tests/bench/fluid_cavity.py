@@ -30,7 +30,7 @@ def columns():
 
 def ours(order):
     runner = Path(os.environ["TRUESTEP_BUILD"]) / "bin/cavity_runner"
-    seconds, error = map(float, subprocess.run([str(runner), str(CELLS), order], check=True, capture_output=True, text=True).stdout.split())
+    seconds, error = map(float, subprocess.run([str(runner), str(CELLS), order], check=True, capture_output=True, text=True).stdout.split()[:2])
     return seconds, error
 
 

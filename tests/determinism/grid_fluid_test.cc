@@ -71,6 +71,46 @@ TEST(GridFluidSteadyBits, DoNotDependOnHowTheRunIsMade) {
   EXPECT_EQ(run(*restored, 2, 4, false), hash) << "restored";
 }
 
+// Two fluids in the plane and in space, each with its viscosity or along paths.
+TEST(GridFluidTwoFluidsBits, DoNotDependOnHowTheRunIsMade) {
+  constexpr uint64_t kSteps = 4;
+  for (const A advection : {A::central, A::maccormack}) {
+    for (const bool space : {false, true}) {
+      const auto make = [&](int threads, double density) {
+        GridFluidDef d;
+        d.cells = space ? std::vector<int64_t>{10, 20, 12} : std::vector<int64_t>{24, 66};
+        d.size = space ? std::vector<double>{1, 2, 1} : std::vector<double>{1, 2.75};
+        d.advection = advection, d.viscosity = 1e-3;
+        d.sides.x_min = FlowSideDef{SideKind::periodic, {}};
+        d.second_fluid = SecondFluidDef{"y - 1 - 0.1*cos(2*pi*x)", density, {}};
+        if (advection == A::central) d.second_fluid->viscosity = 5e-3;
+        return std::make_unique<GridFlow>(d, 0.02, threads, Vec3{0, -9.81, 0});
+      };
+      const auto reference = make(1, 100);
+      reference->steps(kSteps / 2);
+      const auto snapshot = reference->state.serialize();
+      reference->steps(kSteps / 2);
+      const uint64_t hash = reference->state.hash();
+      for (const int threads : {2, 5}) {
+        const auto run = make(threads, 100);
+        run->steps(kSteps);
+        EXPECT_EQ(run->state.hash(), hash) << threads << " threads";
+      }
+      const auto dropped = make(1, 100);
+      for (uint64_t n = 0; n < kSteps; ++n) dropped->workspace.clear(), dropped->steps(1);
+      EXPECT_EQ(dropped->state.hash(), hash) << "workspace dropped";
+      const auto restored = make(1, 100);
+      restored->state = State::deserialize(snapshot);
+      restored->done = kSteps / 2;
+      restored->steps(kSteps / 2);
+      EXPECT_EQ(restored->state.hash(), hash) << "restored";
+      const auto other = make(1, 99);
+      other->steps(kSteps);
+      EXPECT_NE(other->state.hash(), hash) << "control";
+    }
+  }
+}
+
 class GridFluidBits : public testing::TestWithParam<Kind> {};
 
 TEST_P(GridFluidBits, DoNotDependOnHowTheRunIsMade) {

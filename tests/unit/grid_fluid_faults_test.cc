@@ -41,6 +41,27 @@ TEST(GridFluidFaults, TextsAreRefusedWithTheirPlace) {
   EXPECT_EQ(pointer_of([&] { GridFlow run(d, 0.1); }), "nothing was refused");
 }
 
+TEST(GridFluidFaults, WhatTwoFluidsLackIsReported) {
+  using List = std::vector<std::string>;
+  GridFluidDef d;
+  d.cells = {8, 8};
+  d.second_fluid = SecondFluidDef{"y - 0.5", 10, 0.1};
+  EXPECT_EQ(reported(d), List{});
+  d.obstacles = {ObstacleDef{}};
+  EXPECT_EQ(reported(d), List{"/obstacles"});
+  d.obstacles.clear();
+  d.sides.x_min = FlowSideDef{SideKind::inflow, {"1", "0"}};
+  EXPECT_EQ(reported(d), List{"/sides/x_min/kind"});
+  d.sides = {}, d.second_fluid->density = 2000;
+  EXPECT_EQ(reported(d), List{"/second_fluid/density"});
+  d.second_fluid->density = 10, d.viscous = GridFluidDef::Viscous::implicit;
+  EXPECT_EQ(reported(d), List{"/viscous"});
+  d.viscous = GridFluidDef::Viscous::automatic, d.advection = GridFluidDef::Advection::bfecc;
+  EXPECT_EQ(reported(d), List{"/second_fluid/viscosity"});
+  d.second_fluid->viscosity.reset();
+  EXPECT_EQ(reported(d), List{});
+}
+
 TEST(GridFluidFaults, MembersThatDoNotFitAreReported) {
   using List = std::vector<std::string>;
   GridFluidDef d;

@@ -23,7 +23,7 @@ GridFluidDef layers(int64_t across, int64_t high, double below, double above, co
   d.density = below;
   d.all = FlowSideDef{SideKind::slip, {}};
   d.sides.x_min = FlowSideDef{SideKind::periodic, {}};
-  d.second_fluid = SecondFluidDef{where, above};
+  d.second_fluid = SecondFluidDef{where, above, {}};
   return d;
 }
 
@@ -91,7 +91,9 @@ TEST(GridFluidTwoFluids, WavesBetweenLayersHaveThePeriodOfLinearTheory) {
     return 2 * kPi / std::sqrt(kGravity * 2 * kPi * (below - above) / ((below + above) * coth));
   };
   for (const double below : {10.0, 100.0}) {
-    const double t = period(below, 1, 32), exact = theory(below, 1);
+    // Of first order in the spacing: 1.13 % with 32 cells, which a border half a step ahead made look like
+    // 0.92.
+    const double t = period(below, 1, 40), exact = theory(below, 1);
     std::printf("  %g:1 period %.4f s, theory %.4f: %.2f %%\n", below, t, exact, 100 * (t / exact - 1));
     EXPECT_NEAR(t, exact, 0.01 * exact);
     // Control: the period of water under nothing.
@@ -150,14 +152,22 @@ TEST(GridFluidTwoFluids, ACollapseGainsNoEnergyAtAHundredToOne) {
   }
 }
 
-TEST(GridFluidTwoFluids, HaveTheSameBitsWithAnyNumberOfThreads) {
-  const auto hash = [](int threads, double density) {
-    GridFlow run(layers(24, 48, 1, density, "y - 0.1*cos(2*pi*x)"), 0.01, threads, {0, -kGravity, 0});
-    run.steps(10);
-    return run.state.hash();
-  };
-  EXPECT_EQ(hash(1, 10), hash(2, 10));
-  EXPECT_NE(hash(1, 10), hash(1, 9)) << "control";
+// A drop that falls in a gas of a thousandth of its density: freely, up to what the gas that makes way weighs
+// (twice its share, 0.2 %, and more between walls) and what its edge of mixed cells loses.
+TEST(GridFluidTwoFluids, ADropFallsFreelyThroughALightGas) {
+  constexpr double kHeavy = 1000;
+  GridFlow run(layers(32, 64, 1, kHeavy, "0.15 - sqrt((x-0.5)^2 + (y-0.5)^2)"), 0.002, 1, {0, -kGravity, 0});
+  const double volume = run.observed("second_fluid.volume"), start = run.observed("energy.gravity");
+  run.steps(150);
+  const double free = 0.5 * kGravity * run.t() * run.t(), weight = (kHeavy - 1) * volume * kGravity;
+  const double fallen = (start - run.observed("energy.gravity")) / weight;
+  const double moving = run.observed("energy.kinetic") / weight;
+  std::printf("  fell %.4f m, %.4f in motion, free %.4f: %.2f, %.2f %%\n", fallen, moving, free,
+              100 * (fallen / free - 1), 100 * (moving / free - 1));
+  // Control: convection by the velocity alone lost 9.4 % of the way and 29 % of the energy of motion.
+  EXPECT_NEAR(fallen, free, 0.02 * free);
+  EXPECT_NEAR(moving, free, 0.04 * free);
+  EXPECT_NEAR(run.observed("second_fluid.volume"), volume, 1e-12);
 }
 
 }  // namespace

@@ -108,17 +108,29 @@ double crossing(const MacGrid& g, const double* f, size_t axis, size_t high, dou
 }
 }  // namespace
 
+void share_flux(const MacGrid& g, size_t axis, const double* u, double h, const double* f, double* flux,
+                const ThreadArena& arena) {
+  const double per = h / g.spacing[axis];
+  const size_t s = g.stride(axis);
+  for_rows(g, kCentre, arena, [&](size_t at, size_t j, size_t k, size_t n) {
+    for (size_t i = at; i < at + n; ++i) flux[i] = crossing(g, f, axis, i, per * u[i]);
+    // The face after the last cell.
+    if (axis == 0) flux[at + n] = crossing(g, f, axis, at + n, per * u[at + n]);
+    const size_t row = axis == 1 ? j : k;
+    if (axis == 0 || row + 1 != g.cells[axis]) return;
+    for (size_t i = at + s; i < at + s + n; ++i) flux[i] = crossing(g, f, axis, i, per * u[i]);
+  });
+}
+
 void carry_share(const MacGrid& g, size_t axis, Sweep sweep, const double* u, double h, const double* f,
-                 const double* full, double* swelling, double* to, const ThreadArena& arena) {
+                 const double* flux, const double* full, double* swelling, double* to,
+                 const ThreadArena& arena) {
   const double per = h / g.spacing[axis];
   const size_t s = g.stride(axis);
   for_rows(g, kCentre, arena, [&](size_t at, size_t, size_t, size_t n) {
     for (size_t i = at; i < at + n; ++i) {
-      // Both cells at a face compute exactly the same flux.
-      const double low = per * u[i], high = per * u[i + s];
-      const double swells = full[i] * (high - low);
-      const double in = crossing(g, f, axis, i, low), out = crossing(g, f, axis, i + s, high);
-      to[i] = f[i] - (out - in) + (sweep == Sweep::last ? -swelling[i] : swells);
+      const double swells = full[i] * (per * u[i + s] - per * u[i]);
+      to[i] = f[i] - (flux[i + s] - flux[i]) + (sweep == Sweep::last ? -swelling[i] : swells);
       swelling[i] += swells;
     }
   });

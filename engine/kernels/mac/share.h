@@ -29,12 +29,16 @@ Border border_in(const MacGrid& grid, const double* share, size_t at);
 /// Share of the whole cell that is filled between low and high (0 to 1) along an axis.
 double share_between(const Border& border, size_t axis, double low, double high);
 
-/// One axis of a step of h (s). `full` is 1 where the share exceeded a half before the first axis and 0
-/// elsewhere; `swelling` accumulates what earlier axes have added to `full` cells (0 at first). The last axis
-/// takes it back, so that the divergence left by a pressure solver moves no volume.
+/// flux = what crosses each face of an axis in h (s), in cells, towards higher places; each cell and its
+/// neighbour see the same number.
+void share_flux(const MacGrid& grid, size_t axis, const double* u, double h, const double* share,
+                double* flux, const ThreadArena& arena);
+/// One axis of a step of h (s) with these fluxes. `full` is 1 where the share exceeded a half before the
+/// first axis and 0 elsewhere; `swelling` adds up what the axes before have added to `full` cells (0 at
+/// first). The last axis takes it back, so that what a pressure solver leaves of divergence moves no volume.
 enum class Sweep : uint8_t { inner, last };
 void carry_share(const MacGrid& grid, size_t axis, Sweep sweep, const double* u, double h,
-                 const double* share, const double* full, double* swelling, double* to,
+                 const double* share, const double* flux, const double* full, double* swelling, double* to,
                  const ThreadArena& arena);
 
 }  // namespace truestep::mac

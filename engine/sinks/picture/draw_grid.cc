@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/math/even_streamlines.h"
 #include "engine/math/iso_lines.h"
-#include "engine/math/streamline.h"
 #include "engine/sinks/picture/draw_plot.h"
 #include "engine/sinks/picture/geometry.h"
 
@@ -180,22 +180,9 @@ void add_streamlines(DrawList& list, const Plane& p, const Shown& s, int64_t cou
   }
   const PlaneField field{u, v, p.nu(), p.nv()};
   DrawPoints lines = strokes(kInk, line_size(p));
-  // Seeds as evenly spaced as the shape allows.
-  const double share = static_cast<double>(p.nu()) / static_cast<double>(p.nv());
-  const auto columns =
-      static_cast<size_t>(std::max(1.0, std::round(std::sqrt(static_cast<double>(count) * share))));
-  const size_t rows = (static_cast<size_t>(count) + columns - 1) / columns;
-  const size_t most = 2 * (p.nu() + p.nv());
-  for (size_t k = 0; k < static_cast<size_t>(count); ++k) {
-    const double x = (static_cast<double>(k % columns) + 0.5) / static_cast<double>(columns) *
-                     static_cast<double>(p.nu() - 1);
-    const double y = (static_cast<double>(k / columns) + 0.5) / static_cast<double>(rows) *
-                     static_cast<double>(p.nv() - 1);
-    for (const double h : {0.5, -0.5}) {
-      const auto path = streamline(field, x, y, h, most);
-      for (size_t i = 0; i + 1 < path.size(); ++i)
-        add_stroke(lines, p.at(path[i][0], path[i][1]), p.at(path[i + 1][0], path[i + 1][1]));
-    }
+  for (const auto& path : even_streamlines(field, static_cast<size_t>(count))) {
+    for (size_t i = 0; i + 1 < path.size(); ++i)
+      add_stroke(lines, p.at(path[i][0], path[i][1]), p.at(path[i + 1][0], path[i + 1][1]));
   }
   if (!lines.lines.empty()) list.points.push_back(std::move(lines));
 }

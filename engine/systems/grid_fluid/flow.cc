@@ -102,8 +102,11 @@ void Flow::bind(const FlowModel& m, const ThreadArena& arena) {
   solids_.bind(m);
   if (m.two_fluids()) {
     cut_pressure_.emplace(m.grid, m.mirrors(kPressure));
-    for (size_t c = 0; c < m.grid.dimensions; ++c)
-      lightness_[c].data.assign(m.grid.size(), 0), lift_[c].data.assign(m.grid.size(), 0);
+    for (size_t c = 0; c < m.grid.dimensions; ++c) {
+      for (Buffer* b : {&lightness_[c], &lift_[c], &carried_[c]}) b->data.assign(m.grid.size(), 0);
+      beside_border_[c].assign(m.grid.size(), 0);
+    }
+    if (m.two_viscosities()) fluidity_.data.assign(m.grid.size(), 0);
   } else if (m.solids.any()) {
     for (size_t c = 0; c < m.grid.dimensions && m.texts.obstacles_move; ++c)
       were_inside_[c].reserve(solids_->inside[c].capacity());
@@ -176,7 +179,7 @@ bool FlowModel::sharp_walls() const {
 
 bool Flow::implicit(double viscosity, double h) const {
   const GridFluidDef& d = model_->def;
-  if (viscosity == 0) return false;
+  if (viscosity == 0 || model_->two_viscosities()) return false;
   if (d.advection != GridFluidDef::Advection::central) return true;
   if (model_->sharp_walls()) return false;
   if (d.viscous != GridFluidDef::Viscous::automatic) return d.viscous == GridFluidDef::Viscous::implicit;
@@ -260,8 +263,11 @@ void Flow::stage(FlowFields& f, double t, double h, const Weights& w, bool impli
     double *now = array(c), *before = f.rate[c] ? f.rate[c] : array(3 + c);
     const double viscosity = implicit ? 0 : f.viscosity;
     fourth ? mac::momentum_rate4(g, c, u, viscosity, now, *arena_)
-           : mac::momentum_rate(g, c, u, viscosity, now, *arena_);
-    if (f.second) damp_at_border(f, c, viscosity, now);
+           : mac::momentum_rate(g, c, u, f.second ? 0 : viscosity, now, *arena_);
+    if (f.second) {
+      convect_at_border(c, now);
+      add_viscosity(f, c, viscosity, now);
+    }
     add_force(f, t, c, 1, now);
     double* change = array(6 + c);
     const double a = h * w.gamma, b = h * w.zeta;
@@ -373,6 +379,7 @@ void Flow::project(FlowFields& f, double t, double h) {
 }
 
 void Flow::substep(FlowFields& f, double t, double h) {
+  if (f.second) carry_second(f, t, h);
   weigh(f);
   if (model_->def.advection != GridFluidDef::Advection::central) {
     along_paths(f, t, h);
@@ -391,7 +398,6 @@ void Flow::substep(FlowFields& f, double t, double h) {
     f.last_h = h;
   }
   if (f.scalar) carry(f, t, h);
-  if (f.second) carry_second(f, t, h);
 }
 
 }  // namespace truestep::grid_fluid

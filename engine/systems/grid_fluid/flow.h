@@ -39,7 +39,8 @@ struct FlowModel {
   /// Whether the largest divergence is recorded at the end of a step because a single state does not show it.
   bool keeps_divergence() const { return texts.obstacles_move || fourth_order(); }
   bool two_fluids() const { return def.second_fluid.has_value(); }
-  /// kg/m^3, of a cell with this fraction of the second fluid.
+  bool two_viscosities() const { return two_fluids() && def.second_fluid->viscosity; }
+  /// kg/m^3, of a cell of which the second fluid fills a share.
   double density_of(double share) const;
   /// m/s^2, along axis a if the sides support the fluids against gravity; 0 along a periodic axis.
   double held_gravity(size_t a) const;
@@ -59,7 +60,8 @@ inline constexpr size_t kPressure = mac::kCentre + 1;
 struct FlowFields {
   mac::Fields u{}, rate{};  ///< rate: of the previous step, for two-step methods
   double *pressure = nullptr, *scalar = nullptr;
-  double* second = nullptr;  ///< fraction of the second fluid in a cell
+  double* second = nullptr;  ///< share of the second fluid in a cell, half a substep behind
+  double border_h = 0;       ///< s, of the substep before, for the border of two fluids; 0: none
   double viscosity = 0;
   std::array<double, 3> impulse{};  ///< N s over density, given to obstacles by the fluid
   double turning = 0;               ///< N m s over density, angular, about their axes
@@ -79,7 +81,9 @@ class Flow {
   /// Makes the velocity divergence-free; p += potential / h unless h is 0. Sets faces on sides for time t.
   void project(FlowFields& f, double t, double h);
   void fill(FlowFields& f, double t);
-  /// Updates the densities of two fluids for their current positions; call before `project`.
+  /// share = that of the second fluid at the end of the last substep, at time t.
+  void bring_up(FlowFields& f, double t, double* share);
+  /// Takes densities of two fluids from where they are now; before `project`.
   void weigh(FlowFields& f);
   /// 1/s, largest divergence of a cell at time t, with obstacles placed for t.
   double largest_divergence(FlowFields& f, double t);
@@ -106,10 +110,24 @@ class Flow {
   /// to += factor times the effect of two fluids' weight on faces of component c, not including p - density
   /// gravity . x.
   void add_weight(size_t c, double factor, double* to);
-  /// First-order convection within two cells of the border between two fluids.
-  void damp_at_border(const FlowFields& f, size_t c, double viscosity, double* rate);
+  /// Carries the border of two fluids by the velocity at time t from the middle of the substep before to that
+  /// of this one, and notes what that does to the velocity.
   void carry_second(FlowFields& f, double t, double h);
-  /// to -= factor grad p over the density from `weigh`, on the unknown faces of component c.
+  enum class Carried : uint8_t { volume, momentum };
+  void carry_border(FlowFields& f, double t, double h, double* share, Carried carried);
+  /// Faces within two cells of the border, where it is or also where it was before.
+  enum class Since : uint8_t { now, before };
+  void note_border(const FlowFields& f, Since since);
+  /// Beside the border: rate (m/s^2, of component c), or what the velocity has become in h, is what the
+  /// fluxes of mass say.
+  void convect_at_border(size_t c, double* rate);
+  void convect_at_border(const FlowFields& f, size_t c, double h, double* moved);
+  template <class F>
+  void for_border_faces(size_t c, F&& set);
+  /// rate += what viscosity (m^2/s, of the first fluid) does to two fluids, explicitly.
+  void add_viscosity(const FlowFields& f, size_t c, double viscosity, double* rate);
+  void find_fluidity(const FlowFields& f);
+  /// to -= factor grad p by the density of `density` on the faces of component c that the equations decide.
   void subtract_pressure(const FlowFields& f, size_t c, const double* p, double factor, double* to);
   // Obstacles (flow_solids.cc).
   /// Places obstacles for time t (s).
@@ -145,8 +163,11 @@ class Flow {
   std::optional<lattice::StaggeredSolver> pressure_, scalar_;
   std::optional<lattice::CutPoisson> cut_pressure_;
   std::array<Buffer, 10> arrays_;
-  std::array<Buffer, 3> lightness_;           ///< for two fluids: `density` over the density of a face
-  std::array<Buffer, 3> lift_;                ///< m/s^2, on a face, from the border between them
+  std::array<Buffer, 3> lightness_;  ///< of two fluids: `density` by the density of a face
+  std::array<Buffer, 3> lift_;       ///< m/s^2, by their border on a face
+  Buffer fluidity_;                  ///< 1/(Pa s), of cells where each fluid has its viscosity
+  std::array<Buffer, 3> carried_;    ///< m/s^2, convection with the fluxes of mass
+  std::array<std::vector<uint8_t>, 3> beside_border_;
   std::array<std::vector<double>, 3> force_;  ///< constant in time
   MovingSolids solids_;
   std::array<std::vector<Solids::Face>, 3> were_inside_;

@@ -42,6 +42,7 @@ void Flow::along_paths(FlowFields& f, double t, double h) {
   }
   for (size_t c = 0; c < g.dimensions; ++c) {
     double* moved = array(3 + c);
+    if (f.second) convect_at_border(f, c, h, moved);
     add_force(f, t, c, h, moved);
     const auto x = model_->unknown(c, 0), y = model_->unknown(c, 1), z = model_->unknown(c, 2);
     mac::for_rows(g, c, *arena_, [&](size_t at, size_t j, size_t k, size_t) {

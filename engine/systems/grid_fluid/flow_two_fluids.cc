@@ -1,16 +1,16 @@
 // Two fluids that do not mix: one velocity and pressure for both,
 //   u_t + div(u u) = -grad p / density + viscosity lap u + gravity + f,   div u = 0,
-// the density of a face being the mean of the two cells', and a cell's the mean by volume. The unknown is
-// p - density gravity . x, so that gravity acts only on the border, as -gravity . x grad density with x on
-// the border itself: weighing the faces instead puts half of a raised border's weight a cell above it, which
-// slows waves by a quarter of k dx. The border is transported sharply and conserves volume
-// (kernels/mac/share.h); densities are constant within a substep. Momentum is advected by the velocity, not
-// by the mass fluxes, and there is no surface tension.
+// the density of a face being the mean of the two cells', and a cell's the mean by volume. The unknown
+// is p - density gravity . x, so that gravity acts only on the border, as -gravity . x grad density, with x
+// on the border itself: weighing the faces instead puts half of a raised border's weight a cell above it,
+// which slows waves by a quarter of k dx. The border is transported sharply and conserves volume
+// (kernels/mac/share.h) at the start of a substep; densities are constant within it. Near the border momentum
+// is convected with the mass fluxes (kernels/mac/border_momentum.h). There is no surface tension.
 #include <algorithm>
 #include <cmath>
 
-#include "engine/kernels/mac/share.h"
-#include "engine/kernels/mac/upwind.h"
+#include "engine/kernels/mac/border_momentum.h"
+#include "engine/kernels/mac/stress.h"
 #include "engine/systems/grid_fluid/flow.h"
 
 namespace truestep::grid_fluid {
@@ -126,24 +126,30 @@ void Flow::weigh(FlowFields& f) {
     });
   }
   cut_pressure_->set_coefficients(weights, *arena_);
+  if (model_->two_viscosities()) find_fluidity(f);
 }
 
-void Flow::damp_at_border(const FlowFields& f, size_t c, double viscosity, double* rate) {
+template <class F>
+void Flow::for_border_faces(size_t c, F&& set) {
   const mac::MacGrid& g = model_->grid;
-  const mac::ConstFields u{f.u[0], f.u[1], f.u[2]};
-  const double* w = lightness_[c].data.data();
+  const double* carried = carried_[c].data.data();
+  const std::vector<uint8_t>& beside = beside_border_[c];
   const auto x = model_->unknown(c, 0), y = model_->unknown(c, 1), z = model_->unknown(c, 2);
   mac::for_rows(g, c, *arena_, [&](size_t at, size_t j, size_t k, size_t) {
     if (j < y[0] || j >= y[1] || k < z[0] || k >= z[1]) return;
     for (size_t i = at + x[0]; i < at + x[1]; ++i) {
-      bool beside = false;
-      for (size_t a = 0; a < g.dimensions; ++a) {
-        const size_t s = g.stride(a);
-        beside = beside || w[i] != w[i + s] || w[i] != w[i - s];
-      }
-      if (beside) rate[i] = mac::upwind_rate(g, c, u, viscosity, i);
+      if (beside[i]) set(i, carried[i]);
     }
   });
+}
+
+void Flow::convect_at_border(size_t c, double* rate) {
+  for_border_faces(c, [rate](size_t i, double carried) { rate[i] = carried; });
+}
+
+void Flow::convect_at_border(const FlowFields& f, size_t c, double h, double* moved) {
+  const double* u = f.u[c];
+  for_border_faces(c, [u, h, moved](size_t i, double carried) { moved[i] = u[i] + h * carried; });
 }
 
 void Flow::add_weight(size_t c, double factor, double* to) {
@@ -174,27 +180,109 @@ void Flow::subtract_pressure(const FlowFields& f, size_t c, const double* p, dou
   });
 }
 
-// Half a step in the order of the axes and half in the opposite order.
-void Flow::carry_second(FlowFields& f, double t, double h) {
+void Flow::add_viscosity(const FlowFields& f, size_t c, double viscosity, double* rate) {
   const mac::MacGrid& g = model_->grid;
-  fill(f, t + h);
-  double *to = array(0), *full = array(1), *swelling = array(2);
-  // Weymouth and Yue's limit is half a cell.
-  const int n = std::max(1, static_cast<int>(std::ceil(h * crossing_rate(f, t + h))));
+  if (!model_->two_viscosities()) {
+    if (viscosity > 0) mac::add_laplacian(g, c, f.u[c], viscosity, rate, *arena_);
+    return;
+  }
+  mac::add_stress(g, c, {f.u[0], f.u[1], f.u[2]}, fluidity_.data.data(), lightness_[c].data.data(),
+                  model_->def.density, rate, *arena_);
+}
+
+// 1 / (density viscosity) of each fluid, the mean by volume: layers under one stress.
+void Flow::find_fluidity(const FlowFields& f) {
+  const mac::MacGrid& g = model_->grid;
+  const double one = model_->def.density * f.viscosity,
+               two = model_->def.second_fluid->density * *model_->def.second_fluid->viscosity;
+  double* fluidity = fluidity_.data.data();
+  mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
+    for (size_t i = at; i < at + n; ++i) {
+      const double share = std::clamp(f.second[i], 0.0, 1.0);
+      fluidity[i] = (share < 1 ? (1 - share) / one : 0) + (share > 0 ? share / two : 0);
+    }
+  });
+  mac::fill_ghosts(g, kCentre, scalar_sides_, fluidity, *arena_);
+}
+
+void Flow::note_border(const FlowFields& f, Since since) {
+  const mac::MacGrid& g = model_->grid;
+  mac::fill_ghosts(g, kCentre, scalar_sides_, f.second, *arena_);
+  for (size_t c = 0; c < g.dimensions; ++c) {
+    std::vector<uint8_t>& beside = beside_border_[c];
+    const auto x = model_->unknown(c, 0), y = model_->unknown(c, 1), z = model_->unknown(c, 2);
+    mac::for_rows(g, c, *arena_, [&](size_t at, size_t j, size_t k, size_t) {
+      if (j < y[0] || j >= y[1] || k < z[0] || k >= z[1]) return;
+      for (size_t i = at + x[0]; i < at + x[1]; ++i) {
+        const bool now = mac::beside_border(g, c, f.second, i);
+        beside[i] = now || (since == Since::before && beside[i]) ? 1 : 0;
+      }
+    });
+  }
+}
+
+// Half of it in the order of the axes and half in the opposite one.
+void Flow::carry_border(FlowFields& f, double t, double h, double* share, Carried carried) {
+  const mac::MacGrid& g = model_->grid;
+  const mac::ConstFields u{f.u[0], f.u[1], f.u[2]};
+  const mac::TwoDensities densities{model_->def.density, model_->def.second_fluid->density};
+  double *to = array(0), *full = array(1), *swelling = array(2), *flux = array(3), *moved = array(4);
+  // Weymouth and Yue's bound is half a cell.
+  const int n = std::max(1, static_cast<int>(std::ceil(h * crossing_rate(f, t))));
   const double part = h / (2 * n);
   for (int half = 0; half < 2 * n; ++half) {
     mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t row) {
-      for (size_t i = at; i < at + row; ++i) full[i] = f.second[i] > 0.5 ? 1 : 0, swelling[i] = 0;
+      for (size_t i = at; i < at + row; ++i) full[i] = share[i] > 0.5 ? 1 : 0, swelling[i] = 0;
     });
+    mac::fill_ghosts(g, kCentre, scalar_sides_, full, *arena_);
     for (size_t k = 0; k < g.dimensions; ++k) {
       const size_t a = half % 2 == 0 ? k : g.dimensions - 1 - k;
-      mac::fill_ghosts(g, kCentre, scalar_sides_, f.second, *arena_);
-      mac::carry_share(g, a, k + 1 == g.dimensions ? mac::Sweep::last : mac::Sweep::inner, f.u[a], part,
-                       f.second, full, swelling, to, *arena_);
+      const auto sweep = k + 1 == g.dimensions ? mac::Sweep::last : mac::Sweep::inner;
+      mac::fill_ghosts(g, kCentre, scalar_sides_, share, *arena_);
+      mac::share_flux(g, a, f.u[a], part, share, flux, *arena_);
+      mac::carry_share(g, a, sweep, f.u[a], part, share, flux, full, swelling, to, *arena_);
+      if (carried == Carried::momentum) {
+        mac::mass_flux(g, a, f.u[a], part, densities, flux, *arena_);
+        mac::fill_ghosts(g, a, sides_[a], flux, *arena_);
+        for (size_t c = 0; c < g.dimensions; ++c) {
+          double* q = carried_[c].data.data();
+          fill_component(c, q);
+          mac::carry_momentum(g, c, a, sweep, u, part, densities, share, full, flux, q, moved, *arena_);
+          const auto x = model_->unknown(c, 0), y = model_->unknown(c, 1), z = model_->unknown(c, 2);
+          mac::for_rows(g, c, *arena_, [&](size_t at, size_t j, size_t kz, size_t) {
+            if (j < y[0] || j >= y[1] || kz < z[0] || kz >= z[1]) return;
+            std::copy_n(moved + at + x[0], x[1] - x[0], q + at + x[0]);
+          });
+        }
+      }
       mac::for_rows(g, kCentre, *arena_,
-                    [&](size_t at, size_t, size_t, size_t row) { std::copy_n(to + at, row, f.second + at); });
+                    [&](size_t at, size_t, size_t, size_t row) { std::copy_n(to + at, row, share + at); });
     }
   }
+}
+
+// A leapfrog: the border is half a substep behind the velocity that it is carried by. What becomes of the
+// velocity there is kept as a rate.
+void Flow::carry_second(FlowFields& f, double t, double h) {
+  const mac::MacGrid& g = model_->grid;
+  fill(f, t);
+  note_border(f, Since::now);
+  for (size_t c = 0; c < g.dimensions; ++c) std::copy_n(f.u[c], g.size(), carried_[c].data.data());
+  carry_border(f, t, 0.5 * (f.border_h + h), f.second, Carried::momentum);
+  f.border_h = h;
+  for (size_t c = 0; c < g.dimensions; ++c) {
+    double* q = carried_[c].data.data();
+    mac::for_rows(g, c, *arena_, [&](size_t at, size_t, size_t, size_t row) {
+      for (size_t i = at; i < at + row; ++i) q[i] = (q[i] - f.u[c][i]) / h;
+    });
+  }
+  note_border(f, Since::before);
+}
+
+void Flow::bring_up(FlowFields& f, double t, double* share) {
+  fill(f, t);
+  std::copy_n(f.second, model_->grid.size(), share);
+  carry_border(f, t, 0.5 * f.border_h, share, Carried::volume);
 }
 
 }  // namespace truestep::grid_fluid

@@ -22,8 +22,9 @@ enum Number : size_t {
   kDrag,
   kLift,
   kNumbers,
-  kDivergence = kNumbers,  ///< one more if FlowModel::keeps_divergence
-  kTorque                  ///< one more if obstacles rotate
+  kDivergence = kNumbers,  ///< FlowModel::keeps_divergence: there is one more
+  kTorque,                 ///< obstacles turn: another one
+  kBorderStep = kNumbers   ///< two fluids, which neither keep divergence nor turn obstacles
 };
 constexpr const char* kAxes[] = {"x", "y", "z"};
 
@@ -56,9 +57,9 @@ GridFluid::GridFluid(const GridFluidDef& def, const BuildContext& context)
     start_.add({std::string("velocity.") + kAxes[c], "m/s", Scalar::f64, 1, Role::position}, g.size());
   }
   start_.add({"pressure", "m^2/s^2", Scalar::f64, 1, Role::internal}, g.size());
-  numbers_ =
-      start_.add({"numbers", "1", Scalar::f64, 1, Role::internal},
-                 kNumbers + (model_.keeps_divergence() ? 1u : 0u) + (model_.texts.obstacles_turn ? 1u : 0u));
+  numbers_ = start_.add({"numbers", "1", Scalar::f64, 1, Role::internal},
+                        kNumbers + (model_.keeps_divergence() ? 1u : 0u) +
+                            (model_.texts.obstacles_turn ? 1u : 0u) + (model_.two_fluids() ? 1u : 0u));
   if (def.advection == GridFluidDef::Advection::central && def.stepping == GridFluidDef::Stepping::ab2) {
     for (size_t c = 0; c < g.dimensions; ++c) {
       const auto column =
@@ -74,7 +75,9 @@ GridFluid::GridFluid(const GridFluidDef& def, const BuildContext& context)
   if (def.scalar) scalar_ = start_.add({"scalar", "1", Scalar::f64, 1, Role::position}, g.size());
   if (model_.two_fluids()) {
     second_ = start_.add({"second_fluid", "1", Scalar::f64, 1, Role::position}, g.size());
-    model_.fill_second(start_.f64(*second_).data());
+    start_.add({"border", "1", Scalar::f64, 1, Role::internal}, g.size());
+    for (const State::Column column : {*second_, border_column()})
+      model_.fill_second(start_.f64(column).data());
   }
   start_.f64(numbers_)[kViscosity] = def.viscosity;
 
@@ -117,7 +120,7 @@ FlowFields GridFluid::fields(State& s) const {
   }
   f.pressure = s.f64(pressure_column()).data();
   if (scalar_) f.scalar = s.f64(*scalar_).data();
-  if (second_) f.second = s.f64(*second_).data();
+  if (second_) f.second = s.f64(border_column()).data(), f.border_h = s.f64(numbers_)[kBorderStep];
   f.viscosity = s.f64(numbers_)[kViscosity];
   f.last_h = s.f64(numbers_)[kLastStep];
   return f;
@@ -134,7 +137,13 @@ double GridFluid::largest_substep(double crossing_rate, double viscosity, double
   // The border moves with the velocity that its own weight has just changed: a leapfrog, stable up to 2; half
   // of that.
   if (const double rate = model_.border_rate(); rate > 0) largest = std::min(largest, 1 / rate);
-  if (central && (d.viscous == GridFluidDef::Viscous::explicit_ || model_.sharp_walls())) {
+  if (model_.two_viscosities()) {
+    // Of the stress's own sum of second differences, 3/2 of the Laplacian's, beside a border twice as much.
+    constexpr double kStress = 3;
+    viscosity = kStress * std::max(viscosity, *d.second_fluid->viscosity);
+  }
+  if (central &&
+      (d.viscous == GridFluidDef::Viscous::explicit_ || model_.sharp_walls() || model_.two_viscosities())) {
     double rate = 0;
     for (size_t a = 0; a < model_.grid.dimensions; ++a)
       rate += 4 / (model_.grid.spacing[a] * model_.grid.spacing[a]);
@@ -172,6 +181,10 @@ void GridFluid::advance(State& s, const StepInput& in) const {
   numbers[kLift] = model_.def.density * f.impulse[1] / h;
   if (model_.texts.obstacles_turn) numbers[kTorque] = model_.def.density * f.turning / h;
   numbers[kLastStep] = f.last_h, numbers[kSubsteps] = n;
+  if (second_) {
+    flow.bring_up(f, in.t + in.h, s.f64(*second_).data());
+    numbers[kBorderStep] = f.border_h;
+  }
   numbers[kCfl] = flow.crossing_rate(f, in.t + in.h) * h;
   if (model_.keeps_divergence()) numbers[kDivergence] = flow.largest_divergence(f, in.t + in.h);
 }

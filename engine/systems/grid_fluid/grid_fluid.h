@@ -37,6 +37,9 @@ class GridFluid final : public StagedSystem {
   /// Largest substep for a flow that crosses this many cells per second.
   double largest_substep(double crossing_rate, double viscosity, double h) const;
 
+  /// Share of the second fluid that the flow itself moves, after the one that is shown.
+  State::Column border_column() const { return *second_ + 1; }
+
   std::string id_;
   FlowModel model_;
   State::Column numbers_ = 0;

@@ -130,6 +130,11 @@ void check_two_fluids(const GridFluidDef& d, const DefTable::Report& report) {
   if (d.steady()) report("/second_fluid", "steady flows support a single fluid");
   if (d.order == GridFluidDef::Order::fourth) report("/second_fluid", "fourth order needs a single density");
   if (!d.obstacles.empty()) report("/obstacles", "two fluids do not support obstacles");
+  if (d.second_fluid->viscosity) {
+    if (d.advection != GridFluidDef::Advection::central)
+      report("/second_fluid/viscosity", "two viscosities need central advection");
+    if (d.viscous == GridFluidDef::Viscous::implicit) report("/viscous", "two viscosities are explicit");
+  }
   constexpr double kMostRatio = 1000;
   const double ratio = d.second_fluid->density / d.density;
   if (!(ratio <= kMostRatio && ratio >= 1 / kMostRatio))

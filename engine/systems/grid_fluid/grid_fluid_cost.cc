@@ -45,14 +45,17 @@ Cost grid_fluid_cost(const void* def) {
       d.obstacles, [](const ObstacleDef& o) { return !o.displacement.empty() || !o.angle.empty(); });
   Cost c;
   c.state_bytes =
-      8 * padded * (components + 1 + (ab2 ? components : 0) + (d.scalar ? 1 : 0) + (d.second_fluid ? 1 : 0)) +
+      8 * padded * (components + 1 + (ab2 ? components : 0) + (d.scalar ? 1 : 0) + (d.second_fluid ? 2 : 0)) +
       4e3;
   // Rates, right-hand sides and transforms; the scalar's paths forwards and backwards; fractions and levels
   // if there are solids.
   c.workspace_bytes = 8 * padded * (3 * components + 4 + 4 * solids + (d.scalar ? 5 : 0)) + 3e5;
-  // Densities of faces, levels of the pressure solver and its five vectors.
-  if (d.second_fluid) c.workspace_bytes += 8 * padded * (2 * components + (components + 4) * 1.34 + 5);
-  // Fractions of faces once more.
+  // Densities of faces and what is carried along there, levels of the pressure's solver and its five vectors.
+  if (d.second_fluid) {
+    c.workspace_bytes += 8 * padded * (3 * components + (components + 4) * 1.34 + 5) + padded * components;
+    if (d.second_fluid->viscosity) c.workspace_bytes += 8 * padded;
+  }
+  // Shares of faces again.
   if (moving) c.workspace_bytes += padded * (17 * components + 1);
   c.elements = cell_count(d);
   if (d.steady() && components == 2) {

@@ -54,6 +54,10 @@ const DefTable& second_fluid_table() {
                       "an expression of x, y, z, positive inside the second fluid at the start, such as y - "
                       "0.5; nearly linear across a cell, so that the border is where it is 0")
           .number("density", &D::density, "kg/m^3", above(0), "mass per volume (area in the plane)")
+          .number(
+              "viscosity", &D::viscosity, "m^2/s", at_least(0),
+              "its kinematic viscosity, explicit and with the stress continuous across the border; without "
+              "it that of the first fluid")
           .build();
   return kTable;
 }

@@ -37,8 +37,9 @@ struct ScalarDef {
 
 /// A second fluid in the same box that does not mix with the first.
 struct SecondFluidDef {
-  std::string where = "0";  ///< positive where the second fluid is at the start
-  double density = 1;       ///< kg/m^3, or kg/m^2 in the plane
+  std::string where = "0";          ///< positive where it is at the start
+  double density = 1;               ///< kg/m^3, or kg/m^2 in the plane
+  std::optional<double> viscosity;  ///< kinematic, m^2/s; empty: that of the first
 };
 
 /// A solid in the flow, at rest or moved by the scene.
