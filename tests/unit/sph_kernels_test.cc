@@ -195,6 +195,13 @@ TEST(SphLists, RowsOfFourAreKeptAndSummed) {
       }
     }
     alignas(32) const T table[20] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19};
+    Wide<T> columns[4];
+    for (size_t i = 0; i < kLanes; ++i) {
+      for (size_t k = 0; k < 4; ++k) columns[k].set(static_cast<int>(i), static_cast<T>(10 * i + k));
+    }
+    T put[4 * kLanes];
+    put_rows4(put, columns);
+    for (size_t k = 0; k < 4 * kLanes; ++k) EXPECT_EQ(put[k], static_cast<T>(10 * (k / 4) + k % 4)) << k;
     const size_t slots[2] = {4, 1};
     const Wide<T> side = rows_side_by_side(table, slots), fours = numbers_by_fours(table, slots);
     const bool two = kRowsSide<T> == 2;
@@ -230,7 +237,7 @@ TEST(SphLists, SlotsFarApartAreInGroupsOfTheirOwn) {
       Wide<T> there[4];
       const auto taken = c.take(end, at, kCount, there);
       Group<T>& g = c.group(end);
-      g.set(there, taken.above & Wide<T>::Mask{});
+      g.set(there, typename Wide<T>::Mask{});
       EXPECT_EQ(g.above(1), 0) << "control: slots are those that are set";
       g.set(there, taken.above);
       for (size_t lane = 0; lane < kLanes; ++lane) {

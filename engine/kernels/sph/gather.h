@@ -45,6 +45,28 @@ inline void gather_rows4(const T* rows, const Index& index, Wide<T> out[4]) {
 #endif
 }
 
+/// rows[4 i + k] = in[k][i].
+template <class T>
+inline void put_rows4(T* rows, const Wide<T> in[4]) {
+#if defined(__AVX2__) && defined(__FMA__)
+  if constexpr (sizeof(T) == 4) {
+    const auto a = __m256(in[0].v), b = __m256(in[1].v), c = __m256(in[2].v), d = __m256(in[3].v);
+    const __m256 ab0 = _mm256_unpacklo_ps(a, b), ab1 = _mm256_unpackhi_ps(a, b);
+    const __m256 cd0 = _mm256_unpacklo_ps(c, d), cd1 = _mm256_unpackhi_ps(c, d);
+    const __m256 r[4] = {_mm256_shuffle_ps(ab0, cd0, 0x44), _mm256_shuffle_ps(ab0, cd0, 0xee),
+                         _mm256_shuffle_ps(ab1, cd1, 0x44), _mm256_shuffle_ps(ab1, cd1, 0xee)};
+    for (int i = 0; i < 4; ++i) {
+      _mm_storeu_ps(rows + 4 * i, _mm256_castps256_ps128(r[i]));
+      _mm_storeu_ps(rows + 4 * i + 16, _mm256_extractf128_ps(r[i], 1));
+    }
+    return;
+  }
+#endif
+  for (int i = 0; i < Wide<T>::kLanes; ++i) {
+    for (int k = 0; k < 4; ++k) rows[4 * i + k] = in[k].v[i];
+  }
+}
+
 /// Rows of four numbers that one Wide holds side by side.
 template <class T>
 inline constexpr size_t kRowsSide = Wide<T>::kLanes / 4;
@@ -212,6 +234,17 @@ inline uint32_t lanes_set(const typename Wide<T>::Mask& mask) {
   for (int i = 0; i < Wide<T>::kLanes; ++i) bits |= static_cast<uint32_t>(mask[i] != 0) << i;
   return bits;
 #endif
+}
+/// Whole numbers side by side.
+template <class T>
+inline typename Wide<T>::Mask whole(const uint32_t* p) {
+  typename Wide<T>::Mask out;
+  if constexpr (sizeof(T) == 4) {
+    __builtin_memcpy(&out, p, sizeof out);
+  } else {
+    for (int i = 0; i < Wide<T>::kLanes; ++i) out[i] = p[i];
+  }
+  return out;
 }
 /// Lanes below `count`.
 template <class T>

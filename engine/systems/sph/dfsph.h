@@ -28,7 +28,7 @@ class Dfsph {
   /// substep), and then makes them such that the density is that at rest after a substep of `h` s.
   Solved solve(Fluid<D, T>& f, BodiesIn<D, T>& bodies, double h, const ThreadArena& arena) const {
     const T step = static_cast<T>(h), per_step = 1 / step, closing = static_cast<T>(kClosing / h);
-    begin_from(f, f.flow, f.start);
+    begin_from(f, f.flow, arena);
     push_by<Answer::mirror>(f, f.flow, arena);
     move<Answer::mirror>(f, bodies, f.flow, h, arena);
     Solved out;
@@ -38,7 +38,7 @@ class Dfsph {
           return per_step * (rate + closing * std::min(f.delta[i] - static_cast<T>(kGap), T{0}));
         });
     // What the first solve has found and what the second begins from push in one pass.
-    begin_from(f, f.push, f.start);
+    begin_from(f, f.push, arena);
     push_by_both(f, f.change, f.push, f.next, arena);
     if (bodies.any()) {
       bodies.template answer<Answer::mirror>(f.change), bodies.follow(f, h);
@@ -64,12 +64,14 @@ class Dfsph {
   /// Compression is taken back by at most this a substep: what overlaps at the start comes apart calmly.
   static constexpr double kMostAtOnce = 0.02;
 
-  /// The pressures q that a solve begins from, into `start` too: what nothing moves has none.
-  static void begin_from(const Fluid<D, T>& f, Aligned<T>& q, Aligned<T>& start) {
-    for (size_t i = 0; f.weighted && i < f.n; ++i) {
-      if (f.fixed(i)) q[i] = 0;
-    }
-    std::copy(q.begin(), q.end(), start.begin());
+  /// The pressures q that a solve begins from, into `start` and `iterate` too: what nothing moves has none.
+  static void begin_from(Fluid<D, T>& f, Aligned<T>& q, const ThreadArena& arena) {
+    arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        if (f.fixed(i)) q[i] = 0;
+        f.start[i] = f.iterate[i] = q[i];
+      }
+    });
   }
   /// Carries out for h s what pressures q do; f.a is what they do to the particles.
   template <Answer A>
@@ -79,11 +81,11 @@ class Dfsph {
     if (bodies.any()) bodies.template answer<A>(q), bodies.follow(f, h);
   }
 
-  /// Solves for q >= 0 such that no compression remains. Velocities have the pressures that q begins with in
-  /// them, and residual(slot, chunk, begin, end) says what compression (1/s^2) is left there; `error` makes
-  /// it relative. Leaves in f.change what is to be added to the pressures at the beginning. Projected
-  /// gradients, accelerated by Nesterov's sequence, which begins anew where it goes uphill (O'Donoghue &
-  /// Candes 2015): the matrix is symmetric and has no negative eigenvalue.
+  /// Solves for q >= 0, from where begin_from has put it, such that no compression remains. Velocities have
+  /// the pressures that q begins with in them, and residual(slot, chunk, begin, end) says what compression
+  /// (1/s^2) is left there; `error` makes it relative. Leaves in f.change what is to be added to the
+  /// pressures at the beginning. Projected gradients, accelerated by Nesterov's sequence, which begins anew
+  /// where it goes uphill (O'Donoghue & Candes 2015): the matrix is symmetric and has no negative eigenvalue.
   template <Answer A, class Residual>
   SolveResult relax(Fluid<D, T>& f, BodiesIn<D, T>& bodies, Aligned<T>& q, double error,
                     const ThreadArena& arena, const Residual& residual) const {
@@ -91,7 +93,6 @@ class Dfsph {
     const T least = static_cast<T>(1e-6 / (set_.support * set_.support));
     T relaxation = static_cast<T>(set_.relaxation);
     SolveResult out;
-    std::copy(q.begin(), q.end(), f.iterate.begin());
     double best = HUGE_VAL;
     int run = 0;
     for (;;) {

@@ -1,6 +1,7 @@
 // Sorting particles into cells and listing their neighbours with kernels and gradients.
 #pragma once
 #include <type_traits>
+#include <utility>
 
 #include "engine/systems/sph/fluid.h"
 
@@ -11,13 +12,15 @@ class Neighbours {
  public:
   using W = Wide<T>;
   static constexpr size_t kLanes = W::kLanes;
-  /// What lists have besides gradients: slopes and weights, and distances too.
-  enum class Extras : uint8_t { none, slopes, distances };
+  /// What lists have besides gradients: slopes, weights too, and distances too.
+  enum class Extras : uint8_t { none, slopes, weights, distances };
 
   explicit Neighbours(const Setting& set) : set_(set) {
     const SphDef& d = set.def;
     if (d.viscosity > 0 || d.xsph > 0 || d.solver != Method::dfsph) extras_ = Extras::slopes;
-    if (d.surface_tension > 0) extras_ = kRounded<T> ? Extras::distances : Extras::slopes;
+    if (d.surface_tension > 0) extras_ = Extras::slopes;
+    if (d.xsph > 0 || (d.solver == Method::pbf && d.artificial_pressure > 0)) extras_ = Extras::weights;
+    if (d.surface_tension > 0 && kRounded<T>) extras_ = Extras::distances;
     if constexpr (kRounded<T>) {
       unit_ = set.kernel_s * set.support * steepest(set.def.kernel) / kGradientSteps;
     }
@@ -31,19 +34,32 @@ class Neighbours {
   void sort(Fluid<D, T>& f, const T* place, const ThreadArena& arena) const {
     Cells<D>& cells = f.cells;
     if (cells.start.empty()) cells.set(set_.def, set_.support);
-    const size_t n = f.n;
-    arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+    const size_t n = f.n, all = cells.start.size() - 1;
+    // Rows are counted and put by parts, each of which has a cursor of its own in every cell.
+    const size_t parts = std::max(n, set_.capacity) >= kParts * kBlockRows ? kParts : 1;
+    const size_t part = std::max((n + parts - 1) / parts, size_t{1});
+    f.cursor.resize(parts * all);
+    const auto cursor = [&](size_t begin) { return f.cursor.data() + begin / part * all; };
+    arena.for_blocks(n, part, [&](size_t begin, size_t end) {
+      uint32_t* count = cursor(begin);
+      std::fill(count, count + all, 0);
       for (size_t i = begin; i < end; ++i) {
         int c[3] = {};
         for (int a = 0; a < D; ++a) c[a] = cells.along(double{place[3 * i + static_cast<size_t>(a)]}, a);
         f.cell_of[i] = static_cast<uint32_t>(cells.of(c));
+        ++count[f.cell_of[i]];
       }
     });
-    std::fill(cells.start.begin(), cells.start.end(), 0);
-    for (size_t i = 0; i < n; ++i) ++cells.start[f.cell_of[i] + 1];
-    for (size_t k = 1; k < cells.start.size(); ++k) cells.start[k] += cells.start[k - 1];
-    f.cursor.assign(cells.start.begin(), cells.start.end() - 1);
-    for (size_t i = 0; i < n; ++i) f.row[f.cursor[f.cell_of[i]]++] = static_cast<uint32_t>(i);
+    uint32_t next = 0;
+    for (size_t k = 0; k < all; ++k) {
+      cells.start[k] = next;
+      for (size_t p = 0; p * part < n; ++p) next += std::exchange(f.cursor[p * all + k], next);
+    }
+    cells.start[all] = next;
+    arena.for_blocks(n, part, [&](size_t begin, size_t end) {
+      uint32_t* at = cursor(begin);
+      for (size_t i = begin; i < end; ++i) f.row[at[f.cell_of[i]]++] = static_cast<uint32_t>(i);
+    });
     arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
         for (size_t a = 0; a < D; ++a) f.x[a][k] = place[3 * size_t{f.row[k]} + a];
@@ -83,6 +99,7 @@ class Neighbours {
   }
 
  private:
+  static constexpr size_t kParts = 4;  ///< of the rows that are sorted, whatever the number of threads
   struct Scales {
     Scales(const Setting& set, double unit)
         : far(W::all(static_cast<T>(set.support * set.support))),
@@ -158,7 +175,7 @@ class Neighbours {
   }
 
   /// Which of those around are neighbours of particle i, into chunk.near; returns their number.
-  size_t find(const Fluid<D, T>& f, size_t i, Chunk<T>& chunk) const {
+  [[gnu::always_inline]] size_t find(const Fluid<D, T>& f, size_t i, Chunk<T>& chunk) const {
     const W limit = W::all(static_cast<T>(set_.support * set_.support));
     W here[D];
     for (size_t a = 0; a < D; ++a) here[a] = W::all(f.x[a][i]);
@@ -236,8 +253,9 @@ class Neighbours {
   /// Gradients and what else is kept of a group at entry k from offsets and squared distances;
   /// store(gradients) puts them into the group.
   template <Smoothing K, class Store>
-  void evaluate(const Fluid<D, T>& f, Chunk<T>& chunk, size_t k, const W* way, const W& distance2,
-                const Scales& scales, Sums& sums, const Store& store_group) const {
+  [[gnu::always_inline]] void evaluate(const Fluid<D, T>& f, Chunk<T>& chunk, size_t k, const W* way,
+                                       const W& distance2, const Scales& scales, Sums& sums,
+                                       const Store& store_group) const {
     const W q = min(sqrt(distance2) * scales.inverse, scales.one);
     const SmoothingValue<T> value = smoothing<K, T>(q);
     const W w = scales.kw * value.w, s = scales.ks * value.s;
@@ -255,7 +273,8 @@ class Neighbours {
     }
     store_group(g);
     if (f.weighted) sums.squares = madd(square, chunk.of(f.light, k), sums.squares);
-    if (extras_ != Extras::none) store(chunk.s.data() + k, s), store(chunk.w.data() + k, w);
+    if (extras_ >= Extras::slopes) store(chunk.s.data() + k, s);
+    if (extras_ >= Extras::weights) store(chunk.w.data() + k, w);
     if (extras_ == Extras::distances) store(chunk.q.data() + k, q);
   }
 

@@ -90,7 +90,7 @@ struct Chunk {
     return gather(numbers.data() + base[k / kLanes], SlotsOf<T>{group(k)});
   }
   /// out[c]: number c of rows[slot], rows of four.
-  void rows_of(const Aligned<T>& rows, size_t k, W out[4]) const {
+  [[gnu::always_inline]] void rows_of(const Aligned<T>& rows, size_t k, W out[4]) const {
     gather_rows4(rows.data() + 4 * size_t{base[k / kLanes]}, SlotsOf<T>{group(k)}, out);
   }
   /// Over the entries from `begin` to `end`: sums of gradient times numbers[slot] (the fourth is nothing).
@@ -112,8 +112,8 @@ struct Chunk {
   /// far as they are within a distance, whose square is `limit`, from the box between `low` and `top`.
   /// Nothing within it of a place in the box is left out: rounding is monotone.
   template <size_t D>
-  void put_around(const Aligned<T>* x, size_t begin, size_t end, const double* shift, const W* low,
-                  const W* top, const W& limit) {
+  [[gnu::always_inline]] void put_around(const Aligned<T>* x, size_t begin, size_t end, const double* shift,
+                                         const W* low, const W* top, const W& limit) {
     const size_t room = around_count + (end - begin) + 2 * kLanes;
     if (around_slots.size() < room) {
       const size_t more = room + room / 2;
@@ -141,10 +141,11 @@ struct Chunk {
     for (size_t k = around_count; k < end; ++k) {
       for (auto& a : around) a[k] = kFar;
     }
-    for (size_t k = 0; k < around_count; ++k) {
-      for (size_t a = 0; a < D; ++a) around_rows[4 * k + a] = around[a][k];
-      using Slot = std::conditional_t<sizeof(T) == 4, uint32_t, uint64_t>;
-      around_rows[4 * k + 3] = __builtin_bit_cast(T, Slot{around_slots[k]});
+    for (size_t k = 0; k < end; k += kLanes) {
+      W columns[4] = {W::zero(), W::zero(), W::zero(), {}};
+      for (size_t a = 0; a < D; ++a) columns[a] = load(around[a].data() + k);
+      columns[3].v = __builtin_bit_cast(typename W::Raw, whole<T>(around_slots.data() + k));
+      put_rows4(around_rows.data() + 4 * k, columns);
     }
     around_count = end;
   }
@@ -155,7 +156,7 @@ struct Chunk {
     size_t count;                    ///< how many neighbours
     typename W::Mask inside, above;  ///< lanes that have one; slots over the first one, else 0
   };
-  Taken take(size_t k, size_t at, size_t count, W there[4]) {
+  [[gnu::always_inline]] Taken take(size_t k, size_t at, size_t count, W there[4]) {
     using Mask = typename W::Mask;
     gather_rows4(around_rows.data(), near.data() + at, there);
     const Mask slots = __builtin_bit_cast(Mask, there[3].v), above = slots - slots[0];
@@ -167,14 +168,15 @@ struct Chunk {
     return {full, inside, above & inside};
   }
 
-  /// Room for `entries` and as many slopes and weights, and distances, as `extras` says.
+  /// Room for `entries` and as many of slopes, weights, distances as `extras` says.
   void need(size_t entries, size_t extras) {
     const size_t least = entries + 2 * kLanes;
     if (kLanes * groups.size() >= least) return;
     const size_t room = (least + least / 2) / kLanes * kLanes;
     groups.resize(room / kLanes), base.resize(room / kLanes);
-    if (extras > 0) s.resize(room), w.resize(room);
-    if (extras > 1) q.resize(room);
+    if (extras > 0) s.resize(room);
+    if (extras > 1) w.resize(room);
+    if (extras > 2) q.resize(room);
   }
 
  private:
