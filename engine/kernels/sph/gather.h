@@ -248,7 +248,7 @@ inline typename Wide<T>::Mask whole(const uint32_t* p) {
 }
 /// Lanes below `count`.
 template <class T>
-inline typename Wide<T>::Mask first_lanes(uint32_t count) {
+inline typename Wide<T>::Mask first_lanes(size_t count) {
   using Mask = typename Wide<T>::Mask;
   if constexpr (sizeof(T) == 4) {
     return Mask{0, 1, 2, 3, 4, 5, 6, 7} < static_cast<int32_t>(count);

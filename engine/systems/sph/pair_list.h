@@ -120,19 +120,25 @@ struct Chunk {
       around_slots.resize(more), around_rows.resize(4 * more), near.resize(more + kLanes);
       for (auto& a : around) a.resize(more);
     }
+    W by[D];
+    T* places[D];
+    for (size_t a = 0; a < D; ++a) by[a] = W::all(static_cast<T>(shift[a])), places[a] = around[a].data();
+    uint32_t* const slots = around_slots.data();
+    size_t count = around_count;
     for (size_t k = begin; k < end; k += kLanes) {
       W place[D], square = W::zero();
       for (size_t a = 0; a < D; ++a) {
-        place[a] = load(x[a].data() + k) + W::all(static_cast<T>(shift[a]));
+        place[a] = load(x[a].data() + k) + by[a];
         const W beyond = max(max(low[a] - place[a], place[a] - top[a]), W::zero());
         square = madd(beyond, beyond, square);
       }
       uint32_t bits = bits_below(square, limit);
       if (end - k < kLanes) bits &= (1u << (end - k)) - 1;
       const LanesOf<T> lanes(bits);
-      for (size_t a = 0; a < D; ++a) lanes.store(around[a].data() + around_count, place[a]);
-      around_count += store_lanes<kLanes>(around_slots.data() + around_count, static_cast<uint32_t>(k), bits);
+      for (size_t a = 0; a < D; ++a) lanes.store(places[a] + count, place[a]);
+      count += store_lanes<kLanes>(slots + count, static_cast<uint32_t>(k), bits);
     }
+    around_count = count;
   }
   /// Fills what is around up to a whole group, and makes rows of it.
   template <size_t D>
@@ -160,9 +166,13 @@ struct Chunk {
     using Mask = typename W::Mask;
     gather_rows4(around_rows.data(), near.data() + at, there);
     const Mask slots = __builtin_bit_cast(Mask, there[3].v), above = slots - slots[0];
-    uint32_t fits = lanes_set<T>((above >= 0) & (above <= 0xffff));
-    if (count - at < kLanes) fits &= (1u << (count - at)) - 1;
-    const auto full = static_cast<uint32_t>(__builtin_ctz(~fits));
+    const size_t most = std::min(count - at, kLanes);
+    const uint32_t apart = ~lanes_set<T>((above >= 0) & (above <= 0xffff)) & ((1u << most) - 1);
+    // A branch, so that the next group does not wait for this one's slots.
+    size_t full = most;
+    if (apart != 0) [[unlikely]] {
+      full = static_cast<size_t>(__builtin_ctz(apart));
+    }
     const Mask inside = first_lanes<T>(full);
     base[k / kLanes] = static_cast<uint32_t>(slots[0]);
     return {full, inside, above & inside};
