@@ -1,6 +1,7 @@
 // Smoothing kernels and the contributions of walls to the sums over them.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 
 #include "engine/kernels/sph/cohesion.h"
@@ -158,8 +159,8 @@ TEST(SphLists, LanesAreStoredSideBySide) {
       T out[8] = {};
       uint32_t places[8] = {};
       const LanesOf<T> lanes(bits);
-      const uint32_t from[8] = {100, 101, 102, 103, 104, 105, 106, 107};
-      lanes.store(out, a), lanes.store(places, from);
+      lanes.store(out, a);
+      EXPECT_EQ(store_lanes<Wide<T>::kLanes>(places, 100, bits), lanes.count());
       size_t k = 0;
       for (int i = 0; i < 4; ++i) {
         if (!(bits >> i & 1)) continue;
@@ -194,6 +195,13 @@ TEST(SphLists, RowsOfFourAreKeptAndSummed) {
       }
     }
     alignas(32) const T table[20] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19};
+    Wide<T> columns[4];
+    for (size_t i = 0; i < kLanes; ++i) {
+      for (size_t k = 0; k < 4; ++k) columns[k].set(static_cast<int>(i), static_cast<T>(10 * i + k));
+    }
+    T put[4 * kLanes];
+    put_rows4(put, columns);
+    for (size_t k = 0; k < 4 * kLanes; ++k) EXPECT_EQ(put[k], static_cast<T>(10 * (k / 4) + k % 4)) << k;
     const size_t slots[2] = {4, 1};
     const Wide<T> side = rows_side_by_side(table, slots), fours = numbers_by_fours(table, slots);
     const bool two = kRowsSide<T> == 2;
@@ -210,25 +218,44 @@ TEST(SphLists, RowsOfFourAreKeptAndSummed) {
 
 // A slot that is more than 16 bits above the first of its group, or below it, begins another group.
 TEST(SphLists, SlotsFarApartAreInGroupsOfTheirOwn) {
-  Chunk<float> c;
-  const uint32_t slots[] = {7, 9, 70'000, 70'001, 70'002, 3, 4, 65'539, 65'540};
-  constexpr size_t kCount = 9, kBegin = 16;
-  c.need(kBegin, kBegin, kCount, 0);
-  for (size_t k = 0; k < kCount; ++k) c.near[k] = slots[k], c.square[k] = static_cast<float>(k + 1);
-  const size_t end = c.pack(kBegin, kBegin + kCount, 99, 0);
-  EXPECT_EQ(end, kBegin + 4 * 8);
-  std::vector<uint32_t> found;
-  for (size_t k = kBegin; k < end; ++k) {
-    const Group<float>& g = c.group(k);
-    const float square = c.square[k - kBegin];
-    if (square < 99) {
-      found.push_back(c.base[k / 8] + g.above(k % 8));
-      EXPECT_EQ(found.back(), slots[static_cast<size_t>(square) - 1]);
-    } else {
-      EXPECT_EQ(g.above(k % 8), 0) << "what fills a group up is its first slot";
+  const auto check = [](auto one) {
+    using T = decltype(one);
+    constexpr size_t kLanes = Wide<T>::kLanes;
+    Chunk<T> c;
+    const uint32_t slots[] = {7, 9, 70'000, 70'001, 70'002, 3, 4, 65'539, 65'540};
+    constexpr size_t kCount = 9, kBegin = 16;
+    c.need(kBegin + kLanes * kCount, 0);
+    c.around_rows.resize(4 * kCount), c.near.resize(kCount + kLanes);
+    for (size_t k = 0; k < kCount; ++k) {
+      using Slot = std::conditional_t<sizeof(T) == 4, uint32_t, uint64_t>;
+      c.near[k] = static_cast<uint32_t>(k), c.around_rows[4 * k] = static_cast<T>(slots[k]);
+      c.around_rows[4 * k + 3] = std::bit_cast<T>(Slot{slots[k]});
     }
-  }
-  EXPECT_EQ(found, std::vector<uint32_t>(std::begin(slots), std::end(slots)));
+    std::vector<uint32_t> found;
+    size_t end = kBegin;
+    for (size_t at = 0; at < kCount; end += kLanes) {
+      Wide<T> there[4];
+      const auto taken = c.take(end, at, kCount, there);
+      Group<T>& g = c.group(end);
+      g.set(there, typename Wide<T>::Mask{});
+      EXPECT_EQ(g.above(1), 0) << "control: slots are those that are set";
+      g.set(there, taken.above);
+      for (size_t lane = 0; lane < kLanes; ++lane) {
+        EXPECT_EQ(taken.inside[lane] != 0, lane < taken.count);
+        if (lane < taken.count) {
+          found.push_back(c.base[end / kLanes] + g.above(lane));
+          EXPECT_EQ(there[0][static_cast<int>(lane)], static_cast<T>(found.back()));
+        } else {
+          EXPECT_EQ(g.above(lane), 0) << "what fills a group up is its first slot";
+        }
+      }
+      at += taken.count;
+    }
+    // 7 9 | 70000 70001 70002 | 3 4 65539 | 65540 - 3 is too much.
+    EXPECT_EQ(end, kBegin + 4 * kLanes);
+    EXPECT_EQ(found, std::vector<uint32_t>(std::begin(slots), std::end(slots)));
+  };
+  check(1.0f), check(1.0);
 }
 
 }  // namespace

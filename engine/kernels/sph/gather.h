@@ -45,6 +45,28 @@ inline void gather_rows4(const T* rows, const Index& index, Wide<T> out[4]) {
 #endif
 }
 
+/// rows[4 i + k] = in[k][i].
+template <class T>
+inline void put_rows4(T* rows, const Wide<T> in[4]) {
+#if defined(__AVX2__) && defined(__FMA__)
+  if constexpr (sizeof(T) == 4) {
+    const auto a = __m256(in[0].v), b = __m256(in[1].v), c = __m256(in[2].v), d = __m256(in[3].v);
+    const __m256 ab0 = _mm256_unpacklo_ps(a, b), ab1 = _mm256_unpackhi_ps(a, b);
+    const __m256 cd0 = _mm256_unpacklo_ps(c, d), cd1 = _mm256_unpackhi_ps(c, d);
+    const __m256 r[4] = {_mm256_shuffle_ps(ab0, cd0, 0x44), _mm256_shuffle_ps(ab0, cd0, 0xee),
+                         _mm256_shuffle_ps(ab1, cd1, 0x44), _mm256_shuffle_ps(ab1, cd1, 0xee)};
+    for (int i = 0; i < 4; ++i) {
+      _mm_storeu_ps(rows + 4 * i, _mm256_castps256_ps128(r[i]));
+      _mm_storeu_ps(rows + 4 * i + 16, _mm256_extractf128_ps(r[i], 1));
+    }
+    return;
+  }
+#endif
+  for (int i = 0; i < Wide<T>::kLanes; ++i) {
+    for (int k = 0; k < 4; ++k) rows[4 * i + k] = in[k].v[i];
+  }
+}
+
 /// Rows of four numbers that one Wide holds side by side.
 template <class T>
 inline constexpr size_t kRowsSide = Wide<T>::kLanes / 4;
@@ -173,17 +195,6 @@ class LanesOf {
     const uint8_t* lanes = kLanesOf.of[bits_];
     for (size_t k = 0; k < count(); ++k) out[k] = a.v[lanes[k]];
   }
-  void store(uint32_t* out, const uint32_t* in) const {
-#if defined(__AVX2__) && defined(__FMA__)
-    if constexpr (sizeof(T) == 4) {
-      const __m256i all = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(in));
-      _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), _mm256_permutevar8x32_epi32(all, order_));
-      return;
-    }
-#endif
-    const uint8_t* lanes = kLanesOf.of[bits_];
-    for (size_t k = 0; k < count(); ++k) out[k] = in[lanes[k]];
-  }
 
  private:
   uint32_t bits_;
@@ -191,6 +202,60 @@ class LanesOf {
   __m256i order_ = {};
 #endif
 };
+
+/// first + lane for those lanes whose bits are set, side by side, and overwrites what is behind them up to
+/// Lanes numbers; returns how many are set.
+template <size_t Lanes>
+inline size_t store_lanes(uint32_t* out, uint32_t first, uint32_t bits) {
+  const uint8_t* lanes = kLanesOf.of[bits];
+#if defined(__AVX2__) && defined(__FMA__)
+  if constexpr (Lanes == 8) {
+    const __m256i order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(lanes)));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out),
+                        _mm256_add_epi32(order, _mm256_set1_epi32(static_cast<int32_t>(first))));
+    return static_cast<size_t>(__builtin_popcount(bits));
+  }
+#endif
+  for (size_t k = 0; k < Lanes; ++k) out[k] = first + lanes[k];
+  return static_cast<size_t>(__builtin_popcount(bits));
+}
+
+/// Bit i: lane i of a comparison holds.
+template <class T>
+inline uint32_t lanes_set(const typename Wide<T>::Mask& mask) {
+#if defined(__AVX2__) && defined(__FMA__)
+  if constexpr (sizeof(T) == 4) {
+    return static_cast<uint32_t>(_mm256_movemask_ps(__m256(mask)));
+  } else {
+    return static_cast<uint32_t>(_mm256_movemask_pd(__m256d(mask)));
+  }
+#else
+  uint32_t bits = 0;
+  for (int i = 0; i < Wide<T>::kLanes; ++i) bits |= static_cast<uint32_t>(mask[i] != 0) << i;
+  return bits;
+#endif
+}
+/// Whole numbers side by side.
+template <class T>
+inline typename Wide<T>::Mask whole(const uint32_t* p) {
+  typename Wide<T>::Mask out;
+  if constexpr (sizeof(T) == 4) {
+    __builtin_memcpy(&out, p, sizeof out);
+  } else {
+    for (int i = 0; i < Wide<T>::kLanes; ++i) out[i] = p[i];
+  }
+  return out;
+}
+/// Lanes below `count`.
+template <class T>
+inline typename Wide<T>::Mask first_lanes(size_t count) {
+  using Mask = typename Wide<T>::Mask;
+  if constexpr (sizeof(T) == 4) {
+    return Mask{0, 1, 2, 3, 4, 5, 6, 7} < static_cast<int32_t>(count);
+  } else {
+    return Mask{0, 1, 2, 3} < static_cast<int64_t>(count);
+  }
+}
 
 template <class T>
 inline Wide<T> load(const T* p) {
@@ -250,6 +315,25 @@ inline void store_rows3(int16_t (*rows)[4], const Wide<float> in[3]) {
 #else
   for (int i = 0; i < 8; ++i) {
     for (int k = 0; k < 3; ++k) rows[i][k] = static_cast<int16_t>(in[k].v[i]);
+  }
+#endif
+}
+/// The same with `last` below 2^16 as the last of each row.
+inline void store_rows4(int16_t (*rows)[4], const Wide<float> in[3], const Wide<float>::Mask& last) {
+#if defined(__AVX2__) && defined(__FMA__)
+  const auto whole = [&](int k) { return _mm256_cvttps_epi32(__m256(in[k].v)); };
+  constexpr int kOdd = 0xaa;
+  const __m256i xy = _mm256_blend_epi16(whole(0), _mm256_slli_epi32(whole(1), 16), kOdd);
+  const __m256i zw = _mm256_blend_epi16(whole(2), _mm256_slli_epi32(__m256i(last), 16), kOdd);
+  // Rows 0, 1, 4, 5 and rows 2, 3, 6, 7.
+  const __m256i a = _mm256_unpacklo_epi32(xy, zw), b = _mm256_unpackhi_epi32(xy, zw);
+  auto* out = reinterpret_cast<__m256i*>(rows);
+  _mm256_storeu_si256(out, _mm256_permute2x128_si256(a, b, 0x20));
+  _mm256_storeu_si256(out + 1, _mm256_permute2x128_si256(a, b, 0x31));
+#else
+  for (int i = 0; i < 8; ++i) {
+    for (int k = 0; k < 3; ++k) rows[i][k] = static_cast<int16_t>(in[k].v[i]);
+    rows[i][3] = static_cast<int16_t>(static_cast<uint16_t>(last[i]));
   }
 #endif
 }

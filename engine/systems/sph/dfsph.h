@@ -29,7 +29,7 @@ class Dfsph {
   /// then makes them such that the density after a substep of `h` s is the rest density.
   Solved solve(Fluid<D, T>& f, BodiesIn<D, T>& bodies, double h, const ThreadArena& arena) const {
     const T step = static_cast<T>(h), per_step = 1 / step, closing = static_cast<T>(kClosing / h);
-    begin_from(f, f.flow, f.start);
+    begin_from(f, f.flow, arena);
     push_by<Answer::mirror>(f, f.flow, arena);
     move<Answer::mirror>(f, bodies, f.flow, h, arena);
     Solved out;
@@ -39,7 +39,7 @@ class Dfsph {
           return per_step * (rate + closing * std::min(f.delta[i] - static_cast<T>(kGap), T{0}));
         });
     // The result of the first solve and the start of the second push in one pass.
-    begin_from(f, f.push, f.start);
+    begin_from(f, f.push, arena);
     push_by_both(f, f.change, f.push, f.next, arena);
     if (bodies.any()) {
       bodies.template answer<Answer::mirror>(f.change), bodies.follow(f, h);
@@ -64,12 +64,15 @@ class Dfsph {
   /// At most this much compression is removed per substep: an overlap at the start separates calmly.
   static constexpr double kMostAtOnce = 0.02;
 
-  /// The start pressures q of a solve, copied into `start`; particles that nothing moves have none.
-  static void begin_from(const Fluid<D, T>& f, Aligned<T>& q, Aligned<T>& start) {
-    for (size_t i = 0; f.weighted && i < f.n; ++i) {
-      if (f.fixed(i)) q[i] = 0;
-    }
-    std::copy(q.begin(), q.end(), start.begin());
+  /// The start pressures q of a solve, copied into `start` and `iterate`; particles that nothing moves have
+  /// none.
+  static void begin_from(Fluid<D, T>& f, Aligned<T>& q, const ThreadArena& arena) {
+    arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        if (f.fixed(i)) q[i] = 0;
+        f.start[i] = f.iterate[i] = q[i];
+      }
+    });
   }
   /// Applies pressures q for h s; f.a is their effect on the particles.
   template <Answer A>
@@ -79,11 +82,11 @@ class Dfsph {
     if (bodies.any()) bodies.template answer<A>(q), bodies.follow(f, h);
   }
 
-  /// Solves for q >= 0 such that no compression remains. The velocities already contain the effect of the
-  /// initial q, and residual(slot, chunk, begin, end) is the compression (1/s^2) left in them; `error` makes
-  /// it relative. Leaves in f.change the change from the initial pressures. Projected gradient method with
-  /// Nesterov's acceleration, restarted where it goes uphill (O'Donoghue & Candes 2015): the matrix is
-  /// symmetric and has no negative eigenvalue.
+  /// Solves for q >= 0, starting from begin_from, such that no compression remains. The velocities already
+  /// contain the effect of the initial q, and residual(slot, chunk, begin, end) is the compression (1/s^2)
+  /// left in them; `error` makes it relative. Leaves in f.change the change from the initial pressures.
+  /// Projected gradient method with Nesterov's acceleration, restarted where it goes uphill (O'Donoghue &
+  /// Candes 2015): the matrix is symmetric and has no negative eigenvalue.
   template <Answer A, class Residual>
   SolveResult relax(Fluid<D, T>& f, BodiesIn<D, T>& bodies, Aligned<T>& q, double error,
                     const ThreadArena& arena, const Residual& residual) const {
@@ -91,7 +94,6 @@ class Dfsph {
     const T least = static_cast<T>(1e-6 / (set_.support * set_.support));
     T relaxation = static_cast<T>(set_.relaxation);
     SolveResult out;
-    std::copy(q.begin(), q.end(), f.iterate.begin());
     double best = HUGE_VAL;
     int run = 0;
     for (;;) {

@@ -123,7 +123,7 @@ struct Fluid {
     resize(rows);
     for (Chunk<T>& c : chunks) {
       const auto entries = static_cast<size_t>(kChunk * neighbours);
-      c.need(entries, entries, 0, extras);
+      c.need(entries, extras);
     }
   }
   void resize(size_t rows) {

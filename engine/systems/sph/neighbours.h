@@ -1,6 +1,7 @@
 // Sorting particles into cells and listing their neighbours with kernel values and gradients.
 #pragma once
 #include <type_traits>
+#include <utility>
 
 #include "engine/systems/sph/fluid.h"
 
@@ -11,13 +12,15 @@ class Neighbours {
  public:
   using W = Wide<T>;
   static constexpr size_t kLanes = W::kLanes;
-  /// What lists hold besides gradients: slopes and weights; distances too.
-  enum class Extras : uint8_t { none, slopes, distances };
+  /// What lists hold besides gradients: slopes, also weights, also distances.
+  enum class Extras : uint8_t { none, slopes, weights, distances };
 
   explicit Neighbours(const Setting& set) : set_(set) {
     const SphDef& d = set.def;
     if (d.viscosity > 0 || d.xsph > 0 || d.solver != Method::dfsph) extras_ = Extras::slopes;
-    if (d.surface_tension > 0) extras_ = kRounded<T> ? Extras::distances : Extras::slopes;
+    if (d.surface_tension > 0) extras_ = Extras::slopes;
+    if (d.xsph > 0 || (d.solver == Method::pbf && d.artificial_pressure > 0)) extras_ = Extras::weights;
+    if (d.surface_tension > 0 && kRounded<T>) extras_ = Extras::distances;
     if constexpr (kRounded<T>) {
       unit_ = set.kernel_s * set.support * steepest(set.def.kernel) / kGradientSteps;
     }
@@ -31,19 +34,32 @@ class Neighbours {
   void sort(Fluid<D, T>& f, const T* place, const ThreadArena& arena) const {
     Cells<D>& cells = f.cells;
     if (cells.start.empty()) cells.set(set_.def, set_.support);
-    const size_t n = f.n;
-    arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+    const size_t n = f.n, all = cells.start.size() - 1;
+    // Rows are counted and put by parts, each of which has a cursor of its own in every cell.
+    const size_t parts = std::max(n, set_.capacity) >= kParts * kBlockRows ? kParts : 1;
+    const size_t part = std::max((n + parts - 1) / parts, size_t{1});
+    f.cursor.resize(parts * all);
+    const auto cursor = [&](size_t begin) { return f.cursor.data() + begin / part * all; };
+    arena.for_blocks(n, part, [&](size_t begin, size_t end) {
+      uint32_t* count = cursor(begin);
+      std::fill(count, count + all, 0);
       for (size_t i = begin; i < end; ++i) {
         int c[3] = {};
         for (int a = 0; a < D; ++a) c[a] = cells.along(double{place[3 * i + static_cast<size_t>(a)]}, a);
         f.cell_of[i] = static_cast<uint32_t>(cells.of(c));
+        ++count[f.cell_of[i]];
       }
     });
-    std::fill(cells.start.begin(), cells.start.end(), 0);
-    for (size_t i = 0; i < n; ++i) ++cells.start[f.cell_of[i] + 1];
-    for (size_t k = 1; k < cells.start.size(); ++k) cells.start[k] += cells.start[k - 1];
-    f.cursor.assign(cells.start.begin(), cells.start.end() - 1);
-    for (size_t i = 0; i < n; ++i) f.row[f.cursor[f.cell_of[i]]++] = static_cast<uint32_t>(i);
+    uint32_t next = 0;
+    for (size_t k = 0; k < all; ++k) {
+      cells.start[k] = next;
+      for (size_t p = 0; p * part < n; ++p) next += std::exchange(f.cursor[p * all + k], next);
+    }
+    cells.start[all] = next;
+    arena.for_blocks(n, part, [&](size_t begin, size_t end) {
+      uint32_t* at = cursor(begin);
+      for (size_t i = begin; i < end; ++i) f.row[at[f.cell_of[i]]++] = static_cast<uint32_t>(i);
+    });
     arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
         for (size_t a = 0; a < D; ++a) f.x[a][k] = place[3 * size_t{f.row[k]} + a];
@@ -56,6 +72,7 @@ class Neighbours {
 
   /// Updates the same lists for the current positions.
   void renew(Fluid<D, T>& f, const ThreadArena& arena) const {
+    const Scales scales(set_, unit_);
     with_kernel([&](auto kernel) {
       arena.for_blocks(f.chunks_in_use(), 4, [&](size_t first, size_t last) {
         for (size_t k = first; k < last; ++k) {
@@ -63,8 +80,12 @@ class Neighbours {
           const size_t low = k * kChunk, high = std::min(f.n, low + kChunk);
           for (size_t i = low; i < high; ++i) {
             const size_t begin = chunk.first[i - low], end = chunk.first[i - low + 1];
-            measure(f, i, chunk, begin, end);
-            evaluate<decltype(kernel)::value>(f, i, chunk, begin, end);
+            Sums sums;
+            measure(f, i, chunk, begin, end, [&](size_t at, const W* way, const W& square) {
+              evaluate<decltype(kernel)::value>(f, chunk, at, way, square, scales, sums,
+                                                [&](const W g[3]) { store_rows3(chunk.group(at).g, g); });
+            });
+            finish<decltype(kernel)::value>(f, i, sums);
           }
         }
       });
@@ -78,6 +99,22 @@ class Neighbours {
   }
 
  private:
+  static constexpr size_t kParts = 4;  ///< of the rows that are sorted, whatever the number of threads
+  struct Scales {
+    Scales(const Setting& set, double unit)
+        : far(W::all(static_cast<T>(set.support * set.support))),
+          inverse(W::all(static_cast<T>(1 / set.support))),
+          one(W::all(1)),
+          kw(W::all(static_cast<T>(set.kernel_w))),
+          ks(W::all(static_cast<T>(set.kernel_s))),
+          per_unit(W::all(static_cast<T>(1 / unit))) {}
+    W far, inverse, one, kw, ks, per_unit;
+  };
+  /// What a list sums up: values, squares of gradients and gradients.
+  struct Sums {
+    W density = W::zero(), squares = W::zero(), pull[3] = {W::zero(), W::zero(), W::zero()};
+  };
+
   /// body(a type whose `value` is the kernel).
   template <class Body>
   void with_kernel(const Body& body) const {
@@ -95,71 +132,105 @@ class Neighbours {
 
   template <Smoothing K>
   void list_with(Fluid<D, T>& f, const ThreadArena& arena) const {
+    const Scales scales(set_, unit_);
     arena.for_blocks(f.chunks_in_use(), 4, [&](size_t first, size_t last) {
       for (size_t k = first; k < last; ++k) {
         Chunk<T>& chunk = f.chunks[k];
         const size_t low = k * kChunk, high = std::min(f.n, low + kChunk);
-        size_t used = 0;
-        uint32_t cell = 0;
+        size_t used = 0, stop = low;
         chunk.first[0] = 0;
         for (size_t i = low; i < high; ++i) {
-          const uint32_t now = f.cell_of[f.row[i]];
-          if (i == low || now != cell) look_around(f, i, chunk);
-          cell = now;
-          const size_t end = find(f, i, chunk, used);
-          evaluate<K>(f, i, chunk, used, end);
-          used = end;
+          if (i == stop) stop = look_around(f, i, high, chunk);
+          used = list_of<K>(f, i, chunk, used, find(f, i, chunk), scales);
           chunk.first[i - low + 1] = static_cast<uint32_t>(used);
         }
       }
     });
   }
 
-  /// Collects the particles in the cells around particle i's.
-  void look_around(const Fluid<D, T>& f, size_t i, Chunk<T>& chunk) const {
+  /// Collects the particles in the cells around particle i's that are within the kernel's radius of the box
+  /// of the particles from i to `high` in its cell; returns the end of these.
+  size_t look_around(const Fluid<D, T>& f, size_t i, size_t high, Chunk<T>& chunk) const {
+    const size_t cell = f.cell_of[f.row[i]], stop = std::min(high, size_t{f.cells.start[cell + 1]});
+    W low[D], top[D];
     int c[3] = {};
-    for (size_t a = 0; a < D; ++a) c[a] = f.cells.along(double{f.x[a][i]}, static_cast<int>(a));
+    for (size_t a = 0; a < D; ++a) {
+      const T* x = f.x[a].data();
+      c[a] = f.cells.along(double{x[i]}, static_cast<int>(a));
+      const auto [least, most] = std::minmax_element(x + i, x + stop);
+      low[a] = W::all(*least), top[a] = W::all(*most);
+    }
+    const W limit = W::all(static_cast<T>(set_.support * set_.support));
     chunk.around_count = 0;
-    f.cells.around(c, [&](size_t begin, size_t stop, const double* shift) {
-      if (begin <= i && i < stop) chunk.own = chunk.around_count - begin;
-      chunk.template put_around<D>(f.x, begin, stop, shift);
+    f.cells.around(c, [&](size_t begin, size_t end, const double* shift) {
+      const bool own = begin <= i && i < end;
+      chunk.template put_around<D>(f.x, begin, own ? i : end, shift, low, top, limit);
+      if (!own) return;
+      // All of the box is near it.
+      chunk.own = chunk.around_count - i;
+      chunk.template put_around<D>(f.x, i, end, shift, low, top, limit);
     });
-    chunk.end_around();
+    chunk.template end_around<D>();
+    return stop;
   }
 
-  /// Appends the neighbours of particle i, with offsets and squared distances, after `used` entries; returns
-  /// the end.
-  size_t find(const Fluid<D, T>& f, size_t i, Chunk<T>& chunk, size_t used) const {
-    const T far = static_cast<T>(set_.support * set_.support);
-    const W limit = W::all(far);
+  /// Writes the neighbours of particle i into chunk.near; returns their number.
+  [[gnu::always_inline]] size_t find(const Fluid<D, T>& f, size_t i, Chunk<T>& chunk) const {
+    const W limit = W::all(static_cast<T>(set_.support * set_.support));
     W here[D];
     for (size_t a = 0; a < D; ++a) here[a] = W::all(f.x[a][i]);
-    const size_t own = chunk.own + i;
-    chunk.need(used, used, chunk.around_count + kLanes, static_cast<size_t>(extras_));
-    size_t at = 0;
-    // Every group is stored, with or without neighbours: that costs less than mispredicted branches.
-    for (size_t k = 0; k < chunk.around_count; k += kLanes) {
-      W way[D], square = W::zero();
+    const size_t own = chunk.own + i, own_group = own / kLanes * kLanes;
+    size_t found = 0;
+    const auto look = [&](size_t k, uint32_t but) {
+      W square = W::zero();
       for (size_t a = 0; a < D; ++a) {
-        way[a] = here[a] - load(chunk.around[a].data() + k);
-        square = madd(way[a], way[a], square);
+        const W way = here[a] - load(chunk.around[a].data() + k);
+        square = madd(way, way, square);
       }
-      uint32_t bits = bits_below(square, limit);
-      if (own - k < kLanes) bits &= ~(1u << (own - k));
-      const LanesOf<T> lanes(bits);
-      lanes.store(chunk.near.data() + at, chunk.around_slots.data() + k);
-      for (size_t a = 0; a < D; ++a) lanes.store(chunk.away[a].data() + at, way[a]);
-      lanes.store(chunk.square.data() + at, square);
-      at += lanes.count();
-    }
-    return chunk.pack(used, used + at, far, static_cast<size_t>(extras_));
+      found += store_lanes<kLanes>(chunk.near.data() + found, static_cast<uint32_t>(k),
+                                   bits_below(square, limit) & ~but);
+    };
+    // Each group is stored, with or without neighbours: that costs less than a branch that is not foreseen.
+    for (size_t k = 0; k < own_group; k += kLanes) look(k, 0);
+    look(own_group, 1u << (own - own_group));
+    for (size_t k = own_group + kLanes; k < chunk.around_count; k += kLanes) look(k, 0);
+    for (size_t lane = 0; lane < kLanes; ++lane) chunk.near[found + lane] = 0;
+    return found;
   }
 
-  /// Offsets and squared distances of the neighbours in a list.
-  void measure(const Fluid<D, T>& f, size_t i, Chunk<T>& chunk, size_t begin, size_t end) const {
+  /// Appends the list of the `count` neighbours of particle i in chunk.near behind `used` entries; returns
+  /// the end, of whole groups.
+  template <Smoothing K>
+  size_t list_of(Fluid<D, T>& f, size_t i, Chunk<T>& chunk, size_t used, size_t count,
+                 const Scales& scales) const {
+    W here[D];
+    for (size_t a = 0; a < D; ++a) here[a] = W::all(f.x[a][i]);
+    Sums sums;
+    for (size_t at = 0; at < count; used += kLanes) {
+      chunk.need(used + kLanes, static_cast<size_t>(extras_));
+      W there[4], way[3], square = W::zero();
+      const auto taken = chunk.take(used, at, count, there);
+      for (size_t a = 0; a < D; ++a) {
+        way[a] = here[a] - there[a];
+        square = madd(way[a], way[a], square);
+        way[a] = select(taken.inside, way[a], W::zero());
+      }
+      square = select(taken.inside, square, scales.far);
+      evaluate<K>(f, chunk, used, way, square, scales, sums,
+                  [&](const W g[3]) { chunk.group(used).set(g, taken.above); });
+      at += taken.count;
+    }
+    finish<K>(f, i, sums);
+    return used;
+  }
+
+  /// Calls body(entry, offsets, squared distance) for the groups of a list.
+  template <class Body>
+  void measure(const Fluid<D, T>& f, size_t i, const Chunk<T>& chunk, size_t begin, size_t end,
+               const Body& body) const {
     const T far = static_cast<T>(set_.support * set_.support);
     for (size_t k = begin; k < end; k += kLanes) {
-      W square = W::zero();
+      W square = W::zero(), way[3];
       for (size_t a = 0; a < D; ++a) {
         W d = W::all(f.x[a][i]) - chunk.of(f.x[a], k);
         if (f.cells.wraps[a]) {
@@ -167,52 +238,57 @@ class Neighbours {
           d = select(d > half, d - width, d);
           d = select(d < -half, d + width, d);
         }
-        store(chunk.away[a].data() + (k - begin), d);
+        way[a] = d;
         square += d * d;
       }
-      store(chunk.square.data() + (k - begin), min(square, W::all(far)));
+      square = min(square, W::all(far));
       // A neighbour is in a list only once: a repeat of its group's first slot is padding.
       for (size_t last = kLanes; last-- > 1 && chunk.group(k).above(last) == 0;) {
-        chunk.square[k - begin + last] = far;
+        square.set(static_cast<int>(last), far);
       }
+      body(k, way, square);
     }
   }
 
-  /// Gradients, and whatever else is kept, from offsets and squared distances; and the sums over the list.
-  template <Smoothing K>
-  void evaluate(Fluid<D, T>& f, size_t i, Chunk<T>& chunk, size_t begin, size_t end) const {
-    const W inverse = W::all(static_cast<T>(1 / set_.support)), one = W::all(1);
-    const W kw = W::all(static_cast<T>(set_.kernel_w)), ks = W::all(static_cast<T>(set_.kernel_s));
-    W density = W::zero(), squares = W::zero(), pull[3] = {W::zero(), W::zero(), W::zero()};
-    for (size_t k = begin; k < end; k += kLanes) {
-      const W q = min(sqrt(load(chunk.square.data() + (k - begin))) * inverse, one);
-      const SmoothingValue<T> value = smoothing<K, T>(q);
-      const W w = kw * value.w, s = ks * value.s;
-      density += w;
-      W square = W::zero(), g[3] = {W::zero(), W::zero(), W::zero()};
-      for (size_t a = 0; a < D; ++a) {
-        g[a] = s * load(chunk.away[a].data() + (k - begin));
-        if constexpr (kRounded<T>) g[a] = nearest(g[a] * W::all(static_cast<T>(1 / unit_)));
-        pull[a] += g[a];
-        if (f.weighted) {
-          square = madd(g[a], g[a], square);
-        } else {
-          squares = madd(g[a], g[a], squares);
-        }
+  /// Gradients, and whatever else is kept, of the group at entry k, from offsets and squared distances;
+  /// store(gradients) puts them into the group.
+  template <Smoothing K, class Store>
+  [[gnu::always_inline]] void evaluate(const Fluid<D, T>& f, Chunk<T>& chunk, size_t k, const W* way,
+                                       const W& distance2, const Scales& scales, Sums& sums,
+                                       const Store& store_group) const {
+    const W q = min(sqrt(distance2) * scales.inverse, scales.one);
+    const SmoothingValue<T> value = smoothing<K, T>(q);
+    const W w = scales.kw * value.w, s = scales.ks * value.s;
+    sums.density += w;
+    W square = W::zero(), g[3] = {W::zero(), W::zero(), W::zero()};
+    for (size_t a = 0; a < D; ++a) {
+      g[a] = s * way[a];
+      if constexpr (kRounded<T>) g[a] = nearest(g[a] * scales.per_unit);
+      sums.pull[a] += g[a];
+      if (f.weighted) {
+        square = madd(g[a], g[a], square);
+      } else {
+        sums.squares = madd(g[a], g[a], sums.squares);
       }
-      store_rows3(chunk.group(k).g, g);
-      if (f.weighted) squares = madd(square, chunk.of(f.light, k), squares);
-      if (extras_ != Extras::none) store(chunk.s.data() + k, s), store(chunk.w.data() + k, w);
-      if (extras_ == Extras::distances) store(chunk.q.data() + k, q);
     }
+    store_group(g);
+    if (f.weighted) sums.squares = madd(square, chunk.of(f.light, k), sums.squares);
+    if (extras_ >= Extras::slopes) store(chunk.s.data() + k, s);
+    if (extras_ >= Extras::weights) store(chunk.w.data() + k, w);
+    if (extras_ == Extras::distances) store(chunk.q.data() + k, q);
+  }
+
+  /// Density, pull and stiffness of particle i from what its list sums up.
+  template <Smoothing K>
+  void finish(Fluid<D, T>& f, size_t i, const Sums& sums) const {
     const SmoothingValue<T> self = smoothing<K, T>(W::zero());
     const T* wall = f.wall.data() + 4 * i;
-    f.delta[i] = sum(density) + static_cast<T>(set_.kernel_w) * self.w[0] + wall[3];
-    T both = f.unit * f.unit * sum(squares);
+    f.delta[i] = sum(sums.density) + static_cast<T>(set_.kernel_w) * self.w[0] + wall[3];
+    T both = f.unit * f.unit * sum(sums.squares);
     T* total = f.pull.data() + 4 * i;
     total[3] = 0;
     for (int a = 0; a < 3; ++a) {
-      const T inside = a < D ? f.unit * sum(pull[a]) : T{0}, outside = a < D ? wall[a] : T{0};
+      const T inside = a < D ? f.unit * sum(sums.pull[a]) : T{0}, outside = a < D ? wall[a] : T{0};
       total[a] = inside + outside;
       both += f.lightness(i) * total[a] * total[a];
     }

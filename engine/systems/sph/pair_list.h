@@ -35,14 +35,18 @@ struct Group {
   uint16_t slots[kLanes];  ///< offsets from the first entry's
 
   uint16_t above(size_t lane) const { return slots[lane]; }
-  void set_above(size_t lane, uint16_t slot) { slots[lane] = slot, g[lane][3] = 0; }
+  /// Gradients, the first three of each row, and slots over the first one.
+  void set(const Wide<T> gradient[3], const typename Wide<T>::Mask& over) {
+    store_rows3(g, gradient);
+    for (size_t k = 0; k < kLanes; ++k) slots[k] = static_cast<uint16_t>(over[k]), g[k][3] = 0;
+  }
 };
 template <>
 struct Group<float> {
   int16_t g[8][4];
 
   uint16_t above(size_t lane) const { return static_cast<uint16_t>(g[lane][3]); }
-  void set_above(size_t lane, uint16_t slot) { g[lane][3] = static_cast<int16_t>(slot); }
+  void set(const Wide<float> gradient[3], const Wide<float>::Mask& over) { store_rows4(g, gradient, over); }
 };
 /// Acts as an array of a group's slots, from entry `first` on.
 template <class T>
@@ -63,14 +67,13 @@ struct Chunk {
   Aligned<T> s;                ///< 1/m^2, volume times dW/dr / r
   Aligned<T> w;                ///< 1, volume times W
   Aligned<T> q;                ///< 1, distance over the kernel's radius
-  /// The list being made: slots, offsets (m) and squared distances (m^2).
-  std::vector<uint32_t> near;
-  Aligned<T> away[3], square;
   uint32_t first[kChunk + 1];
   /// The cells around the current one: positions (m), padded to whole groups with points far from everything,
-  /// and slots. Slot i of the current cell is at i + own.
-  Aligned<T> around[3];
+  /// slots, and rows of both (the fourth number has the slot's bits). Slot i of the current cell is at i +
+  /// own.
+  Aligned<T> around[3], around_rows;
   std::vector<uint32_t> around_slots;
+  std::vector<uint32_t> near;  ///< of the list that is being made: which of those around
   size_t around_count = 0, own = 0;
 
   Group<T>& group(size_t k) { return groups[k / kLanes]; }
@@ -86,7 +89,7 @@ struct Chunk {
     return gather(numbers.data() + base[k / kLanes], SlotsOf<T>{group(k)});
   }
   /// out[c]: number c of rows[slot], rows of four.
-  void rows_of(const Aligned<T>& rows, size_t k, W out[4]) const {
+  [[gnu::always_inline]] void rows_of(const Aligned<T>& rows, size_t k, W out[4]) const {
     gather_rows4(rows.data() + 4 * size_t{base[k / kLanes]}, SlotsOf<T>{group(k)}, out);
   }
   /// Over the entries from `begin` to `end`: sums of gradient times numbers[slot] (the fourth is unused).
@@ -104,74 +107,85 @@ struct Chunk {
     }));
   }
 
-  /// Packs the list in `near` and its companions, entries `begin` to `end`, into groups; returns the new end,
-  /// a whole number of groups. Padding entries are `far` away (m^2).
-  size_t pack(size_t begin, size_t end, T far, size_t extras) {
-    for (size_t k = begin; k < end; k += kLanes) {
-      const size_t at = k - begin;
-      Group<T>& out = groups[k / kLanes];
-      const uint32_t from = base[k / kLanes] = near[at];
-      size_t full = 1;
-      // A slot below the first wraps around to a large offset and is rejected as well.
-      for (; full < kLanes && k + full < end && near[at + full] - from <= 0xffff; ++full) {
-        out.set_above(full, static_cast<uint16_t>(near[at + full] - from));
-      }
-      out.set_above(0, 0);
-      if (full == kLanes) continue;
-      if (k + full < end) {
-        need(begin, end, kLanes, extras);
-        shift(at + full, end - begin, kLanes - full);
-      }
-      end += kLanes - full;
-      Group<T>& filled = groups[k / kLanes];
-      for (size_t lane = full; lane < kLanes; ++lane) {
-        filled.set_above(lane, 0), near[at + lane] = from, square[at + lane] = far;
-        for (auto& a : away) a[at + lane] = 0;
-      }
-    }
-    return end;
-  }
-
-  /// Appends slots `begin` to `end` to the surroundings, their positions x moved by `shift` (m).
+  /// Appends those of slots `begin` to `end`, their positions x moved by `shift` (m), whose squared distance
+  /// from the box between `low` and `top` is within `limit`. No point that is so close to a point in the box
+  /// is left out: rounding is monotone.
   template <size_t D>
-  void put_around(const Aligned<T>* x, size_t begin, size_t end, const double* shift) {
-    const size_t at = around_count, count = end - begin;
-    around_count += count;
-    if (around_slots.size() < around_count + kLanes) {
-      const size_t room = around_count + around_count / 2 + kLanes;
-      around_slots.resize(room);
-      for (auto& a : around) a.resize(room);
+  [[gnu::always_inline]] void put_around(const Aligned<T>* x, size_t begin, size_t end, const double* shift,
+                                         const W* low, const W* top, const W& limit) {
+    const size_t room = around_count + (end - begin) + 2 * kLanes;
+    if (around_slots.size() < room) {
+      const size_t more = room + room / 2;
+      around_slots.resize(more), around_rows.resize(4 * more), near.resize(more + kLanes);
+      for (auto& a : around) a.resize(more);
     }
-    for (size_t a = 0; a < D; ++a) {
-      const T by = static_cast<T>(shift[a]), *from = x[a].data() + begin;
-      T* to = around[a].data() + at;
-      for (size_t k = 0; k < count; ++k) to[k] = from[k] + by;
+    W by[D];
+    T* places[D];
+    for (size_t a = 0; a < D; ++a) by[a] = W::all(static_cast<T>(shift[a])), places[a] = around[a].data();
+    uint32_t* const slots = around_slots.data();
+    size_t count = around_count;
+    for (size_t k = begin; k < end; k += kLanes) {
+      W place[D], square = W::zero();
+      for (size_t a = 0; a < D; ++a) {
+        place[a] = load(x[a].data() + k) + by[a];
+        const W beyond = max(max(low[a] - place[a], place[a] - top[a]), W::zero());
+        square = madd(beyond, beyond, square);
+      }
+      uint32_t bits = bits_below(square, limit);
+      if (end - k < kLanes) bits &= (1u << (end - k)) - 1;
+      const LanesOf<T> lanes(bits);
+      for (size_t a = 0; a < D; ++a) lanes.store(places[a] + count, place[a]);
+      count += store_lanes<kLanes>(slots + count, static_cast<uint32_t>(k), bits);
     }
-    for (size_t k = 0; k < count; ++k) around_slots[at + k] = static_cast<uint32_t>(begin + k);
+    around_count = count;
   }
+  /// Fills what is around up to a whole group, and makes rows of it.
+  template <size_t D>
   void end_around() {
     const size_t end = (around_count + kLanes - 1) / kLanes * kLanes;
-    for (auto& a : around)
-      std::fill(a.begin() + static_cast<ptrdiff_t>(around_count), a.begin() + static_cast<ptrdiff_t>(end),
-                kFar);
+    for (size_t k = around_count; k < end; ++k) {
+      for (auto& a : around) a[k] = kFar;
+    }
+    for (size_t k = 0; k < end; k += kLanes) {
+      W columns[4] = {W::zero(), W::zero(), W::zero(), {}};
+      for (size_t a = 0; a < D; ++a) columns[a] = load(around[a].data() + k);
+      columns[3].v = __builtin_bit_cast(typename W::Raw, whole<T>(around_slots.data() + k));
+      put_rows4(around_rows.data() + 4 * k, columns);
+    }
     around_count = end;
   }
 
-  /// Room for `more` entries after `used`, where those from `begin` on are one list; `extras` says whether
-  /// slopes and weights, and distances, are kept with the gradients.
-  void need(size_t begin, size_t used, size_t more, size_t extras) {
-    constexpr size_t kLeastList = 512;
-    const size_t least = used + more + 2 * kLanes, list = least - begin;
-    if (near.size() < list) {
-      const size_t room = std::max(list + list / 2, kLeastList);
-      near.resize(room), square.resize(room);
-      for (auto& a : away) a.resize(room);
+  /// Rows of positions of the neighbours in `near`, from `at` of `count`, that the group of entry k takes: it
+  /// ends where a slot is below its first one or too far above it. Keeps the first one's slot.
+  struct Taken {
+    size_t count;                    ///< of neighbours
+    typename W::Mask inside, above;  ///< lanes that have one; slots over the first one, else 0
+  };
+  [[gnu::always_inline]] Taken take(size_t k, size_t at, size_t count, W there[4]) {
+    using Mask = typename W::Mask;
+    gather_rows4(around_rows.data(), near.data() + at, there);
+    const Mask slots = __builtin_bit_cast(Mask, there[3].v), above = slots - slots[0];
+    const size_t most = std::min(count - at, kLanes);
+    const uint32_t apart = ~lanes_set<T>((above >= 0) & (above <= 0xffff)) & ((1u << most) - 1);
+    // A branch, so that the next group does not wait for this one's slots.
+    size_t full = most;
+    if (apart != 0) [[unlikely]] {
+      full = static_cast<size_t>(__builtin_ctz(apart));
     }
+    const Mask inside = first_lanes<T>(full);
+    base[k / kLanes] = static_cast<uint32_t>(slots[0]);
+    return {full, inside, above & inside};
+  }
+
+  /// Room for `entries` and as many of slopes, weights, distances as `extras` says.
+  void need(size_t entries, size_t extras) {
+    const size_t least = entries + 2 * kLanes;
     if (kLanes * groups.size() >= least) return;
     const size_t room = (least + least / 2) / kLanes * kLanes;
     groups.resize(room / kLanes), base.resize(room / kLanes);
-    if (extras > 0) s.resize(room), w.resize(room);
-    if (extras > 1) q.resize(room);
+    if (extras > 0) s.resize(room);
+    if (extras > 1) w.resize(room);
+    if (extras > 2) q.resize(room);
   }
 
  private:
@@ -194,12 +208,6 @@ struct Chunk {
       }
     }
     return (sums[0] + sums[1]) + (sums[2] + sums[3]);
-  }
-  /// Moves the list's entries from `from` to `end` up by `by`.
-  void shift(size_t from, size_t end, size_t by) {
-    const auto move = [&](auto& a) { std::copy_backward(&a[from], &a[0] + end, &a[0] + end + by); };
-    move(near), move(square);
-    for (auto& a : away) move(a);
   }
 };
 

@@ -198,8 +198,8 @@ class SolverOf final : public Solver {
         for (size_t k = begin; k < end; k += W::kLanes) {
           W other[4];
           c.rows_of(f.v, k, other);
-          W share =
-              W::all(-viscosity) * sph::load(c.s.data() + k) + W::all(blend) * sph::load(c.w.data() + k);
+          W share = W::all(-viscosity) * sph::load(c.s.data() + k);
+          if (blend > 0) share += W::all(blend) * sph::load(c.w.data() + k);
           if (f.weighted) share = share * part_of_pair(f, i, c, k);
           for (size_t a = 0; a < D; ++a) sums[a] = madd(share, other[a] - W::all(v[a]), sums[a]);
         }
