@@ -61,6 +61,8 @@ class Solver {
   virtual ~Solver() = default;
   /// Error Instability where substeps would be more than are allowed.
   virtual void step(State& s, const StepInput& in) const = 0;
+  /// Pa, of all rows: what the liquid transmits beside each particle (transmitted.h).
+  virtual void read_pressures(const State& s, std::vector<double>& out) const = 0;
 };
 
 /// Adds the layers that nozzles have given birth to before time t (s), where they are then; nothing where

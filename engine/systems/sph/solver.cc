@@ -8,6 +8,7 @@
 #include "engine/systems/sph/neighbours.h"
 #include "engine/systems/sph/pbf.h"
 #include "engine/systems/sph/tension.h"
+#include "engine/systems/sph/transmitted.h"
 #include "engine/systems/sph/viscosity.h"
 #include "engine/systems/sph/vorticity.h"
 #include "engine/systems/sph/walls.h"
@@ -61,6 +62,18 @@ class SolverOf final : public Solver {
     r[report::density_iterations] = tracks.density / tracks.substeps;
     r[report::flow_iterations] = tracks.flow / tracks.substeps;
     if (implicit_) r[report::viscous_iterations] = tracks.viscous / tracks.substeps;
+  }
+
+  void read_pressures(const State& s, std::vector<double>& out) const override {
+    Fluid<D, T> f;
+    const ThreadArena alone;
+    f.unit = neighbours_.unit();
+    f.resize(s.rows(columns::position));
+    out.resize(f.n);
+    neighbours_.sort(f, s.span<T>(columns::position).data(), alone);
+    neighbours_.list(f, alone);
+    transmitted_pressures(f, s.span<T>(columns::pressure).data(), s.span<T>(columns::density).data(), alone,
+                          out.data());
   }
 
  private:
@@ -321,7 +334,7 @@ class SolverOf final : public Solver {
         density[i] = d;
         pressure[i] = carried  ? rest * tait(d, sound)
                       : solved ? rest * d * d * (f.push[k] + f.flow[k])
-                               : rest * f.push[k] / (h * h);
+                               : rest * d * d * f.flow[k] / (h * h);
         push[i] = solved ? f.push[k] : T{0}, flow[i] = solved ? f.flow[k] : T{0};
       }
     });
