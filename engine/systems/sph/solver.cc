@@ -72,8 +72,19 @@ class SolverOf final : public Solver {
     out.resize(f.n);
     neighbours_.sort(f, s.span<T>(columns::position).data(), alone);
     neighbours_.list(f, alone);
+    const SphDef& d = set_.def;
+    const bool draws = d.surface_tension > 0 && d.surface_tension_model == Tension::cohesion;
+    const bool shrinks = d.surface_tension > 0 && d.surface_tension_model == Tension::interface;
+    const T strength = static_cast<T>(set_.cohesion), support = static_cast<T>(set_.support);
+    if (shrinks) find_interface(f, *set_.interface, support, alone);
     transmitted_pressures(f, s.span<T>(columns::pressure).data(), s.span<T>(columns::density).data(), alone,
-                          out.data());
+                          out.data(), [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
+                            const T rest = static_cast<T>(d.density);
+                            if (draws) return rest * work_of_drawing<D, T>(c, begin, end, strength, support);
+                            if (!shrinks) return T{0};
+                            return rest *
+                                   work_of_shrinking(f, i, c, begin, end, strength, *set_.interface, support);
+                          });
   }
 
  private:

@@ -5,7 +5,8 @@
 // mean over directions), with the densities over that at rest d and counted here n = sum V W:
 //   P_i = n_i sum (q_i + q_j) / 2 (-V dW/dr r) / dimension,  q = p / d^2.
 // Where neighbours are missing (n < 0.9: walls, bodies, the surface) the particle's own q is put in their
-// place. What surface tension and viscosity transmit is not in it.
+// place. What surface tension transmits (attraction: less pressure) is added in the same way; what viscosity
+// does is not in it.
 #pragma once
 #include <algorithm>
 
@@ -14,10 +15,11 @@
 namespace truestep::sph {
 
 /// Pa, of all rows of a state, into `out`. f has its places sorted and listed without walls; `pressure` and
-/// `density` are the state's columns.
-template <int D, class T>
+/// `density` are the state's columns; attraction(slot, chunk, begin, end) is what other forces add to n / 2
+/// over the dimension (Pa).
+template <int D, class T, class Attraction>
 void transmitted_pressures(Fluid<D, T>& f, const T* pressure, const T* density, const ThreadArena& arena,
-                           double* out) {
+                           double* out, const Attraction& attraction) {
   using W = Wide<T>;
   constexpr T kMissing = T(0.1);  // of n: all of these sums is then the particle's own
   for (size_t k = 0; k < f.n; ++k) {
@@ -44,7 +46,8 @@ void transmitted_pressures(Fluid<D, T>& f, const T* pressure, const T* density, 
     const T count = f.delta[i], d = density[f.row[i]];
     const T alone = std::min(std::max((1 - count) / kMissing, T{0}), T{1});
     const T inside = count * pairs, beside = d * d * (pairs + f.push[i] * (1 - share));
-    out[f.row[i]] = double{inside + alone * (beside - inside)};
+    const T others = count / (2 * T(D)) * attraction(i, c, begin, end);
+    out[f.row[i]] = double{inside + alone * (beside - inside) + others};
   });
 }
 
