@@ -23,9 +23,9 @@ struct PlaneInterface {
   double energy = 0;    ///< 1/m^(dimension - 1), energy of unit area over e
 
   /// eps over n of the outermost layer: disorder within the liquid costs little.
-  static constexpr double kSoftness = 0.5;
+  static constexpr double kSoftness = 0.2;
   /// b over what balances the first part: what has left the surface a little is drawn back.
-  static constexpr double kHold = 1.2;
+  static constexpr double kHold = 1.6;
 
   /// Of points `spacing` (m) apart with a kernel of radius `support` (m).
   PlaneInterface(int dimension, double spacing, double support) {

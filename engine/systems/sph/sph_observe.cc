@@ -99,11 +99,14 @@ const Outputs& sph_outputs() {
       .rows =
           "a particle, body after body; rows of particles that are removed are closed up, new ones come at "
           "the end",
-      .fields = {{"position", "m", 3, ""},
-                 {"velocity", "m/s", 3, ""},
-                 {"density", "kg/m^3", 1, "by the kernel; of wcsph by continuity"},
-                 {"pressure", "Pa", 1, "of the last substep"},
-                 {"speed", "m/s", 1, ""}},
+      .fields =
+          {{"position", "m", 3, ""},
+           {"velocity", "m/s", 3, ""},
+           {"density", "kg/m^3", 1, "by the kernel; of wcsph by continuity"},
+           {"pressure", "Pa", 1,
+            "what the liquid transmits through an area there, mean over directions, with surface tension's "
+            "share; beside walls, bodies and the surface the solver's own"},
+           {"speed", "m/s", 1, ""}},
       .observables = {
           {"energy.kinetic", "J", "of the particles' velocities"},
           {"energy.gravity", "J", "potential, about the origin"},
@@ -127,7 +130,10 @@ const Outputs& sph_outputs() {
           {"high.y", "m", ""},
           {"high.z", "m", ""},
           {"mass", "kg", "of all particles"},
-          {"pressure.mean", "Pa", "of the particles"},
+          {"pressure.mean", "Pa",
+           "mean over the particles of the solver's own pressure, which disorder makes 1 to 3 % larger than "
+           "what "
+           "the field says"},
           {"speed.max", "m/s", "of the fastest particle"},
           {"density.mean_error", "1",
            "mean compression that the pressure solve of the last substep left; of wcsph mean "
