@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 
+#include "engine/base/random.h"
 #include "engine/core/medium.h"
 #include "engine/systems/sph/sph.h"
 
@@ -34,6 +35,22 @@ struct SphRun {
     return out.find(name).value();
   }
   Vec3 position(size_t i) const { return RealColumn<const double>(state, sph::columns::position).vector(i); }
+  /// Moves every particle by up to `size` (m) along each axis: another start of the same flow.
+  void shake(double size, uint64_t seed) {
+    RealColumn<double> x(state, sph::columns::position);
+    for (size_t i = 0; i < state.rows(sph::columns::position); ++i) {
+      const auto u = uniform4(seed, 0, i);
+      const double across = system.setting().def.dimension == 3 ? 2 * u[2] - 1 : 0;
+      x.set_vector(i, x.vector(i) + Vec3{2 * u[0] - 1, 2 * u[1] - 1, across} * size);
+    }
+  }
+  /// Pa, the field that is read.
+  std::vector<double> pressures() const {
+    constexpr size_t kPressure = 3;
+    std::vector<double> out;
+    system.field(state, 0, kPressure, out);
+    return out;
+  }
   Vec3 velocity(size_t i) const { return RealColumn<const double>(state, sph::columns::velocity).vector(i); }
 
   sph::Sph system;

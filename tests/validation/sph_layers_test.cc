@@ -24,66 +24,48 @@ double rms_speed(const SphRun& run) {
   return std::sqrt(2 * run.observe("energy.kinetic") / run.observe("mass"));
 }
 
-/// Least squares: a quantity of particles in 0.08 <= y <= 0.22 (m), `off` the side walls, over height (per
-/// m).
+/// Least squares: a quantity of particles in 0.08 <= y <= 0.22 (m) over height (per m).
 template <class Quantity>
-double slope_over_height(const SphRun& run, double off, const Quantity& quantity) {
-  const double width = run.system.setting().def.high.x;
+double slope_over_height(const SphRun& run, const Quantity& quantity) {
   double n = 0, y = 0, yy = 0, q = 0, yq = 0;
   for (size_t i = 0; i < run.system.setting().rows; ++i) {
     const Vec3 at = run.position(i);
-    if (at.y < 0.08 || at.y > 0.22 || at.x < off || at.x > width - off) continue;
+    if (at.y < 0.08 || at.y > 0.22) continue;
     const double value = quantity(i);
     n += 1, y += at.y, yy += at.y * at.y, q += value, yq += at.y * value;
   }
   return (n * yq - y * q) / (n * yy - y * y);
 }
 
-/// Pa, what flows of vertical momentum through a place at particle i (Irving & Kirkwood 1950): half of what
-/// its pairs exchange times their way, over its volume.
-double stress(const SphRun& run, size_t i) {
-  const Setting& set = run.system.setting();
-  const RealColumn<const double> p(run.state, columns::pressure);
-  double sum = 0;
-  for (size_t j = 0; j < set.rows; ++j) {
-    const Vec3 way = run.position(i) - run.position(j);
-    const double q = norm(way) / set.support;
-    if (i == j || q >= 1) continue;
-    sum -= 0.5 * set.kernel_s * smoothing_at(set.def.kernel, q).s[0] * way.y * way.y * (p.at(i) + p.at(j));
-  }
-  return sum;
-}
-
-// Heavy below light stays so: speeds under 1 % of sqrt(g H), as in a pool of one liquid, and in each layer
-// pressure that grows by its weight.
+// Heavy below light stays so: speeds under 1 % of sqrt(g H), as in a pool of one liquid, and in the heavy
+// layer pressure that grows by its weight. How rows come to rest hangs on the last bit: slopes of starts that
+// are a millionth of a metre apart differ by 0.5 %, and the mean over three and both precisions is compared.
+// The solve's own pressures would be 5 % too steep.
 TEST(SphLayers, ATankOfTwoLayersRests) {
-  for (const Precision precision : {Precision::f32, Precision::f64}) {
-    for (const double heavy : {2.0, 10.0, 100.0}) {
-      SphRun run(layers(heavy, precision), 1.0 / 60, {0, -9.81, 0});
-      run.seconds(5);
-      EXPECT_LT(rms_speed(run), 0.01 * std::sqrt(9.81 * 0.6)) << heavy;
-      double carried = 0, slope = 0;
-      for (int k = 0; k < 30; ++k) {
-        run.step();
-        const RealColumn<const double> p(run.state, columns::pressure);
-        // Beside the walls their share of the stress is missing.
-        const double off = run.system.setting().support;
-        carried += slope_over_height(run, off, [&](size_t i) { return stress(run, i); }) / 30;
-        slope += slope_over_height(run, 0, [&](size_t i) { return p.at(i); }) / 30;
+  for (const double heavy : {2.0, 10.0, 100.0}) {
+    constexpr int kStarts = 3, kSamples = 5;
+    double slope = 0;
+    for (const Precision precision : {Precision::f32, Precision::f64}) {
+      for (int start = 0; start < kStarts; ++start) {
+        SphRun run(layers(heavy, precision), 1.0 / 60, {0, -9.81, 0});
+        run.shake(1e-6, static_cast<uint64_t>(start));
+        run.seconds(5);
+        EXPECT_LT(rms_speed(run), 0.01 * std::sqrt(9.81 * 0.6)) << heavy;
+        for (int k = 0; k < kSamples; ++k) {
+          run.step(6);
+          const std::vector<double> p = run.pressures();
+          slope += slope_over_height(run, [&](size_t i) { return p[i]; }) / (2 * kStarts * kSamples);
+        }
+        // Nothing has mixed: the heavy layer's particles are below the light one's, to within a spacing.
+        double highest = 0, lowest = 1;
+        const size_t half = run.system.setting().rows / 2;
+        for (size_t i = 0; i < half; ++i) highest = std::max(highest, run.position(i).y);
+        for (size_t i = half; i < 2 * half; ++i) lowest = std::min(lowest, run.position(i).y);
+        EXPECT_LT(highest - lowest, 0.025) << heavy;
       }
-      // Case fluid.hydrostatic's 2 %, of the force that goes through an area. Control: the light layer's
-      // weight would be at most half of it.
-      EXPECT_NEAR(carried, -9810 * heavy, 0.02 * 9810 * heavy) << heavy;
-      // The pressures of the solve itself are less sure where rows came to rest in some disorder, also
-      // without a jump of density: up to 5.8 % in the first run, after which this bound was set.
-      EXPECT_NEAR(slope, -9810 * heavy, 0.08 * 9810 * heavy) << heavy;
-      // Nothing has mixed: the heavy layer's particles are below the light one's, to within a spacing.
-      double highest = 0, lowest = 1;
-      const size_t half = run.system.setting().rows / 2;
-      for (size_t i = 0; i < half; ++i) highest = std::max(highest, run.position(i).y);
-      for (size_t i = half; i < 2 * half; ++i) lowest = std::min(lowest, run.position(i).y);
-      EXPECT_LT(highest - lowest, 0.025) << heavy;
     }
+    // Case fluid.hydrostatic's 2 %. Control: the light layer's weight would be at most half of it.
+    EXPECT_NEAR(slope, -9810 * heavy, 0.02 * 9810 * heavy) << heavy;
   }
 }
 

@@ -22,9 +22,9 @@ double pressure_in_the_middle(double spin, double sound) {
   double sum = 0, count = 0;
   for (int k = 0; k < 100; ++k) {
     run.step();
-    const RealColumn<const double> p(run.state, columns::pressure);
+    const std::vector<double> p = run.pressures();
     for (size_t i = 0; i < run.system.setting().rows; ++i) {
-      if (norm(run.position(i)) < 0.06) sum += p.at(i), count += 1;
+      if (norm(run.position(i)) < 0.06) sum += p[i], count += 1;
     }
   }
   return sum / count / 1000;

@@ -23,9 +23,9 @@ struct PlaneInterface {
   double energy = 0;    ///< 1/m^(dimension - 1), energy of unit area over e
 
   /// eps over n of the outermost layer: small enough that disorder inside the liquid costs little.
-  static constexpr double kSoftness = 0.5;
+  static constexpr double kSoftness = 0.2;
   /// b over its balanced value: a particle slightly outside the surface is drawn back.
-  static constexpr double kHold = 1.2;
+  static constexpr double kHold = 1.6;
 
   /// For points `spacing` (m) apart and a kernel of radius `support` (m).
   PlaneInterface(int dimension, double spacing, double support) {

@@ -20,15 +20,18 @@ class Pbf {
         per_near_(static_cast<T>(1 / (set.kernel_w * smoothing_at(set.def.kernel, kNear).w[0]))) {}
 
   /// Corrects the positions, and velocities, of particles that have moved for h s; t is the substep's end.
+  /// f.flow is the sum of all corrections' pushes (m^2).
   void correct(Fluid<D, T>& f, BodiesIn<D, T>& bodies, double t, double h, const ThreadArena& arena) const {
     const T relief = static_cast<T>(kRelief / (set_.def.spacing * set_.def.spacing));
     const bool any = bodies.any();
+    std::fill(f.flow.begin(), f.flow.end(), T{0});
     for (int k = 0; k < set_.def.pbf_iterations; ++k) {
       if (k > 0) renew(f, bodies, t, arena);
       arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
           const T over = f.fixed(i) ? T{0} : std::max(f.delta[i] - 1, T{0});
           f.push[i] = over / (f.stiffness[i] + relief + (any ? bodies.template give<Answer::rest>(i) : T{0}));
+          f.flow[i] += f.push[i];
         }
       });
       push_by<Answer::rest, D, T>(f, f.push, arena);

@@ -62,6 +62,8 @@ class Solver {
   virtual ~Solver() = default;
   /// Error Instability where more substeps than allowed would be needed.
   virtual void step(State& s, const StepInput& in) const = 0;
+  /// Pa, of all rows: what the liquid transmits beside each particle (transmitted.h).
+  virtual void read_pressures(const State& s, std::vector<double>& out) const = 0;
 };
 
 /// Adds the layers that nozzles have emitted before time t (s), at their current positions; particles without

@@ -8,6 +8,7 @@
 #include "engine/systems/sph/neighbours.h"
 #include "engine/systems/sph/pbf.h"
 #include "engine/systems/sph/tension.h"
+#include "engine/systems/sph/transmitted.h"
 #include "engine/systems/sph/viscosity.h"
 #include "engine/systems/sph/vorticity.h"
 #include "engine/systems/sph/walls.h"
@@ -61,6 +62,29 @@ class SolverOf final : public Solver {
     r[report::density_iterations] = tracks.density / tracks.substeps;
     r[report::flow_iterations] = tracks.flow / tracks.substeps;
     if (implicit_) r[report::viscous_iterations] = tracks.viscous / tracks.substeps;
+  }
+
+  void read_pressures(const State& s, std::vector<double>& out) const override {
+    Fluid<D, T> f;
+    const ThreadArena alone;
+    f.unit = neighbours_.unit();
+    f.resize(s.rows(columns::position));
+    out.resize(f.n);
+    neighbours_.sort(f, s.span<T>(columns::position).data(), alone);
+    neighbours_.list(f, alone);
+    const SphDef& d = set_.def;
+    const bool draws = d.surface_tension > 0 && d.surface_tension_model == Tension::cohesion;
+    const bool shrinks = d.surface_tension > 0 && d.surface_tension_model == Tension::interface;
+    const T strength = static_cast<T>(set_.cohesion), support = static_cast<T>(set_.support);
+    if (shrinks) find_interface(f, *set_.interface, support, alone);
+    transmitted_pressures(f, s.span<T>(columns::pressure).data(), s.span<T>(columns::density).data(), alone,
+                          out.data(), [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
+                            const T rest = static_cast<T>(d.density);
+                            if (draws) return rest * work_of_drawing<D, T>(c, begin, end, strength, support);
+                            if (!shrinks) return T{0};
+                            return rest *
+                                   work_of_shrinking(f, i, c, begin, end, strength, *set_.interface, support);
+                          });
   }
 
  private:
@@ -322,7 +346,7 @@ class SolverOf final : public Solver {
         density[i] = d;
         pressure[i] = carried  ? rest * tait(d, sound)
                       : solved ? rest * d * d * (f.push[k] + f.flow[k])
-                               : rest * f.push[k] / (h * h);
+                               : rest * d * d * f.flow[k] / (h * h);
         push[i] = solved ? f.push[k] : T{0}, flow[i] = solved ? f.flow[k] : T{0};
       }
     });

@@ -33,7 +33,7 @@ Sph::Sph(const SphDef& def, const BuildContext& context)
   points.fields = {{"position", "m", real, 3, Meaning::position},
                    {"velocity", "m/s", real, 3, Meaning::velocity},
                    {"density", "kg/m^3"},
-                   {"pressure", "Pa", real},
+                   {"pressure", "Pa"},
                    {"speed", "m/s"}};
   points.max_rows = setting_->capacity;
   set_parts({std::move(points)});
@@ -173,7 +173,10 @@ FieldView Sph::field(const State& s, size_t, size_t which, std::vector<double>& 
   };
   if (which == 0) return inside(columns::position);
   if (which == 1) return inside(columns::velocity);
-  if (which == 3) return inside(columns::pressure);
+  if (which == 3) {
+    solver_->read_pressures(s, scratch);
+    return {scratch.data(), Scalar::f64, n, 1};
+  }
   scratch.resize(n);
   const RealColumn<const double> v(s, columns::velocity), density(s, columns::density);
   for (size_t i = 0; i < n; ++i) {

@@ -101,7 +101,10 @@ const Outputs& sph_outputs() {
       .fields = {{"position", "m", 3, ""},
                  {"velocity", "m/s", 3, ""},
                  {"density", "kg/m^3", 1, "from the kernel; with wcsph from continuity"},
-                 {"pressure", "Pa", 1, "of the last substep"},
+                 {"pressure", "Pa", 1,
+                  "the stress that the liquid transmits through an area there, mean over directions, "
+                  "including surface "
+                  "tension; near walls, bodies and the surface the solver's own pressure"},
                  {"speed", "m/s", 1, ""}},
       .observables = {
           {"energy.kinetic", "J", "of the particles' velocities"},
@@ -126,7 +129,10 @@ const Outputs& sph_outputs() {
           {"high.y", "m", ""},
           {"high.z", "m", ""},
           {"mass", "kg", "of all particles"},
-          {"pressure.mean", "Pa", "of the particles"},
+          {"pressure.mean", "Pa",
+           "mean over the particles of the solver's own pressure, which disorder makes 1 to 3 % larger than "
+           "what "
+           "the field says"},
           {"speed.max", "m/s", "of the fastest particle"},
           {"density.mean_error", "1",
            "mean compression left by the last substep's pressure solve; with wcsph mean deviation of "
