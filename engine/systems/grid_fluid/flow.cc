@@ -172,11 +172,6 @@ double Flow::crossing_rate(FlowFields& f, double t) {
   return std::max(sum, side_rate_);
 }
 
-bool FlowModel::sharp_walls() const {
-  return solids.any() && def.advection == GridFluidDef::Advection::central &&
-         def.viscous != GridFluidDef::Viscous::implicit;
-}
-
 bool Flow::implicit(double viscosity, double h) const {
   const GridFluidDef& d = model_->def;
   if (viscosity == 0 || model_->two_viscosities()) return false;

@@ -11,6 +11,11 @@ namespace truestep::grid_fluid {
 
 using mac::kCentre;
 
+bool FlowModel::sharp_walls() const {
+  return solids.any() && def.advection == GridFluidDef::Advection::central &&
+         def.viscous != GridFluidDef::Viscous::implicit;
+}
+
 void Flow::place_obstacles(double t) {
   if (!solids_.place(t)) return;
   cut_pressure_->set({solids_->open[0].data(), solids_->open[1].data(), solids_->open[2].data()}, nullptr,
