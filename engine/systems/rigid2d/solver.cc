@@ -224,9 +224,13 @@ void Solver<T>::small_step(const SolverSettings& settings, const ThreadArena& ar
   }
   each_colour(arena, hinges_, hinge_colours_,
               [&](HingePack<T>& p) { solve_hinges<Pass::bias>(p, rows, moved, soft, h); });
-  each_colour_back(arena, contacts_, contact_colours_, [&](ContactPack<T>& p) {
-    solve_contacts<Pass::bias>(p, rows, moved, inverse_h, push_out_speed, start);
-  });
+  // Pushes that are taken back begin anew in every small step: what must lift a heavy body through a light
+  // one needs several sweeps.
+  for (int i = 0; i < (parts ? settings.push_sweeps : 1); ++i) {
+    each_colour_back(arena, contacts_, contact_colours_, [&](ContactPack<T>& p) {
+      solve_contacts<Pass::bias>(p, rows, moved, inverse_h, push_out_speed, start);
+    });
+  }
 
   arena.for_blocks(movers_.size(), kBlock, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {

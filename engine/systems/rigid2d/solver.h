@@ -33,6 +33,7 @@ struct SolverSettings {
   SoftConstraint<double> joint;
   PenetrationOffsetRule padding;
   double push_out_speed = 3, restitution_speed = 0;
+  int push_sweeps = 1;  ///< in small steps where some overlap deeply
 };
 
 /// User forces in a step: forces on bodies, and springs from points to targets.
