@@ -161,7 +161,7 @@ class Neighbours {
       low[a] = W::all(*least), top[a] = W::all(*most);
     }
     const W limit = W::all(static_cast<T>(set_.support * set_.support));
-    chunk.around_count = 0;
+    chunk.around_count = chunk.around_seen = 0;
     f.cells.around(c, [&](size_t begin, size_t end, const double* shift) {
       const bool own = begin <= i && i < end;
       chunk.template put_around<D>(f.x, begin, own ? i : end, shift, low, top, limit);
@@ -206,6 +206,8 @@ class Neighbours {
     W here[D];
     for (size_t a = 0; a < D; ++a) here[a] = W::all(f.x[a][i]);
     Sums sums;
+    // Room as if all around were neighbours, so that it seldom grows after the first step.
+    chunk.need(used + chunk.around_seen + kLanes, static_cast<size_t>(extras_));
     for (size_t at = 0; at < count; used += kLanes) {
       chunk.need(used + kLanes, static_cast<size_t>(extras_));
       W there[4], way[3], square = W::zero();

@@ -74,7 +74,7 @@ struct Chunk {
   Aligned<T> around[3], around_rows;
   std::vector<uint32_t> around_slots;
   std::vector<uint32_t> near;  ///< of the list that is being made: which of those around
-  size_t around_count = 0, own = 0;
+  size_t around_count = 0, around_seen = 0, own = 0;
 
   Group<T>& group(size_t k) { return groups[k / kLanes]; }
   const Group<T>& group(size_t k) const { return groups[k / kLanes]; }
@@ -113,7 +113,9 @@ struct Chunk {
   template <size_t D>
   [[gnu::always_inline]] void put_around(const Aligned<T>* x, size_t begin, size_t end, const double* shift,
                                          const W* low, const W* top, const W& limit) {
-    const size_t room = around_count + (end - begin) + 2 * kLanes;
+    // As if nothing were left out, so that room does not grow with what a step happens to keep.
+    around_seen += end - begin;
+    const size_t room = around_seen + 2 * kLanes;
     if (around_slots.size() < room) {
       const size_t more = room + room / 2;
       around_slots.resize(more), around_rows.resize(4 * more), near.resize(more + kLanes);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "engine/base/parallel.h"
 #include "engine/systems/sph/inlet.h"
 
 namespace truestep::sph {
@@ -298,10 +299,13 @@ Cost sph_cost(const void* def) {
   const Vec3 size = d.high - d.low;
   const double reach = d.support * d.spacing;
   const double cells = size.x * size.y * (plane ? 1 : size.z) / (reach * reach * (plane ? 1 : reach));
+  // Where cells begin, and cursors of each part of the rows that is sorted at once (neighbours.h).
+  constexpr double kSortedByParts = 4.0 * kBlockRows;
   const double substeps = d.solver == Method::wcsph ? 10 : 2, passes = d.solver == Method::wcsph ? 3 : 30;
   return {.state_bytes = n * scalar * 10,
           .workspace_bytes = pairs * 1.5 * (d.precision == Precision::f32 ? 17 : 50) +
-                             n * scalar * (d.solves_viscosity() ? 67 : 42) + cells * 4,
+                             n * scalar * (d.solves_viscosity() ? 67 : 42) +
+                             cells * (n >= kSortedByParts ? 20 : 8),
           .elements = n,
           .seconds_per_step = substeps * pairs * (4e-9 + passes * 0.7e-9)};
 }
