@@ -24,6 +24,7 @@ Energies chain(unsigned seed, double hertz, double damping, double torque = 0) {
     return std::to_string(most * (2 * static_cast<double>(random()) / 4294967296.0 - 1));
   };
   const auto any = [&](double most) { return "[" + dice(most) + "," + dice(most) + "," + dice(most) + "]"; };
+  const auto along = [](double x) { return "[" + std::to_string(x) + ",0,0]"; };
   std::string bodies, joints;
   for (int i = 0; i < 4; ++i) {
     const std::string at = std::to_string(i);
@@ -31,7 +32,7 @@ Energies chain(unsigned seed, double hertz, double damping, double torque = 0) {
               R"({"type": "box", "half_extents": [0.4, 0.2, 0.3], "mask": 0, "mass": )" +
               std::to_string(1 + 0.4 * (i % 2)) + R"(, "position": [)" + at + R"(, 0, 0], "velocity": )" +
               any(1) + R"(, "angular_velocity": )" + any(3) + R"(, "angular_damping": )" +
-              std::to_string(damping) + R"(, "torque": [)" + std::to_string(torque) + ", 0, 0]}";
+              std::to_string(damping) + R"(, "torque": )" + along(torque) + "}";
     if (i < 3) {
       joints += std::string(i ? "," : "") + R"({"type": "ball", "a": )" + at + R"(, "b": )" +
                 std::to_string(i + 1) + R"(, "anchor": [)" + at + ".5, 0, 0]}";
