@@ -12,6 +12,8 @@ inline constexpr std::string_view kHeldSteps = "integrator.held_steps";
 /// For fields with a Jacobian and dx/dt = v.
 void implicit_euler_sparse(Motion& m, const IntegratorOptions& options);
 void linear_implicit_euler_sparse(Motion& m, const IntegratorOptions& options);
+/// Allocates what a step of implicit_euler_sparse needs, for methods that fall back on it in later steps.
+void reserve_implicit_euler_sparse(Motion& m, const IntegratorOptions& options);
 
 /// Newton's method to its tolerance, or exactly one Newton step.
 enum class NewtonSteps : uint8_t { converged, one };

@@ -24,6 +24,12 @@ void implicit_euler_sparse(Motion& m, const IntegratorOptions& options) {
   });
 }
 
+void reserve_implicit_euler_sparse(Motion& m, const IntegratorOptions& options) {
+  if (m.v.empty()) return;
+  m.scratch("integrator.v", m.v.size());
+  StageNewton(m, options);
+}
+
 namespace {
 
 // dv = y + z: z is prescribed by surfaces, y is free, S A S y = S (b - A z); the surfaces' impulse is what is

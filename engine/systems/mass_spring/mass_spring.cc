@@ -56,7 +56,7 @@ MassSpring::MassSpring(std::unique_ptr<const MassSpringField> field, const Chose
       colliders_(build_colliders(def.colliders)),
       radius_(0.5 * def.thickness),
       looks_(def.choice().name.empty() && method.row.name == kUsual),
-      rising_(springs_) {
+      rising_(springs_, options()) {
   for (const Collider& c : colliders_.colliders()) {
     surfaces_.push_back(c.surface);
     surfaces_.back().restitution = def.restitution;

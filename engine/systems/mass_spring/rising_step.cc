@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
+#include "engine/integrators/implicit/implicit.h"
 #include "engine/integrators/implicit/row_contacts.h"
 
 namespace truestep::mass_spring {
@@ -15,6 +16,7 @@ using Columns = MassSpringColumns;
 struct Before {
   std::vector<double> x, v, drag;
   std::vector<uint32_t> kind;
+  bool reserved = false;
 
   static void copy(std::span<const double> from, std::vector<double>& to) {
     to.assign(from.begin(), from.end());
@@ -37,7 +39,8 @@ struct Before {
 
 }  // namespace
 
-RisingStep::RisingStep(const MassSpringField& field) : field_(field), shortest_(HUGE_VAL) {
+RisingStep::RisingStep(const MassSpringField& field, const IntegratorOptions& options)
+    : field_(field), options_(options), shortest_(HUGE_VAL) {
   for (const double rest : field.schedule().rest) {
     if (rest > 0) shortest_ = std::min(shortest_, rest);
   }
@@ -57,9 +60,18 @@ bool RisingStep::rises(const State& s, const StepInput& in, std::span<const doub
   return after - before > kRise * std::max(kinetic[0], kinetic[1]);
 }
 
+void RisingStep::reserve(State& s, const StepInput& in) const {
+  Motion m(field_, s, in);
+  reserve_implicit_euler_sparse(m, options_);
+  Evaluation e{in.workspace, in.arena};
+  const Phase now{in.t, m.x, m.v, s};
+  field_.kinetic(now, e), field_.potential(now, e);
+}
+
 void RisingStep::step(State& s, const StepInput& in, const Step& usual, const Step& full) const {
   Before& before = in.workspace.object<Before>("mass_spring.before");
   before.keep(s);
+  if (!before.reserved) reserve(s, in), before.reserved = true;
   usual(s, in);
   for (int parts = 1; parts <= kMostParts && rises(s, in, before.x, before.v); parts *= 2) {
     before.put_back(s);

@@ -13,11 +13,13 @@ namespace truestep::mass_spring {
 
 class RisingStep {
  public:
-  explicit RisingStep(const MassSpringField& field);
+  RisingStep(const MassSpringField& field, const IntegratorOptions& options);
 
-  /// rad by which springs may turn before energies are looked at.
+  /// rad by which springs may turn before energies are looked at. Swept over five random scenes that need it:
+  /// all hold from 0.003 to 0.03, one gains at 0.1, two at 0.3.
   static constexpr double kTurns = 0.03;
-  /// Energy that a step may gain, as a fraction of its kinetic energy.
+  /// Energy that a step may gain, as a fraction of its kinetic energy: the same scenes hold from 1e-5 to
+  /// 3e-2, two of them gain at 0.1.
   static constexpr double kRise = 1e-3;
   static constexpr int kMostParts = 8;
 
@@ -30,7 +32,11 @@ class RisingStep {
   bool rises(const State& s, const StepInput& in, std::span<const double> x0,
              std::span<const double> v0) const;
 
+  /// Allocates, in the first step of a workspace, what taking a step again needs.
+  void reserve(State& s, const StepInput& in) const;
+
   const MassSpringField& field_;
+  const IntegratorOptions& options_;
   double shortest_;  // m, of the springs' lengths
 };
 
