@@ -5,8 +5,8 @@
 // a tower whose contacts could learn a tilt would lean. A mode with the damping rate s is excited by offsets
 // that adapt within T < 1 / (2 s), and a pile with redundant contacts never reaches zero depth everywhere: an
 // offset is therefore frozen while the depth is small compared with it (docs/standing.md). In a heap of odd
-// shapes offsets are strains between grains, which yield at a strain of some percent: they may be kept thinner
-// than that.
+// shapes offsets are strains between grains, which yield at a strain of some percent: they may be kept
+// thinner than that.
 #pragma once
 #include <algorithm>
 #include <cmath>
