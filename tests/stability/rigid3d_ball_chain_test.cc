@@ -24,7 +24,10 @@ Energies chain(unsigned seed, double hertz, double damping, double torque = 0) {
     return std::to_string(most * (2 * static_cast<double>(random()) / 4294967296.0 - 1));
   };
   const auto any = [&](double most) { return "[" + dice(most) + "," + dice(most) + "," + dice(most) + "]"; };
-  const auto along = [](double x) { return "[" + std::to_string(x) + ",0,0]"; };
+  const auto along = [](double x) {
+    std::string out = "[";
+    return out += std::to_string(x) + ",0,0]";
+  };
   std::string bodies, joints;
   for (int i = 0; i < 4; ++i) {
     const std::string at = std::to_string(i);

@@ -25,6 +25,7 @@ bool is_large(const BlockSparse& a) {
 
 void BlockSolver::reserve(const BlockSparse& a) {
   ldlt_.analyze(a);
+  pcg_.reserve(a);
   if (is_large(a)) two_grids_.analyze(a);
 }
 

@@ -67,14 +67,20 @@ void invert_block3(const double* a, double* inverse) {
   inverse[8] = f * (a[0] * a[4] - a[1] * a[3]);
 }
 
+void Pcg::reserve(const BlockSparse& a) {
+  const size_t n = a.block_rows();
+  const auto width = static_cast<size_t>(a.block_size());
+  for (Vector* v : {&r_, &z_, &p_, &q_}) v->resize(a.size() + 1);
+  inverse_.resize(n * width * width + 3);
+  sums_.resize((n + kRows - 1) / kRows);
+}
+
 Pcg::Result Pcg::solve(const BlockSparse& a, std::span<const double> b, std::span<double> x, double tolerance,
                        int max_iterations, const ThreadArena& arena) {
   const size_t n = a.block_rows(), size = a.size();
   const auto width = static_cast<size_t>(a.block_size());
   if (width != 1 && width != 3) throw Error("bad_pattern", "conjugate gradients need blocks of 1 or 3 rows");
-  for (Vector* v : {&r_, &z_, &p_, &q_}) v->resize(size + 1);
-  inverse_.resize(n * width * width + 3);
-  sums_.resize((n + kRows - 1) / kRows);
+  reserve(a);
   double *r = r_.data(), *z = z_.data(), *p = p_.data(), *q = q_.data();
 
   const auto apply = [&](size_t begin, size_t end) {

@@ -23,6 +23,8 @@ class Pcg {
   /// first value. Blocks of 1 or 3 rows (Error "bad_pattern" otherwise). Allocates when the size grows.
   Result solve(const BlockSparse& a, std::span<const double> b, std::span<double> x, double tolerance,
                int max_iterations, const ThreadArena& arena);
+  /// Allocates what solving with this pattern needs.
+  void reserve(const BlockSparse& a);
 
  private:
   using Vector = std::vector<double, CacheLineAllocator<double>>;
