@@ -53,7 +53,11 @@ uint32_t opposite_edge(const Outline& q, Vec2 n) {
   return edge;
 }
 
-enum class Reference : uint8_t { a, b };
+using Reference = Side;
+
+Side other_side(Side s) {
+  return s == Side::a ? Side::b : Side::a;
+}
 
 /// A feature made of a corner of a and one of b, whichever of them has the reference edge.
 uint32_t feature(Reference r, uint32_t on_reference, uint32_t on_other) {
@@ -80,6 +84,7 @@ bool corner_corner(const Clip& c, uint32_t i, uint32_t j, Vec2 fallback, Contact
   set_normal(c, n, out);
   out.point[0] = {c.p.corner[i] + 0.5 * (length + c.p.radius - c.q.radius) * n, separation,
                   feature(c.which, i, j)};
+  out.face = Face::none;
   out.points = 1;
   return true;
 }
@@ -120,11 +125,13 @@ bool edge_edge(const Clip& c, uint32_t edge, uint32_t facing, Contact& out) {
   const double s0 = dot(t, w0 - v), s1 = dot(t, w1 - v), h0 = dot(n, w0 - v), h1 = dot(n, w1 - v);
   const double radii = c.p.radius + c.q.radius;
   set_normal(c, n, out);
+  out.face = c.which == Reference::a ? Face::of_a : Face::of_b;
   out.points = 0;
   const auto add = [&](double s, double h, uint32_t on_p, uint32_t on_q) {
     if (h - radii > c.margin) return;
     const Vec2 at = v + s * t + 0.5 * (h + c.p.radius - c.q.radius) * n;
-    out.point[out.points++] = {at, h - radii, feature(c.which, on_p, on_q)};
+    const Side corner_of = s == 0 || s == length ? c.which : other_side(c.which);
+    out.point[out.points++] = {at, h - radii, feature(c.which, on_p, on_q), corner_of};
   };
   if (c.q.corners == 1) {
     add(s0, h0, edge, low);
@@ -293,7 +300,10 @@ bool touch(const Outline& a, const Outline& b, const Pose& b_in_a, double margin
   const Pose a_in_b = b_in_a.to(Pose{});
   if (!link_side_touch(b, moved(a, a_in_b), margin, out)) return false;
   out.normal = -(b_in_a.q * out.normal);
-  for (uint32_t i = 0; i < out.points; ++i) out.point[i].at = b_in_a * out.point[i].at;
+  if (out.face != Face::none) out.face = out.face == Face::of_a ? Face::of_b : Face::of_a;
+  for (uint32_t i = 0; i < out.points; ++i) {
+    out.point[i].at = b_in_a * out.point[i].at, out.point[i].corner_of = other_side(out.point[i].corner_of);
+  }
   return true;
 }
 

@@ -8,16 +8,22 @@
 
 namespace truestep::flat {
 
+enum class Side : uint8_t { a, b };
+/// Whose edge the normal belongs to; none: it runs from corner to corner.
+enum class Face : uint8_t { none, of_a, of_b };
+
 struct ContactPoint {
-  Vec2 at;                ///< midway between the two surfaces, in the frame of a
-  double separation = 0;  ///< m along the normal, negative where they overlap
-  uint32_t id = 0;        ///< the same features of the same two outlines have the same id
+  Vec2 at;                   ///< midway between the two surfaces, in the frame of a
+  double separation = 0;     ///< m along the normal, negative where they overlap
+  uint32_t id = 0;           ///< the same features of the same two outlines have the same id
+  Side corner_of = Side::a;  ///< whose corner bounds the contact there; either of them from corner to corner
 };
 
 struct Contact {
   Vec2 normal;  ///< unit, from a to b, in the frame of a
   std::array<ContactPoint, 2> point{};
   uint32_t points = 0;
+  Face face = Face::none;
 };
 
 /// Points of a and b (at pose `b_in_a` seen from a) closer than `margin`; false when there are none. A link

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "engine/collision/flat/foreseen_contact.h"
 #include "engine/systems/rigid2d/solver_contact.h"
 
 namespace truestep::rigid2d {
@@ -10,6 +11,11 @@ namespace {
 
 constexpr size_t kPackBlock = 64;  // packs per task
 constexpr size_t kPacksAhead = 2;
+/// rad, or typical sizes: less motion than that within half a step is left alone, it is what single precision
+/// leaves of rest.
+constexpr double kSeenMotion = 1e-6;
+/// rad, or typical sizes: farther than that the motion tells little of where a load will act.
+constexpr double kMostMotion = 0.05;
 
 /// First pack of `lanes` of each colour, and the end; remainders become packs of one.
 void pack_colours(std::span<const uint32_t, kColours + 1> count, uint32_t lanes,
@@ -40,10 +46,27 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
   for (int k = 0; k < count; ++k) {
     const uint32_t index = pairs.touching[hits[k]];
     const Hit& hit = pairs.hits[index];
-    const flat::Contact& contact = pairs.contacts[index];
+    flat::Contact contact = pairs.contacts[index];
     const Surface &a = model.surfaces[hit.body_a], &b = model.surfaces[hit.body_b];
     c.a[k] = slot_[hit.body_a], c.b[k] = slot_[hit.body_b];
-    const Vec2 n = contact.normal, apart = pairs.pose[hit.body_b].p - pairs.pose[hit.body_a].p;
+    Vec2 apart = pairs.pose[hit.body_b].p - pairs.pose[hit.body_a].p;
+    const float* old = hit.old == kNoPoint ? nullptr : impulses.data() + 5 * static_cast<size_t>(hit.old);
+    // What bears goes on bearing: its load acts where it will be, on the small steps' average.
+    if (old && old[0] + old[1] > 0) {
+      const auto motion = [&](uint32_t row) {
+        const T* r = rows_.data() + 8 * static_cast<size_t>(row);
+        return flat::PlaneMotion{{r[0], r[1]}, r[2]};
+      };
+      const flat::PlaneMotion of_a = motion(c.a[k]), of_b = motion(c.b[k]);
+      const double ahead = 0.5 * (settings.steps - 1) * settings.h;
+      const double way = std::max(
+          {std::abs(of_a.spin), std::abs(of_b.spin), flat::norm(of_b.velocity - of_a.velocity) / model.size});
+      if (way * ahead > kSeenMotion) {
+        flat::foresee(contact, apart, of_a, of_b, model.radius[hit.a], model.radius[hit.b],
+                      std::min(ahead, kMostMotion / way));
+      }
+    }
+    const Vec2 n = contact.normal;
     c.nx.set(k, t(n.x)), c.ny.set(k, t(n.y));
     c.round_a.set(k, t(model.radius[hit.a]));
     c.round_b.set(k, t(model.radius[hit.b]));
@@ -59,7 +82,6 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
     c.impulse_scale.set(k, t(soft.impulse_scale));
     const double rolling = std::max(a.rolling_resistance, b.rolling_resistance);
     const uint32_t* id = hit.old == kNoPoint ? nullptr : ids.data() + 2 * hit.old;
-    const float* old = hit.old == kNoPoint ? nullptr : impulses.data() + 5 * static_cast<size_t>(hit.old);
     const float* pads = hit.old == kNoPoint ? nullptr : offsets.data() + 2 * static_cast<size_t>(hit.old);
     if (rolling > 0) {
       c.rolls = 1;
