@@ -6,8 +6,8 @@ foreach(part sessions lifecycle memory output catalogue equations stream watched
                        ENVIRONMENT "TRUESTEP_BINARY=$<TARGET_FILE:truestep>;TRUESTEP_SANITIZE=${TRUESTEP_SANITIZE}")
 endforeach()
 
-# It measures the process's memory, of which a sanitizer's allocator keeps a part.
-set_tests_properties(service.memory PROPERTIES LABELS "service;resident")
+# They measure the process's memory, or how soon one is served while others work: of no use under sanitizers.
+set_tests_properties(service.memory service.lifecycle service.keys PROPERTIES LABELS "service;measured")
 # They measure how soon one is served while others work.
 set_tests_properties(service.lifecycle service.keys PROPERTIES RUN_SERIAL TRUE)
 
