@@ -5,6 +5,11 @@ namespace truestep {
 namespace {
 using Point = std::array<double, 2>;
 
+double apart_by(const Point& p, const Point& q) {
+  const double x = p[0] - q[0], y = p[1] - q[1];
+  return std::sqrt(x * x + y * y);
+}
+
 // Points of lines, sorted into squares as wide as lines are apart.
 class Near {
  public:
@@ -19,7 +24,7 @@ class Near {
     for (size_t y = j > 0 ? j - 1 : 0; y <= std::min(j + 1, rows_ - 1); ++y) {
       for (size_t x = i > 0 ? i - 1 : 0; x <= std::min(i + 1, columns_ - 1); ++x) {
         for (const Point& q : points_[x + columns_ * y]) {
-          if (std::hypot(q[0] - p[0], q[1] - p[1]) < distance) return true;
+          if (apart_by(p, q) < distance) return true;
         }
       }
     }
@@ -60,15 +65,14 @@ std::vector<std::vector<Point>> even_streamlines(const PlaneField& field, size_t
       size_t n = 1;
       for (; n < line.size(); ++n) {
         if (n > own) itself.add(line[n - own - 1]);
-        const bool round = n > own && std::hypot(line[n][0] - x, line[n][1] - y) < kStep;
+        const bool round = n > own && apart_by(line[n], {x, y}) < kStep;
         if (round) {
           line[n++] = {x, y};
           break;
         }
         if (near.any_within(line[n], 0.5 * apart)) break;
         // A line that comes back beside its beginning ends there; one that closes may come all the way.
-        if (itself.any_within(line[n], 0.25 * apart) && std::hypot(line[n][0] - x, line[n][1] - y) > apart)
-          break;
+        if (itself.any_within(line[n], 0.25 * apart) && apart_by(line[n], {x, y}) > apart) break;
       }
       line.resize(n);
       const bool closed = n > 1 && line.back() == Point{x, y};

@@ -25,7 +25,7 @@ struct PlaneField {
       const size_t k = i + nx * j;
       return (1 - t) * ((1 - s) * f[k] + s * f[k + 1]) + t * ((1 - s) * f[k + nx] + s * f[k + nx + 1]);
     };
-    const double a = at(u), b = at(v), size = std::hypot(a, b);
+    const double a = at(u), b = at(v), size = std::sqrt(a * a + b * b);
     if (!(size > 0) || !std::isfinite(size)) return {0, 0};
     return {a / size, b / size};
   }
