@@ -4,14 +4,14 @@
 // Stomakhin, Jiang, Teran 2015). Newton's method with the positive part of the stiffness
 // (kernels/mpm/stiffness.h), each direction by matrix-free conjugate gradients: a direction is gathered by
 // the particles, changes their stress and is scattered back; preconditioned by every node's own block for
-// small strain. Each step is shortened until E falls. Separating boundaries hold where they are under
-// pressure, by an active set. Friction acts on v*, before the stresses of the substep are known.
+// small strain. Each step is shortened until E falls. What boundaries hold is found between solves
+// (held_nodes.h).
 #pragma once
 #include <span>
 
 #include "engine/kernels/mpm/stiffness.h"
+#include "engine/systems/mpm/held_nodes.h"
 #include "engine/systems/mpm/node_blocks.h"
-#include "engine/systems/mpm/substep.h"
 
 namespace truestep::mpm {
 
@@ -34,8 +34,7 @@ class Implicit {
     inverse_.reserve(g.nodes.capacity() / 4 * kSix);
     tangents_.reserve(slots * kTangent);
     sums_.reserve(g.blocks.reserved()), stored_.reserve(g.blocks.reserved_owners());
-    contacts_.reserve(g.blocks.reserved() * G::Size::kBlockNodes / 8);
-    held_.reserve(contacts_.capacity());
+    held_.reserve(g.blocks.reserved() * G::Size::kBlockNodes / 8);
   }
 
   /// Replaces the velocities v* in g.nodes, before boundaries, by those after h s; with FLIP the gain goes to
@@ -54,7 +53,7 @@ class Implicit {
     }
     Report out{.converged = true};
     if (mass > 0) {
-      find_contacts(g, t);
+      held_.find(g, set, t, anchor_, v_);
       const double small =
           kTolerance * std::max({std::sqrt(squares / mass), pull * h, 1e-9 * set.def.cell / h});
       start(g, arena);
@@ -62,7 +61,7 @@ class Implicit {
       out.converged = false;
       for (int round = 0; round < kRounds; ++round) {
         if (!newton(g, small * std::sqrt(mass), arena)) return out;
-        out.converged = !change_contacts(g);
+        out.converged = !held_.change(v_, gradient_, push_, speed_);
         if (out.converged) break;
       }
     }
@@ -83,106 +82,10 @@ class Implicit {
   static constexpr int kRounds = 12, kNewton = 40, kHalvings = 30, kMostProducts = 3000;
   static constexpr size_t kTangent = 2 * D * D + D * D + D * (D - 1);
 
-  /// A boundary at a node; while active it prescribes the node's velocity along the normal, or all of it.
-  struct Contact {
-    size_t node;  ///< first of its numbers
-    Vec3 normal, velocity;
-    bool all, lets_go, active;
-  };
-  /// Orthonormal directions in which a node may not move.
-  struct Held {
-    size_t node;
-    int count;
-    Vec3 axes[3];
-  };
-
-  static Vec3 at(const Vector& v, size_t node) { return {v[node + 1], v[node + 2], v[node + 3]}; }
-  static void put(Vector& v, size_t node, const Vec3& to) {
-    v[node + 1] = to.x, v[node + 2] = to.y, v[node + 3] = to.z;
-  }
-
-  void find_contacts(const G& g, double t) {
-    contacts_.clear();
-    v_ = anchor_;
-    for (size_t k = 0; k < g.blocks.blocks.size(); ++k) {
-      const Block& b = g.blocks.blocks[k];
-      if (g.is_free(*set_, b, t)) continue;
-      for (size_t n = 0; n < G::Size::kBlockNodes; ++n) {
-        const size_t node = k * G::kBlockNumbers + 4 * n;
-        if (!(g.nodes[node] > 0)) continue;
-        Vec3 v = at(anchor_, node);
-        g.for_boundaries(
-            *set_, g.place_of(set_->def, b, n), t,
-            [&](const Vec3& normal, const Vec3& of, mpm::Contact kind, double friction) {
-              const bool lets_go = kind == mpm::Contact::separate;
-              const bool active = !lets_go || dot(v - of, normal) < 0;
-              const Vec3 gain = bounded(v, normal, of, kind, friction) - v;
-              v += gain;
-              // Friction changes v*; the impulse along the normal is left to the solve.
-              put(anchor_, node, at(anchor_, node) + gain - normal * dot(gain, normal));
-              const bool stuck = active && friction > 0 && norm2(v - of) == 0;
-              contacts_.push_back(
-                  {node, normal, of, kind == mpm::Contact::sticky || (lets_go && stuck), lets_go, active});
-            });
-        put(v_, node, v);
-      }
-    }
-    hold();
-  }
-
-  /// Collects the axes held by active boundaries.
-  void hold() {
-    held_.clear();
-    for (const Contact& c : contacts_) {
-      if (!c.active) continue;
-      if (held_.empty() || held_.back().node != c.node) held_.push_back({c.node, 0, {}});
-      Held& held = held_.back();
-      const auto add = [&](Vec3 axis) {
-        for (int k = 0; k < held.count; ++k) axis -= held.axes[k] * dot(axis, held.axes[k]);
-        const double left = norm(axis);
-        if (held.count < D && left > 1e-6) held.axes[held.count++] = axis / left;
-      };
-      add(c.normal);
-      if (c.all) add({1, 0, 0}), add({0, 1, 0});
-      if (c.all && D == 3) add({0, 0, 1});
-    }
-  }
-  void project(Vector& v) const {
-    for (const Held& held : held_) {
-      Vec3 u = at(v, held.node);
-      for (int k = 0; k < held.count; ++k) u -= held.axes[k] * dot(u, held.axes[k]);
-      put(v, held.node, held.count == D ? Vec3{} : u);
-    }
-  }
-
-  /// Releases boundaries under tension and activates those that nodes would pass. Returns whether any
-  /// changed.
-  bool change_contacts(const G& g) {
-    bool any = false;
-    for (Contact& c : contacts_) {
-      if (!c.lets_go) continue;
-      const Vec3 v = at(v_, c.node);
-      // The gradient is the boundary's impulse: along the normal under pressure.
-      const bool pulled = c.active && dot(at(gradient_, c.node), c.normal) < -kStill * push_;
-      const double into = dot(v - c.velocity, c.normal), reach = kPass * speed_;
-      if (pulled) {
-        c.active = false, any = true;
-      } else if (!c.active && into < -reach) {
-        put(v_, c.node, v - c.normal * into);
-        c.active = true, any = true;
-      }
-    }
-    if (any) hold();
-    return any;
-  }
-
   /// Newton's initial guess: v* after boundaries, or rest if that would invert a particle.
   void start(G& g, const ThreadArena& arena) {
     if (std::isfinite(energy(g, v_, arena))) return;
-    std::fill(v_.begin(), v_.end(), 0.0);
-    for (const Contact& c : contacts_) {
-      if (c.active) put(v_, c.node, c.all ? c.velocity : c.normal * dot(c.velocity, c.normal));
-    }
+    held_.rest(v_);
   }
 
   /// Velocity gradient of a group for the node velocities in `tile`.
@@ -337,7 +240,7 @@ class Implicit {
       return k.apply(c * f) * transposed(f);
     });
     for (size_t i = 0; i < q_.size(); ++i) q_[i] += g.nodes[i - i % 4] * p_[i];
-    project(q_);
+    held_.project(q_);
   }
 
   /// Inverses of m + sum_p V_p ((lambda + mu) b b^T + mu |b|^2), b = h times the gradient of the node's
@@ -371,7 +274,7 @@ class Implicit {
   void precondition() {
     for (size_t node = 0; node < r_.size(); node += 4)
       apply_block(&inverse_[node / 4 * kSix], &r_[node], &z_[node]);
-    project(z_);
+    held_.project(z_);
   }
 
   /// step_ ~ -Hessian^-1 gradient, until the residual has fallen by the factor `tolerance`.
@@ -379,7 +282,7 @@ class Implicit {
     const size_t n = gradient_.size();
     std::fill(step_.begin(), step_.end(), 0.0);
     for (size_t i = 0; i < n; ++i) r_[i] = -gradient_[i];
-    project(r_);
+    held_.project(r_);
     precondition();
     p_ = z_;
     double now = dot_of(g, r_, z_, arena);
@@ -403,7 +306,7 @@ class Implicit {
     for (int k = 0; k < kNewton; ++k) {
       linearise(g, arena);
       r_ = gradient_;
-      project(r_);
+      held_.project(r_);
       const double size = std::sqrt(size_of(g, r_, arena));
       if (!std::isfinite(size)) return false;
       if (size <= small) return true;
@@ -425,14 +328,13 @@ class Implicit {
     return false;
   }
 
-  static constexpr double kStill = 1e-9, kPass = 1e-9, kRound = 1e-12, kNear = 100;
+  static constexpr double kRound = 1e-12, kNear = 100;
   const Setting* set_ = nullptr;
   double h_ = 0, push_ = 0, speed_ = 0;
   Vector v_, anchor_, gradient_, step_, r_, p_, q_, z_, tangents_;
   Vector inverse_;  ///< of a node's block: xx, xy, xz, yy, yz, zz
   std::vector<double> sums_, stored_;
-  std::vector<Contact> contacts_;
-  std::vector<Held> held_;
+  HeldNodes<D, Nodes> held_;
 };
 
 }  // namespace truestep::mpm
