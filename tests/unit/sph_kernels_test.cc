@@ -155,6 +155,15 @@ TEST(SphLists, LanesAreStoredSideBySide) {
     T total = 0;
     for (int i = 0; i < Wide<T>::kLanes; ++i) a.set(i, T(1) + static_cast<T>(i * i)), total += a[i];
     EXPECT_EQ(sum(a), total);
+    const Wide<T> four[4] = {a, a + a, -a, Wide<T>::zero()};
+    T sums[4];
+    sum_each(four, sums);
+    for (int k = 0; k < 4; ++k) EXPECT_EQ(sums[k], sum(four[k])) << k;
+    const Wide<T> low = smallest(-a), high = largest(a);
+    for (int i = 0; i < Wide<T>::kLanes; ++i) {
+      EXPECT_EQ(low[i], -a[Wide<T>::kLanes - 1]);
+      EXPECT_EQ(high[i], a[Wide<T>::kLanes - 1]);
+    }
     for (const uint32_t bits : {1u, 6u, 9u, 15u}) {
       T out[8] = {};
       uint32_t places[8] = {};
@@ -235,7 +244,8 @@ TEST(SphLists, SlotsFarApartAreInGroupsOfTheirOwn) {
     size_t end = kBegin;
     for (size_t at = 0; at < kCount; end += kLanes) {
       Wide<T> there[4];
-      const auto taken = c.take(end, at, kCount, there);
+      const auto taken = c.template take<false>(at, kCount, there);
+      c.base[end / kLanes] = taken.base;
       Group<T>& g = c.group(end);
       g.set(there, typename Wide<T>::Mask{});
       EXPECT_EQ(g.above(1), 0) << "control: slots are those that are set";

@@ -1,5 +1,5 @@
-// Loads through neighbour lists: numbers and rows of four numbers at indices stored consecutively, and the
-// bits of a comparison.
+// Loads through neighbour lists: numbers and rows of four numbers at indices stored consecutively, and rows
+// of 16-bit numbers.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -117,146 +117,6 @@ inline void sum_rows(const Wide<T>& a, T out[4]) {
   }
 }
 
-/// Bit i: a < b in lane i.
-template <class T>
-inline uint32_t bits_below(const Wide<T>& a, const Wide<T>& b) {
-#if defined(__AVX2__) && defined(__FMA__)
-  if constexpr (sizeof(T) == 4) {
-    return static_cast<uint32_t>(_mm256_movemask_ps(_mm256_cmp_ps(__m256(a.v), __m256(b.v), _CMP_LT_OQ)));
-  } else {
-    return static_cast<uint32_t>(_mm256_movemask_pd(_mm256_cmp_pd(__m256d(a.v), __m256d(b.v), _CMP_LT_OQ)));
-  }
-#else
-  uint32_t bits = 0;
-  for (int i = 0; i < Wide<T>::kLanes; ++i) bits |= static_cast<uint32_t>(a.v[i] < b.v[i]) << i;
-  return bits;
-#endif
-}
-
-/// Sum of lanes `first` to `last`, added in the fixed order of a tree.
-template <class T>
-inline T sum(const Wide<T>& a) {
-#if defined(__AVX2__) && defined(__FMA__)
-  if constexpr (sizeof(T) == 4) {
-    const __m256 all = __m256(a.v);
-    const __m128 four = _mm_add_ps(_mm256_castps256_ps128(all), _mm256_extractf128_ps(all, 1));
-    const __m128 two = _mm_add_ps(four, _mm_movehl_ps(four, four));
-    return _mm_cvtss_f32(_mm_add_ss(two, _mm_shuffle_ps(two, two, 1)));
-  } else {
-    const __m256d all = __m256d(a.v);
-    const __m128d two = _mm_add_pd(_mm256_castpd256_pd128(all), _mm256_extractf128_pd(all, 1));
-    return _mm_cvtsd_f64(_mm_add_sd(two, _mm_unpackhi_pd(two, two)));
-  }
-#else
-  if constexpr (Wide<T>::kLanes == 8) {
-    return ((a[0] + a[4]) + (a[2] + a[6])) + ((a[1] + a[5]) + (a[3] + a[7]));
-  } else {
-    return (a[0] + a[2]) + (a[1] + a[3]);
-  }
-#endif
-}
-
-/// For each set of lanes, its members in ascending order.
-struct LaneTable {
-  uint8_t of[256][8] = {};
-  constexpr LaneTable() {
-    for (unsigned bits = 0; bits < 256; ++bits) {
-      int count = 0;
-      for (uint8_t lane = 0; lane < 8; ++lane) {
-        if (bits >> lane & 1) of[bits][count++] = lane;
-      }
-    }
-  }
-};
-inline constexpr LaneTable kLanesOf;
-
-/// Stores only the lanes whose bits are set, side by side; memory after them, up to a whole Wide, is
-/// overwritten.
-template <class T>
-class LanesOf {
- public:
-  explicit LanesOf(uint32_t bits) : bits_(bits) {
-#if defined(__AVX2__) && defined(__FMA__)
-    if constexpr (sizeof(T) == 4) {
-      order_ = _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(kLanesOf.of[bits])));
-    }
-#endif
-  }
-  size_t count() const {
-    return static_cast<size_t>(__builtin_popcount(bits_));
-  }
-  void store(T* out, const Wide<T>& a) const {
-#if defined(__AVX2__) && defined(__FMA__)
-    if constexpr (sizeof(T) == 4) {
-      _mm256_storeu_ps(out, _mm256_permutevar8x32_ps(__m256(a.v), order_));
-      return;
-    }
-#endif
-    const uint8_t* lanes = kLanesOf.of[bits_];
-    for (size_t k = 0; k < count(); ++k) out[k] = a.v[lanes[k]];
-  }
-
- private:
-  uint32_t bits_;
-#if defined(__AVX2__) && defined(__FMA__)
-  __m256i order_ = {};
-#endif
-};
-
-/// first + lane for those lanes whose bits are set, side by side, and overwrites what is behind them up to
-/// Lanes numbers; returns how many are set.
-template <size_t Lanes>
-inline size_t store_lanes(uint32_t* out, uint32_t first, uint32_t bits) {
-  const uint8_t* lanes = kLanesOf.of[bits];
-#if defined(__AVX2__) && defined(__FMA__)
-  if constexpr (Lanes == 8) {
-    const __m256i order = _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(lanes)));
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out),
-                        _mm256_add_epi32(order, _mm256_set1_epi32(static_cast<int32_t>(first))));
-    return static_cast<size_t>(__builtin_popcount(bits));
-  }
-#endif
-  for (size_t k = 0; k < Lanes; ++k) out[k] = first + lanes[k];
-  return static_cast<size_t>(__builtin_popcount(bits));
-}
-
-/// Bit i: lane i of a comparison holds.
-template <class T>
-inline uint32_t lanes_set(const typename Wide<T>::Mask& mask) {
-#if defined(__AVX2__) && defined(__FMA__)
-  if constexpr (sizeof(T) == 4) {
-    return static_cast<uint32_t>(_mm256_movemask_ps(__m256(mask)));
-  } else {
-    return static_cast<uint32_t>(_mm256_movemask_pd(__m256d(mask)));
-  }
-#else
-  uint32_t bits = 0;
-  for (int i = 0; i < Wide<T>::kLanes; ++i) bits |= static_cast<uint32_t>(mask[i] != 0) << i;
-  return bits;
-#endif
-}
-/// Whole numbers side by side.
-template <class T>
-inline typename Wide<T>::Mask whole(const uint32_t* p) {
-  typename Wide<T>::Mask out;
-  if constexpr (sizeof(T) == 4) {
-    __builtin_memcpy(&out, p, sizeof out);
-  } else {
-    for (int i = 0; i < Wide<T>::kLanes; ++i) out[i] = p[i];
-  }
-  return out;
-}
-/// Lanes below `count`.
-template <class T>
-inline typename Wide<T>::Mask first_lanes(size_t count) {
-  using Mask = typename Wide<T>::Mask;
-  if constexpr (sizeof(T) == 4) {
-    return Mask{0, 1, 2, 3, 4, 5, 6, 7} < static_cast<int32_t>(count);
-  } else {
-    return Mask{0, 1, 2, 3} < static_cast<int64_t>(count);
-  }
-}
-
 template <class T>
 inline Wide<T> load(const T* p) {
   typename Wide<T>::Raw r;
@@ -335,6 +195,20 @@ inline void store_rows4(int16_t (*rows)[4], const Wide<float> in[3], const Wide<
     for (int k = 0; k < 3; ++k) rows[i][k] = static_cast<int16_t>(in[k].v[i]);
     rows[i][3] = static_cast<int16_t>(static_cast<uint16_t>(last[i]));
   }
+#endif
+}
+/// Lane i: the last number of row i, as one without a sign.
+inline Wide<float>::Mask load_last(const int16_t (*rows)[4]) {
+#if defined(__AVX2__) && defined(__FMA__)
+  const auto* in = reinterpret_cast<const __m256i*>(rows);
+  const __m256i low = _mm256_srli_epi64(_mm256_loadu_si256(in), 48);
+  const __m256i high = _mm256_srli_epi64(_mm256_loadu_si256(in + 1), 48);
+  const __m256 mixed = _mm256_shuffle_ps(_mm256_castsi256_ps(low), _mm256_castsi256_ps(high), 0x88);
+  return Wide<float>::Mask(_mm256_permute4x64_epi64(_mm256_castps_si256(mixed), 0xd8));
+#else
+  Wide<float>::Mask out;
+  for (int i = 0; i < 8; ++i) out[i] = static_cast<uint16_t>(rows[i][3]);
+  return out;
 #endif
 }
 template <class T>

@@ -92,6 +92,7 @@ struct Fluid {
   Cells<D> cells;
   std::vector<uint32_t> row, cell_of, cursor;
   Aligned<T> x[3];           ///< m, kLanes more than rows
+  Aligned<T> place;          ///< m, four a row, for lists that are renewed: the same
   Aligned<T> v, a;           ///< m/s and m/s^2, four numbers a row
   Aligned<T> delta;          ///< 1, density over the rest density
   Aligned<T> push, flow;     ///< m^2/s^2 and m^2/s, solutions of the two solves
@@ -106,6 +107,7 @@ struct Fluid {
   Aligned<T> light;              ///< 1, density of the system over the particle's; 0: nothing moves it
   Aligned<T> rest, way, image, scale, hold;  ///< of the solve for viscosity, four a row (viscosity.h)
   bool weighted = false;                     ///< whether light is in use; otherwise it is 1 everywhere
+  bool renews = false;                       ///< whether lists are renewed within a substep
   std::vector<uint8_t> held;                 ///< by which nozzle, from 1; 0: by none
   Aligned<T> rests;  ///< 1, how nearly a particle's pressure is that of a fluid at rest
   std::vector<Chunk<T>> chunks;
@@ -115,6 +117,14 @@ struct Fluid {
   /// place.
   bool fixed(size_t i) const { return weighted && light[i] == 0; }
   T lightness(size_t i) const { return weighted ? light[i] : T{1}; }
+
+  /// m along axis a: the offset between two particles, in a periodic box that of their nearest images.
+  [[gnu::always_inline]] W nearest_image(size_t a, W way) const {
+    if (!cells.wraps[a]) return way;
+    const W width = W::all(static_cast<T>(cells.width[a])), half = W::all(T(0.5)) * width;
+    way = select(way > half, way - width, way);
+    return select(way < -half, way + width, way);
+  }
 
   size_t chunks_in_use() const { return (n + kChunk - 1) / kChunk; }
   /// Room for this many rows and neighbours: what a growing fluid would otherwise allocate as it runs.
@@ -134,6 +144,7 @@ struct Fluid {
          {&delta, &push, &flow, &iterate, &next, &start, &change, &stiffness, &source, &drive, &rests})
       c->resize(n);
     if (weighted) light.resize(n), held.resize(n);
+    if (renews) place.resize(4 * n);
     row.resize(n), cell_of.resize(n);
     if (chunks.size() < chunks_in_use()) chunks.resize(chunks_in_use());
   }

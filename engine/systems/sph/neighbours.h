@@ -72,18 +72,25 @@ class Neighbours {
 
   /// Updates the same lists for the current positions.
   void renew(Fluid<D, T>& f, const ThreadArena& arena) const {
-    const Scales scales(set_, unit_);
+    const Scales scales(*this, f);
+    arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) {
+        for (size_t a = 0; a < D; ++a) f.place[4 * i + a] = f.x[a][i];
+      }
+    });
     with_kernel([&](auto kernel) {
       arena.for_blocks(f.chunks_in_use(), 4, [&](size_t first, size_t last) {
         for (size_t k = first; k < last; ++k) {
           Chunk<T>& chunk = f.chunks[k];
           const size_t low = k * kChunk, high = std::min(f.n, low + kChunk);
+          const typename Chunk<T>::Rows rows = chunk.rows();
           for (size_t i = low; i < high; ++i) {
             const size_t begin = chunk.first[i - low], end = chunk.first[i - low + 1];
             Sums sums;
             measure(f, i, chunk, begin, end, [&](size_t at, const W* way, const W& square) {
-              evaluate<decltype(kernel)::value>(f, chunk, at, way, square, scales, sums,
-                                                [&](const W g[3]) { store_rows3(chunk.group(at).g, g); });
+              evaluate<decltype(kernel)::value>(
+                  f, chunk, rows, at, way, square, scales, sums,
+                  [&](const W g[3]) { store_rows3(rows.groups[at / kLanes].g, g); });
             });
             finish<decltype(kernel)::value>(f, i, sums);
           }
@@ -101,14 +108,18 @@ class Neighbours {
  private:
   static constexpr size_t kParts = 4;  ///< of the rows that are sorted, whatever the number of threads
   struct Scales {
-    Scales(const Setting& set, double unit)
-        : far(W::all(static_cast<T>(set.support * set.support))),
-          inverse(W::all(static_cast<T>(1 / set.support))),
+    Scales(const Neighbours& of, const Fluid<D, T>& f)
+        : far(W::all(static_cast<T>(of.set_.support * of.set_.support))),
+          inverse(W::all(static_cast<T>(1 / of.set_.support))),
           one(W::all(1)),
-          kw(W::all(static_cast<T>(set.kernel_w))),
-          ks(W::all(static_cast<T>(set.kernel_s))),
-          per_unit(W::all(static_cast<T>(1 / unit))) {}
+          kw(W::all(static_cast<T>(of.set_.kernel_w))),
+          ks(W::all(static_cast<T>(of.set_.kernel_s))),
+          per_unit(W::all(static_cast<T>(1 / of.unit_))),
+          extras(of.extras_),
+          weighted(f.weighted) {}
     W far, inverse, one, kw, ks, per_unit;
+    Extras extras;
+    bool weighted;
   };
   /// What a list sums up: values, squares of gradients and gradients.
   struct Sums {
@@ -132,20 +143,33 @@ class Neighbours {
 
   template <Smoothing K>
   void list_with(Fluid<D, T>& f, const ThreadArena& arena) const {
-    const Scales scales(set_, unit_);
+    const Scales scales(*this, f);
     arena.for_blocks(f.chunks_in_use(), 4, [&](size_t first, size_t last) {
       for (size_t k = first; k < last; ++k) {
         Chunk<T>& chunk = f.chunks[k];
         const size_t low = k * kChunk, high = std::min(f.n, low + kChunk);
-        size_t used = 0, stop = low;
+        size_t used = 0;
         chunk.first[0] = 0;
-        for (size_t i = low; i < high; ++i) {
-          if (i == stop) stop = look_around(f, i, high, chunk);
-          used = list_of<K>(f, i, chunk, used, find(f, i, chunk), scales);
-          chunk.first[i - low + 1] = static_cast<uint32_t>(used);
+        for (size_t i = low; i < high;) {
+          const size_t stop = look_around(f, i, high, chunk);
+          used = chunk.around_in_order ? lists_of<K, true>(f, i, stop, low, chunk, used, scales)
+                                       : lists_of<K, false>(f, i, stop, low, chunk, used, scales);
+          i = stop;
         }
       }
     });
+  }
+  /// Lists of the particles from i to `stop`, of one cell.
+  template <Smoothing K, bool InOrder>
+  size_t lists_of(Fluid<D, T>& f, size_t i, size_t stop, size_t low, Chunk<T>& chunk, size_t used,
+                  const Scales& scales) const {
+    for (; i < stop; ++i) {
+      // Room as if all around were neighbours, so that it seldom grows after the first step.
+      chunk.need(used + chunk.around_seen + kLanes, static_cast<size_t>(scales.extras));
+      used = list_of<K, InOrder>(f, i, chunk, used, find(f, i, chunk), scales);
+      chunk.first[i - low + 1] = static_cast<uint32_t>(used);
+    }
+    return used;
   }
 
   /// Collects the particles in the cells around particle i's that are within the kernel's radius of the box
@@ -157,19 +181,25 @@ class Neighbours {
     for (size_t a = 0; a < D; ++a) {
       const T* x = f.x[a].data();
       c[a] = f.cells.along(double{x[i]}, static_cast<int>(a));
-      const auto [least, most] = std::minmax_element(x + i, x + stop);
-      low[a] = W::all(*least), top[a] = W::all(*most);
+      low[a] = top[a] = W::all(x[i]);
+      for (size_t k = i; k < stop; k += kLanes) {
+        const W place = select(first_lanes<T>(std::min(stop - k, kLanes)), load(x + k), low[a]);
+        low[a] = min(low[a], place), top[a] = max(top[a], place);
+      }
+      low[a] = smallest(low[a]), top[a] = largest(top[a]);
     }
     const W limit = W::all(static_cast<T>(set_.support * set_.support));
     chunk.around_count = chunk.around_seen = 0;
+    size_t least = f.n, before = 0;
+    bool ascends = true;
     f.cells.around(c, [&](size_t begin, size_t end, const double* shift) {
-      const bool own = begin <= i && i < end;
-      chunk.template put_around<D>(f.x, begin, own ? i : end, shift, low, top, limit);
-      if (!own) return;
-      // All of the box is near it.
-      chunk.own = chunk.around_count - i;
-      chunk.template put_around<D>(f.x, i, end, shift, low, top, limit);
+      ascends = ascends && begin >= before;
+      least = std::min(least, begin), before = end;
+      const bool moved = shift[0] != 0 || shift[1] != 0 || shift[2] != 0;
+      const size_t own = begin <= i && i < end && !moved ? i : SIZE_MAX;
+      chunk.template put_around<D>(f.x, begin, end, own, shift, low, top, limit);
     });
+    chunk.around_in_order = ascends && before <= least + 0x10000;
     chunk.template end_around<D>();
     return stop;
   }
@@ -178,48 +208,54 @@ class Neighbours {
   [[gnu::always_inline]] size_t find(const Fluid<D, T>& f, size_t i, Chunk<T>& chunk) const {
     const W limit = W::all(static_cast<T>(set_.support * set_.support));
     W here[D];
-    for (size_t a = 0; a < D; ++a) here[a] = W::all(f.x[a][i]);
-    const size_t own = chunk.own + i, own_group = own / kLanes * kLanes;
+    const T* around[D];
+    for (size_t a = 0; a < D; ++a) here[a] = W::all(f.x[a][i]), around[a] = chunk.around[a].data();
+    uint32_t* const near = chunk.near.data();
+    const size_t own = chunk.own + i, count = chunk.around_count;
     size_t found = 0;
-    const auto look = [&](size_t k, uint32_t but) {
+    // Each group is stored, with or without neighbours: that costs less than a branch that is not foreseen,
+    // and so does leaving out the particle itself in every group.
+    for (size_t k = 0; k < count; k += kLanes) {
       W square = W::zero();
       for (size_t a = 0; a < D; ++a) {
-        const W way = here[a] - load(chunk.around[a].data() + k);
+        const W way = here[a] - load(around[a] + k);
         square = madd(way, way, square);
       }
-      found += store_lanes<kLanes>(chunk.near.data() + found, static_cast<uint32_t>(k),
-                                   bits_below(square, limit) & ~but);
-    };
-    // Each group is stored, with or without neighbours: that costs less than a branch that is not foreseen.
-    for (size_t k = 0; k < own_group; k += kLanes) look(k, 0);
-    look(own_group, 1u << (own - own_group));
-    for (size_t k = own_group + kLanes; k < chunk.around_count; k += kLanes) look(k, 0);
-    for (size_t lane = 0; lane < kLanes; ++lane) chunk.near[found + lane] = 0;
+      const size_t lane = own - k;
+      const uint32_t itself = static_cast<uint32_t>(lane < kLanes) << (lane % kLanes);
+      found +=
+          store_lanes<kLanes>(near + found, static_cast<uint32_t>(k), bits_below(square, limit) & ~itself);
+    }
+    for (size_t lane = 0; lane < kLanes; ++lane) near[found + lane] = 0;
     return found;
   }
 
   /// Appends the list of the `count` neighbours of particle i in chunk.near behind `used` entries; returns
   /// the end, of whole groups.
-  template <Smoothing K>
-  size_t list_of(Fluid<D, T>& f, size_t i, Chunk<T>& chunk, size_t used, size_t count,
-                 const Scales& scales) const {
+  template <Smoothing K, bool InOrder>
+  [[gnu::always_inline]] size_t list_of(Fluid<D, T>& f, size_t i, Chunk<T>& chunk, size_t used, size_t count,
+                                        const Scales& scales) const {
     W here[D];
     for (size_t a = 0; a < D; ++a) here[a] = W::all(f.x[a][i]);
     Sums sums;
-    // Room as if all around were neighbours, so that it seldom grows after the first step.
-    chunk.need(used + chunk.around_seen + kLanes, static_cast<size_t>(extras_));
+    typename Chunk<T>::Rows rows = chunk.rows();
     for (size_t at = 0; at < count; used += kLanes) {
-      chunk.need(used + kLanes, static_cast<size_t>(extras_));
+      if constexpr (!InOrder) {
+        chunk.need(used + kLanes, static_cast<size_t>(scales.extras));
+        rows = chunk.rows();
+      }
       W there[4], way[3], square = W::zero();
-      const auto taken = chunk.take(used, at, count, there);
+      const auto taken = chunk.template take<InOrder>(at, count, there);
+      rows.base[used / kLanes] = taken.base;
       for (size_t a = 0; a < D; ++a) {
         way[a] = here[a] - there[a];
         square = madd(way[a], way[a], square);
-        way[a] = select(taken.inside, way[a], W::zero());
+        // Rounded, gradients at the kernel's radius are 0 in any case.
+        if constexpr (!kRounded<T>) way[a] = select(taken.inside, way[a], W::zero());
       }
       square = select(taken.inside, square, scales.far);
-      evaluate<K>(f, chunk, used, way, square, scales, sums,
-                  [&](const W g[3]) { chunk.group(used).set(g, taken.above); });
+      evaluate<K>(f, chunk, rows, used, way, square, scales, sums,
+                  [&](const W g[3]) { rows.groups[used / kLanes].set(g, taken.above); });
       at += taken.count;
     }
     finish<K>(f, i, sums);
@@ -230,24 +266,17 @@ class Neighbours {
   template <class Body>
   void measure(const Fluid<D, T>& f, size_t i, const Chunk<T>& chunk, size_t begin, size_t end,
                const Body& body) const {
-    const T far = static_cast<T>(set_.support * set_.support);
+    const W far = W::all(static_cast<T>(set_.support * set_.support));
+    W here[D];
+    for (size_t a = 0; a < D; ++a) here[a] = W::all(f.x[a][i]);
     for (size_t k = begin; k < end; k += kLanes) {
-      W square = W::zero(), way[3];
+      W there[4], way[3], square = W::zero();
+      chunk.rows_of(f.place, k, there);
       for (size_t a = 0; a < D; ++a) {
-        W d = W::all(f.x[a][i]) - chunk.of(f.x[a], k);
-        if (f.cells.wraps[a]) {
-          const W width = W::all(static_cast<T>(f.cells.width[a])), half = W::all(T(0.5)) * width;
-          d = select(d > half, d - width, d);
-          d = select(d < -half, d + width, d);
-        }
-        way[a] = d;
-        square += d * d;
+        way[a] = f.nearest_image(a, here[a] - there[a]);
+        square += way[a] * way[a];
       }
-      square = min(square, W::all(far));
-      // A neighbour is in a list only once: a repeat of its group's first slot is padding.
-      for (size_t last = kLanes; last-- > 1 && chunk.group(k).above(last) == 0;) {
-        square.set(static_cast<int>(last), far);
-      }
+      square = select(chunk.group(k).padding(), far, min(square, far));
       body(k, way, square);
     }
   }
@@ -255,7 +284,8 @@ class Neighbours {
   /// Gradients, and whatever else is kept, of the group at entry k, from offsets and squared distances;
   /// store(gradients) puts them into the group.
   template <Smoothing K, class Store>
-  [[gnu::always_inline]] void evaluate(const Fluid<D, T>& f, Chunk<T>& chunk, size_t k, const W* way,
+  [[gnu::always_inline]] void evaluate(const Fluid<D, T>& f, const Chunk<T>& chunk,
+                                       const typename Chunk<T>::Rows& rows, size_t k, const W* way,
                                        const W& distance2, const Scales& scales, Sums& sums,
                                        const Store& store_group) const {
     const W q = min(sqrt(distance2) * scales.inverse, scales.one);
@@ -267,17 +297,17 @@ class Neighbours {
       g[a] = s * way[a];
       if constexpr (kRounded<T>) g[a] = nearest(g[a] * scales.per_unit);
       sums.pull[a] += g[a];
-      if (f.weighted) {
+      if (scales.weighted) {
         square = madd(g[a], g[a], square);
       } else {
         sums.squares = madd(g[a], g[a], sums.squares);
       }
     }
     store_group(g);
-    if (f.weighted) sums.squares = madd(square, chunk.of(f.light, k), sums.squares);
-    if (extras_ >= Extras::slopes) store(chunk.s.data() + k, s);
-    if (extras_ >= Extras::weights) store(chunk.w.data() + k, w);
-    if (extras_ == Extras::distances) store(chunk.q.data() + k, q);
+    if (scales.weighted) sums.squares = madd(square, chunk.of(f.light, k), sums.squares);
+    if (scales.extras >= Extras::slopes) store(rows.s + k, s);
+    if (scales.extras >= Extras::weights) store(rows.w + k, w);
+    if (scales.extras == Extras::distances) store(rows.q + k, q);
   }
 
   /// Density, pull and stiffness of particle i from what its list sums up.
@@ -285,12 +315,15 @@ class Neighbours {
   void finish(Fluid<D, T>& f, size_t i, const Sums& sums) const {
     const SmoothingValue<T> self = smoothing<K, T>(W::zero());
     const T* wall = f.wall.data() + 4 * i;
-    f.delta[i] = sum(sums.density) + static_cast<T>(set_.kernel_w) * self.w[0] + wall[3];
+    T each[4];
+    const W lanes[4] = {sums.pull[0], sums.pull[1], sums.pull[2], sums.density};
+    sum_each(lanes, each);
+    f.delta[i] = each[3] + static_cast<T>(set_.kernel_w) * self.w[0] + wall[3];
     T both = f.unit * f.unit * sum(sums.squares);
     T* total = f.pull.data() + 4 * i;
     total[3] = 0;
     for (int a = 0; a < 3; ++a) {
-      const T inside = a < D ? f.unit * sum(sums.pull[a]) : T{0}, outside = a < D ? wall[a] : T{0};
+      const T inside = a < D ? f.unit * each[a] : T{0}, outside = a < D ? wall[a] : T{0};
       total[a] = inside + outside;
       both += f.lightness(i) * total[a] * total[a];
     }

@@ -11,6 +11,7 @@
 
 #include "engine/base/cache_line.h"
 #include "engine/kernels/sph/gather.h"
+#include "engine/kernels/sph/lanes.h"
 
 namespace truestep::sph {
 
@@ -40,6 +41,12 @@ struct Group {
     store_rows3(g, gradient);
     for (size_t k = 0; k < kLanes; ++k) slots[k] = static_cast<uint16_t>(over[k]), g[k][3] = 0;
   }
+  /// Lanes without a neighbour. A neighbour is in a list only once: a repeat of the first is padding.
+  typename Wide<T>::Mask padding() const {
+    typename Wide<T>::Mask out;
+    for (size_t k = 0; k < kLanes; ++k) out[k] = k > 0 && slots[k] == 0 ? -1 : 0;
+    return out;
+  }
 };
 template <>
 struct Group<float> {
@@ -47,6 +54,9 @@ struct Group<float> {
 
   uint16_t above(size_t lane) const { return static_cast<uint16_t>(g[lane][3]); }
   void set(const Wide<float> gradient[3], const Wide<float>::Mask& over) { store_rows4(g, gradient, over); }
+  Wide<float>::Mask padding() const {
+    return (load_last(g) == 0) & (Wide<float>::Mask{0, 1, 2, 3, 4, 5, 6, 7} > 0);
+  }
 };
 /// Acts as an array of a group's slots, from entry `first` on.
 template <class T>
@@ -75,6 +85,16 @@ struct Chunk {
   std::vector<uint32_t> around_slots;
   std::vector<uint32_t> near;  ///< of the list that is being made: which of those around
   size_t around_count = 0, around_seen = 0, own = 0;
+  /// Whether slots of those around ascend and span at most 2^16, so that none is too far from the one before.
+  bool around_in_order = false;
+
+  /// Where lists are: for loops that would otherwise look it up again after every store.
+  struct Rows {
+    Group<T>* groups;
+    uint32_t* base;
+    T *s, *w, *q;
+  };
+  Rows rows() { return {groups.data(), base.data(), s.data(), w.data(), q.data()}; }
 
   Group<T>& group(size_t k) { return groups[k / kLanes]; }
   const Group<T>& group(size_t k) const { return groups[k / kLanes]; }
@@ -109,10 +129,11 @@ struct Chunk {
 
   /// Appends those of slots `begin` to `end`, their positions x moved by `shift` (m), whose squared distance
   /// from the box between `low` and `top` is within `limit`. No point that is so close to a point in the box
-  /// is left out: rounding is monotone.
+  /// is left out: rounding is monotone. `first` is the current cell's first slot if that is among
+  /// them.
   template <size_t D>
-  [[gnu::always_inline]] void put_around(const Aligned<T>* x, size_t begin, size_t end, const double* shift,
-                                         const W* low, const W* top, const W& limit) {
+  [[gnu::always_inline]] void put_around(const Aligned<T>* x, size_t begin, size_t end, size_t first,
+                                         const double* shift, const W* low, const W* top, const W& limit) {
     // As if nothing were left out, so that room does not grow with what a step happens to keep.
     around_seen += end - begin;
     const size_t room = around_seen + 2 * kLanes;
@@ -125,7 +146,7 @@ struct Chunk {
     T* places[D];
     for (size_t a = 0; a < D; ++a) by[a] = W::all(static_cast<T>(shift[a])), places[a] = around[a].data();
     uint32_t* const slots = around_slots.data();
-    size_t count = around_count;
+    size_t count = around_count, at = own;
     for (size_t k = begin; k < end; k += kLanes) {
       W place[D], square = W::zero();
       for (size_t a = 0; a < D; ++a) {
@@ -135,11 +156,15 @@ struct Chunk {
       }
       uint32_t bits = bits_below(square, limit);
       if (end - k < kLanes) bits &= (1u << (end - k)) - 1;
+      // What is in the box is near it, so that slots from `first` on stay side by side.
+      if (first - k < kLanes) {
+        at = count - first + static_cast<size_t>(__builtin_popcount(bits & ((1u << (first - k)) - 1)));
+      }
       const LanesOf<T> lanes(bits);
       for (size_t a = 0; a < D; ++a) lanes.store(places[a] + count, place[a]);
       count += store_lanes<kLanes>(slots + count, static_cast<uint32_t>(k), bits);
     }
-    around_count = count;
+    around_count = count, own = at;
   }
   /// Fills what is around up to a whole group, and makes rows of it.
   template <size_t D>
@@ -157,26 +182,28 @@ struct Chunk {
     around_count = end;
   }
 
-  /// Rows of positions of the neighbours in `near`, from `at` of `count`, that the group of entry k takes: it
-  /// ends where a slot is below its first one or too far above it. Keeps the first one's slot.
+  /// Rows of positions of the neighbours in `near`, from `at` of `count`, that a group takes: with slots in
+  /// order as many as there are, otherwise it ends where a slot is below its first one or too far above it.
   struct Taken {
     size_t count;                    ///< of neighbours
+    uint32_t base;                   ///< slot of the first
     typename W::Mask inside, above;  ///< lanes that have one; slots over the first one, else 0
   };
-  [[gnu::always_inline]] Taken take(size_t k, size_t at, size_t count, W there[4]) {
+  template <bool InOrder>
+  [[gnu::always_inline]] Taken take(size_t at, size_t count, W there[4]) const {
     using Mask = typename W::Mask;
     gather_rows4(around_rows.data(), near.data() + at, there);
     const Mask slots = __builtin_bit_cast(Mask, there[3].v), above = slots - slots[0];
-    const size_t most = std::min(count - at, kLanes);
-    const uint32_t apart = ~lanes_set<T>((above >= 0) & (above <= 0xffff)) & ((1u << most) - 1);
-    // A branch, so that the next group does not wait for this one's slots.
-    size_t full = most;
-    if (apart != 0) [[unlikely]] {
-      full = static_cast<size_t>(__builtin_ctz(apart));
+    size_t full = std::min(count - at, kLanes);
+    if constexpr (!InOrder) {
+      const uint32_t apart = ~lanes_set<T>((above >= 0) & (above <= 0xffff)) & ((1u << full) - 1);
+      // A branch, so that the next group does not wait for this one's slots.
+      if (apart != 0) [[unlikely]] {
+        full = static_cast<size_t>(__builtin_ctz(apart));
+      }
     }
     const Mask inside = first_lanes<T>(full);
-    base[k / kLanes] = static_cast<uint32_t>(slots[0]);
-    return {full, inside, above & inside};
+    return {full, static_cast<uint32_t>(slots[0]), inside, above & inside};
   }
 
   /// Room for `entries` and as many of slopes, weights, distances as `extras` says.

@@ -38,6 +38,7 @@ class SolverOf final : public Solver {
     auto& f = in.workspace.object<Fluid<D, T>>("sph.fluid");
     f.unit = neighbours_.unit();
     f.weighted = set_.lightest < 1 || set_.ratio || !set_.inlets.empty();
+    f.renews = set_.def.solver == Method::pbf;
     if (set_.counts)
       f.reserve(set_.capacity, expected_neighbours(set_.def), static_cast<size_t>(neighbours_.extras()));
     auto& bodies = in.workspace.object<BodiesIn<D, T>>("sph.bodies");

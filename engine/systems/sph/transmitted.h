@@ -31,15 +31,8 @@ void transmitted_pressures(Fluid<D, T>& f, const T* pressure, const T* density, 
     W carried = W::zero(), whole = W::zero();
     for (size_t k = begin; k < end; k += W::kLanes) {
       W along = W::zero();
-      for (size_t a = 0; a < D; ++a) {
-        W way = W::all(f.x[a][i]) - c.of(f.x[a], k);
-        if (f.cells.wraps[a]) {
-          const W width = W::all(static_cast<T>(f.cells.width[a])), half = W::all(T(0.5)) * width;
-          way = select(way > half, way - width, way);
-          way = select(way < -half, way + width, way);
-        }
-        along = madd(c.gradient(a, k), way, along);
-      }
+      for (size_t a = 0; a < D; ++a)
+        along = madd(c.gradient(a, k), f.nearest_image(a, W::all(f.x[a][i]) - c.of(f.x[a], k)), along);
       carried = madd(along, own + c.of(f.push, k), carried), whole += along;
     }
     const T scale = -f.unit / T(D), pairs = T(0.5) * scale * sum(carried), share = scale * sum(whole);
