@@ -9,12 +9,15 @@ namespace {
 using namespace testing_coupled;
 
 /// m, draft of a crate 0.12 m high of this density after 2 s, mean over the last one. It starts `above` (m)
-/// where its hollow is.
+/// where its hollow is. Sides and floor are five spacings away from it.
 double draft(double density, const std::string& solver, double above = 0) {
+  constexpr double kSide = 0.45, kDepth = 0.2, kArea = kSide * kSide;
   Bath bath;
-  bath.body = R"("type": "box", "half_extents": [0.1, 0.06, 0.1], "position": )" +
-              triple({0.3, 0.31 + above, 0.3}) + R"(, "density": )" + number(density);
-  bath.hollow = R"("center": [0.3, 0.31, 0.3], "half_extents": [0.1, 0.06, 0.1])";
+  bath.size = {kSide, 2 * kDepth, kSide}, bath.depth = kDepth;
+  const auto middle = [&](double over) { return triple({kSide / 2, kDepth + over, kSide / 2}); };
+  bath.body = R"("type": "box", "half_extents": [0.1, 0.06, 0.1], "position": )" + middle(0.01 + above) +
+              R"(, "density": )" + number(density);
+  bath.hollow = R"("center": )" + middle(0.01) + R"(, "half_extents": [0.1, 0.06, 0.1])";
   bath.water = R"(, "solver": ")" + solver + "\"";
   SceneRun run(bath.scene());
   double height = 0;
@@ -23,9 +26,9 @@ double draft(double density, const std::string& solver, double above = 0) {
     if (k >= 60) height += body_height(run) / 60;
   }
   // The water conserves its volume: what the crate displaces raises the level.
-  const double area = 0.36, water = run.observe("water.mass") / 1000;
+  const double water = run.observe("water.mass") / 1000;
   // level area - footprint (level - bottom) = water
-  const double bottom = height - 0.06, level = (water - 0.04 * bottom) / (area - 0.04);
+  const double bottom = height - 0.06, level = (water - 0.04 * bottom) / (kArea - 0.04);
   return level - bottom;
 }
 
