@@ -106,7 +106,8 @@ class Neighbours {
   }
 
  private:
-  static constexpr size_t kParts = 4;  ///< of the rows that are sorted, whatever the number of threads
+  static constexpr size_t kAhead = 16;  ///< groups
+  static constexpr size_t kParts = 4;   ///< of the rows that are sorted, whatever the number of threads
   struct Scales {
     Scales(const Neighbours& of, const Fluid<D, T>& f)
         : far(W::all(static_cast<T>(of.set_.support * of.set_.support))),
@@ -247,6 +248,8 @@ class Neighbours {
       W there[4], way[3], square = W::zero();
       const auto taken = chunk.template take<InOrder>(at, count, there);
       rows.base[used / kLanes] = taken.base;
+      // Lists are written to memory that is seldom in a cache.
+      __builtin_prefetch(rows.groups + used / kLanes + kAhead, 1);
       for (size_t a = 0; a < D; ++a) {
         way[a] = here[a] - there[a];
         square = madd(way[a], way[a], square);
