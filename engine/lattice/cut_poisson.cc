@@ -5,237 +5,11 @@
 
 namespace truestep::lattice {
 
-using mac::Mirror;
-
-template <class F>
-void CutPoisson::rows(const Level& l, const ThreadArena& arena, F&& f) const {
-  const size_t block = std::max<size_t>(1, kBlockRows / l.n[0]);
-  arena.for_blocks(l.n[1] * l.n[2], block, [&](size_t begin, size_t end) {
-    for (size_t r = begin; r < end; ++r) f(l.at(0, r % l.n[1], r / l.n[1]), r % l.n[1], r / l.n[1]);
-  });
+namespace {
+void zero(size_t n, double* x, const ThreadArena& arena) {
+  arena.for_blocks(n, kBlockRows, [x](size_t begin, size_t end) { std::fill(x + begin, x + end, 0.0); });
 }
-
-void CutPoisson::shape(Level& l) const {
-  l.base = 0;
-  for (size_t a = 0; a < grid_.dimensions; ++a) {
-    l.padded[a] = l.n[a] + 2;
-    l.base += l.stride(a);
-  }
-  for (size_t a = 0; a < grid_.dimensions; ++a) l.k[a].assign(l.size(), 0);
-  for (Vector* v : {&l.inverse, &l.x, &l.b, &l.r}) v->assign(l.size(), 0);
-}
-
-void CutPoisson::invert(Level& l, const ThreadArena& arena) const {
-  rows(l, arena, [&](size_t at, size_t, size_t) {
-    for (size_t i = at; i < at + l.n[0]; ++i) {
-      double sum = 0;
-      for (size_t a = 0; a < grid_.dimensions; ++a) sum += l.k[a][i] + l.k[a][i - l.stride(a)];
-      l.inverse[i] = sum > 0 && !(surface_ && l.held[i]) ? 1 / sum : 0;
-    }
-  });
-}
-
-CutPoisson::CutPoisson(const mac::MacGrid& grid, const std::array<std::array<Mirror, 2>, 3>& mirrors)
-    : grid_(grid), mirrors_(mirrors) {
-  Level& l = levels_.emplace_back();
-  l.n = grid.cells;
-  shape(l);
-  for (size_t a = 0; a < grid.dimensions; ++a) l.width[a].assign(l.n[a], grid.spacing[a]);
-  levels_.reserve(24);
-  while (coarsen()) {
-  }
-  for (Vector* v : {&b_, &r_, &z_, &p_, &q_}) v->assign(levels_[0].size(), 0);
-}
-
-CutPoisson::CutPoisson(const mac::MacGrid& grid, const std::array<std::array<Mirror, 2>, 3>& mirrors,
-                       const std::array<Vector, 3>& open)
-    : CutPoisson(grid, mirrors) {
-  static const ThreadArena kSerial(1);
-  set({open[0].data(), open[1].data(), open[2].data()}, nullptr, kSerial);
-}
-
-void CutPoisson::set(const std::array<const double*, 3>& open, const uint8_t* liquid,
-                     const ThreadArena& arena) {
-  Level& l = levels_[0];
-  singular_ = true, surface_ = liquid != nullptr;
-  if (surface_) {
-    for (Level& level : levels_) level.held.resize(level.size());
-  }
-  for (size_t a = 0; a < grid_.dimensions; ++a) {
-    for (size_t end = 0; end < 2; ++end) {
-      if (!grid_.periodic[a] && mirrors_[a][end] == Mirror::odd) singular_ = false;
-    }
-  }
-  rows(l, arena, [&](size_t at, size_t j, size_t q) {
-    for (size_t a = 0; a < grid_.dimensions; ++a) {
-      const double full = grid_.cell_volume() / (grid_.spacing[a] * grid_.spacing[a]);
-      const double* share = open[a] + grid_.at(0, j, q);
-      for (size_t i = 0; i < l.n[0]; ++i) {
-        const size_t place = a == 0 ? i : a == 1 ? j : q;
-        const auto face = [&](size_t end) {
-          const bool side = end == 0 ? place == 0 : place + 1 == l.n[a];
-          const double k = full * share[i + end * grid_.stride(a)];
-          if (!side || grid_.periodic[a]) return k;
-          return mirrors_[a][end] == Mirror::odd ? 2 * k : 0.0;
-        };
-        l.k[a][at + i] = face(1);
-        if (place == 0) l.k[a][at + i - l.stride(a)] = face(0);
-      }
-    }
-  });
-  if (surface_) {
-    rows(l, arena, [&](size_t at, size_t j, size_t q) {
-      const uint8_t* wet = liquid + grid_.at(0, j, q);
-      for (size_t i = 0; i < l.n[0]; ++i) {
-        double sum = 0;
-        for (size_t a = 0; a < grid_.dimensions; ++a) sum += l.k[a][at + i] + l.k[a][at + i - l.stride(a)];
-        l.held[at + i] = !wet[i] && sum > 0;
-      }
-    });
-    for (const uint8_t h : l.held) singular_ = singular_ && !h;
-  }
-  invert(l, arena);
-  for (size_t k = 1; k < levels_.size(); ++k) {
-    fill_coarser(levels_[k - 1], levels_[k], arena);
-    invert(levels_[k], arena);
-  }
-  fluid_cells_ = 0;
-  for (const double v : l.inverse) fluid_cells_ += v > 0;
-}
-
-void CutPoisson::set_coefficients(const std::array<const double*, 3>& factors, const ThreadArena& arena) {
-  coarse_ = Coarse::series;
-  set(factors, nullptr, arena);
-}
-
-bool CutPoisson::coarsen() {
-  Level& fine = levels_.back();
-  constexpr size_t kFewest = 4;
-  double finest = 1e300;
-  for (size_t a = 0; a < grid_.dimensions; ++a) {
-    if (fine.n[a] >= kFewest) finest = std::min(finest, fine.width[a][0]);
-  }
-  bool any = false;
-  Level coarse;
-  for (size_t a = 0; a < grid_.dimensions; ++a) {
-    // An axis with much longer cells is not coarsened until the others have caught up.
-    fine.halved[a] =
-        fine.n[a] >= kFewest && fine.width[a][0] < 1.5 * finest && !(grid_.periodic[a] && fine.n[a] % 2);
-    any = any || fine.halved[a];
-    coarse.n[a] = fine.halved[a] ? (fine.n[a] + 1) / 2 : fine.n[a];
-    coarse.width[a].assign(coarse.n[a], 0);
-    for (size_t i = 0; i < fine.n[a]; ++i) coarse.width[a][fine.halved[a] ? i / 2 : i] += fine.width[a][i];
-  }
-  if (!any) return false;
-  shape(coarse);
-  for (size_t a = 0; a < 3; ++a) {
-    Axis& axis = fine.to_coarser[a];
-    const size_t n = fine.n[a], m = coarse.n[a];
-    axis.down.resize(m);
-    for (size_t i = 0; i < n; ++i) {
-      Between b{static_cast<uint32_t>(i), static_cast<uint32_t>(i), 0};
-      if (fine.halved[a]) {
-        const size_t own = i / 2, wrapped = grid_.periodic[a] ? m : 0;
-        const bool up = i % 2 == 1;
-        const bool exists = wrapped > 0 || (up ? own + 1 < m : own > 0);
-        const size_t other = !exists ? own : up ? (own + 1) % m : (own + m - 1) % m;
-        b = {static_cast<uint32_t>(own), static_cast<uint32_t>(other), exists ? 0.25 : 0};
-      }
-      axis.up.push_back(b);
-      axis.down[b.low].emplace_back(i, 1 - b.part);
-      if (b.part > 0) axis.down[b.high].emplace_back(i, b.part);
-    }
-  }
-  levels_.push_back(std::move(coarse));
-  return true;
-}
-
-void CutPoisson::fill_coarser(const Level& fine, Level& coarse, const ThreadArena& arena) const {
-  // Distance between the centres of a cell and the next one, or from the centre to the side.
-  const auto distance = [&](const Level& l, size_t a, ptrdiff_t i) {
-    const auto n = static_cast<ptrdiff_t>(l.n[a]);
-    const auto half = [&](ptrdiff_t c) {
-      if (c < 0 || c >= n)
-        return grid_.periodic[a] ? 0.5 * l.width[a][static_cast<size_t>((c + n) % n)] : 0.0;
-      return 0.5 * l.width[a][static_cast<size_t>(c)];
-    };
-    return half(i) + half(i + 1);
-  };
-  // Number of fine cells inside a coarse one along an axis.
-  const auto children = [&](size_t a, size_t i) {
-    const size_t first = fine.halved[a] ? 2 * i : i;
-    return std::array<size_t, 2>{first, std::min(first + (fine.halved[a] ? 2 : 1), fine.n[a])};
-  };
-  rows(coarse, arena, [&](size_t at, size_t j, size_t q) {
-    for (size_t i = 0; i < coarse.n[0]; ++i) {
-      const std::array<size_t, 3> p{i, j, q};
-      const std::array<std::array<size_t, 2>, 3> span{children(0, i), children(1, j), children(2, q)};
-      for (size_t a = 0; a < grid_.dimensions; ++a) {
-        // The faces of a coarse cell are those after its last fine cell and, on the lower side, before its
-        // first.
-        const auto sum = [&](ptrdiff_t fine_place, ptrdiff_t place) {
-          std::array<std::array<size_t, 2>, 3> over = span;
-          over[a] = {0, 1};
-          const double width = distance(fine, a, fine_place), coarse_width = distance(coarse, a, place);
-          // Two coarse cells and the fine ones in them.
-          const auto n = static_cast<ptrdiff_t>(fine.n[a]), m = static_cast<ptrdiff_t>(coarse.n[a]);
-          const bool at_side = !grid_.periodic[a] && (place < 0 || place + 1 == m);
-          const bool in_series = coarse_ == Coarse::series && fine.halved[a] && !at_side;
-          const auto pair = [&](ptrdiff_t c) {
-            const auto own = children(a, static_cast<size_t>((c + m) % m));
-            return own[1] - own[0] == 2;
-          };
-          const std::array<bool, 2> pairs{in_series && pair(place), in_series && pair((place + 1) % m)};
-          double total = 0;
-          for (size_t fq = over[2][0]; fq < over[2][1]; ++fq) {
-            for (size_t fj = over[1][0]; fj < over[1][1]; ++fj) {
-              for (size_t fi = over[0][0]; fi < over[0][1]; ++fi) {
-                const size_t from = fine.at(fi, fj, fq) +
-                                    fine.stride(a) * static_cast<size_t>(fine_place + 1) - fine.stride(a);
-                if (!in_series) {
-                  total += fine.k[a][from] * width / coarse_width;
-                  continue;
-                }
-                // Half of the face inside either coarse cell, where it has one.
-                double resistance = 1 / fine.k[a][from];
-                for (const ptrdiff_t side : {ptrdiff_t{-1}, ptrdiff_t{1}}) {
-                  if (!pairs[side > 0]) continue;
-                  const ptrdiff_t face = (fine_place + side + n) % n;
-                  const size_t inner = fine.at(fi, fj, fq) + fine.stride(a) * static_cast<size_t>(face);
-                  resistance += 0.5 / fine.k[a][inner];
-                }
-                total += 1 / resistance;
-              }
-            }
-          }
-          return total;
-        };
-        // Interpolation does not know which faces are closed: with plain sums, corrections beside solids
-        // overshoot, more so on coarser levels. The geometric mean of the sum and the value of an open face
-        // prevents this (64^3 cells around a sphere take 6 iterations instead of 10, 192^3 take 6 instead of
-        // 19).
-        const size_t u = a == 0 ? 1 : 0, w = a == 2 ? 1 : 2;
-        const double area = coarse.width[u][p[u]] * (w < grid_.dimensions ? coarse.width[w][p[w]] : 1);
-        const auto lifted = [&](double k, ptrdiff_t place) {
-          return k > 0 && coarse_ == Coarse::shares
-                     ? std::max(k, std::sqrt(k * area / distance(coarse, a, place)))
-                     : k;
-        };
-        const auto here = static_cast<ptrdiff_t>(p[a]);
-        if (here == 0) coarse.k[a][at + i - coarse.stride(a)] = lifted(sum(-1, -1), -1);
-        coarse.k[a][at + i] = lifted(sum(static_cast<ptrdiff_t>(span[a][1]) - 1, here), here);
-      }
-      if (!surface_) continue;
-      uint8_t held = 0;
-      for (size_t fq = span[2][0]; fq < span[2][1]; ++fq) {
-        for (size_t fj = span[1][0]; fj < span[1][1]; ++fj) {
-          for (size_t fi = span[0][0]; fi < span[0][1]; ++fi) held |= fine.held[fine.at(fi, fj, fq)];
-        }
-      }
-      coarse.held[at + i] = held;
-    }
-  });
-}
+}  // namespace
 
 void CutPoisson::wrap(const Level& l, double* x) const {
   for (size_t a = 0; a < grid_.dimensions; ++a) {
@@ -252,19 +26,53 @@ void CutPoisson::wrap(const Level& l, double* x) const {
   }
 }
 
-void CutPoisson::relax(const Level& l, size_t colour, const double* b, double* x,
-                       const ThreadArena& arena) const {
-  wrap(l, x);
-  const size_t s1 = l.stride(1), s2 = l.stride(2);
-  const bool space = grid_.dimensions == 3;
-  rows(l, arena, [&](size_t at, size_t j, size_t q) {
-    const double *k0 = l.k[0].data(), *k1 = l.k[1].data(), *k2 = space ? l.k[2].data() : nullptr;
+void CutPoisson::relax_row(const Level& l, size_t colour, From from, const double* b, double* x, size_t j,
+                           size_t q) const {
+  const size_t s1 = l.stride(1), s2 = l.stride(2), at = l.at(0, j, q), end = at + l.n[0];
+  const size_t begin = at + (colour + j + q) % 2;
+  if (from == From::zero) {
+    // As if 0 had been added, which is what a negative zero would show.
 #pragma GCC ivdep
-    for (size_t i = at + (colour + j + q) % 2; i < at + l.n[0]; i += 2) {
-      double sum =
-          b[i] + k0[i] * x[i + 1] + k0[i - 1] * x[i - 1] + k1[i] * x[i + s1] + k1[i - s1] * x[i - s1];
-      if (space) sum += k2[i] * x[i + s2] + k2[i - s2] * x[i - s2];
-      x[i] = l.inverse[i] * sum;
+    for (size_t i = begin; i < end; i += 2) x[i] = l.inverse[i] * (b[i] + 0.0);
+    return;
+  }
+  const bool space = grid_.dimensions == 3;
+  const double *k0 = l.k[0].data(), *k1 = l.k[1].data(), *k2 = space ? l.k[2].data() : nullptr;
+#pragma GCC ivdep
+  for (size_t i = begin; i < end; i += 2) {
+    double sum = b[i] + k0[i] * x[i + 1] + k0[i - 1] * x[i - 1] + k1[i] * x[i + s1] + k1[i - s1] * x[i - s1];
+    if (space) sum += k2[i] * x[i + s2] + k2[i - s2] * x[i - s2];
+    x[i] = l.inverse[i] * sum;
+  }
+}
+
+// Layers across the last axis in blocks: the second colour follows the first one layer behind, while what
+// both read is still in the cache, except in the layers at either end of a block, which need the neighbouring
+// block's first colour. Any order within a colour gives the same bits.
+void CutPoisson::relax(const Level& l, size_t first, From from, const double* b, double* x,
+                       const ThreadArena& arena) const {
+  const size_t last_axis = grid_.dimensions - 1, layers = l.n[last_axis];
+  constexpr size_t kLayers = 16;
+  const size_t block = std::max(kLayers, 4 * kBlockRows / (l.n[0] * (last_axis == 2 ? l.n[1] : 1)));
+  const auto layer = [&](size_t colour, From start, size_t p) {
+    if (last_axis == 1) return relax_row(l, colour, start, b, x, p, 0);
+    for (size_t j = 0; j < l.n[1]; ++j) relax_row(l, colour, start, b, x, j, p);
+  };
+  const size_t second = 1 - first;
+  const bool wraps = grid_.periodic[0] || grid_.periodic[1] || grid_.periodic[2];
+  // Along a periodic axis of an odd number of cells both ends are of one colour and read each other.
+  if (wraps && from == From::zero) zero(l.size(), x, arena), from = From::values;
+  if (from == From::values) wrap(l, x);
+  arena.for_blocks(layers, block, [&](size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p) {
+      layer(first, from, p);
+      if (!wraps && p > begin + 1) layer(second, From::values, p - 1);
+    }
+  });
+  wrap(l, x);
+  arena.for_blocks(layers, block, [&](size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p) {
+      if (wraps || p == begin || p + 1 == end) layer(second, From::values, p);
     }
   });
 }
@@ -337,10 +145,9 @@ void CutPoisson::correct(const Level& fine, const Level& coarse, double* x, cons
 
 void CutPoisson::cycle(size_t level, const double* b, double* x, const ThreadArena& arena) {
   Level& l = levels_[level];
-  std::fill_n(x, l.size(), 0.0);
   const bool last = level + 1 == levels_.size();
   const int sweeps = last ? 16 : 2;
-  for (int s = 0; s < sweeps; ++s) relax(l, 0, b, x, arena), relax(l, 1, b, x, arena);
+  for (int s = 0; s < sweeps; ++s) relax(l, 0, s == 0 ? From::zero : From::values, b, x, arena);
   if (!last) {
     residual(l, b, x, l.r.data(), arena);
     Level& coarse = levels_[level + 1];
@@ -348,24 +155,27 @@ void CutPoisson::cycle(size_t level, const double* b, double* x, const ThreadAre
     cycle(level + 1, coarse.b.data(), coarse.x.data(), arena);
     correct(l, coarse, x, arena);
   }
-  for (int s = 0; s < sweeps; ++s) relax(l, 1, b, x, arena), relax(l, 0, b, x, arena);
+  for (int s = 0; s < sweeps; ++s) relax(l, 1, From::values, b, x, arena);
+}
+
+double CutPoisson::sum(const Vector& of, const ThreadArena& arena) {
+  return total(of.size(), arena, [&](size_t begin, size_t end) {
+    double sum = 0;
+    for (size_t i = begin; i < end; ++i) sum += of[i];
+    return sum;
+  });
 }
 
 double CutPoisson::product(const double* a, const double* b, const ThreadArena& arena) {
-  const size_t n = levels_[0].size(), blocks = (n + kBlockRows - 1) / kBlockRows;
-  sums_.resize(blocks);
-  arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+  return total(levels_[0].size(), arena, [&](size_t begin, size_t end) {
     double sum[4] = {};
     size_t i = begin;
     for (; i + 4 <= end; i += 4) {
       for (size_t m = 0; m < 4; ++m) sum[m] += a[i + m] * b[i + m];
     }
     for (; i < end; ++i) sum[0] += a[i] * b[i];
-    sums_[begin / kBlockRows] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
   });
-  double total = 0;
-  for (const double s : sums_) total += s;
-  return total;
 }
 
 CutPoisson::Outcome CutPoisson::solve(double* x, double tolerance, const ThreadArena& arena) {
@@ -376,16 +186,16 @@ CutPoisson::Outcome CutPoisson::solve(double* x, double tolerance, const ThreadA
     for (size_t i = 0; i < l.n[0]; ++i) b_[at + i] = l.inverse[at + i] > 0 ? -volume * from[i] : 0;
   });
   if (singular_ && fluid_cells_ > 0) {
-    double sum = 0;
-    for (const double v : b_) sum += v;
-    const double mean = sum / fluid_cells_;
+    const double mean = sum(b_, arena) / fluid_cells_;
     rows(l, arena, [&](size_t at, size_t, size_t) {
       for (size_t i = at; i < at + l.n[0]; ++i) b_[i] -= l.inverse[i] > 0 ? mean : 0;
     });
   }
   Vector& solution = levels_[0].b;
-  std::fill(solution.begin(), solution.end(), 0.0);
-  std::copy(b_.begin(), b_.end(), r_.begin());
+  zero(solution.size(), solution.data(), arena);
+  arena.for_blocks(b_.size(), kBlockRows, [&](size_t begin, size_t end) {
+    std::copy_n(b_.data() + begin, end - begin, r_.data() + begin);
+  });
   // r_ and q_ are zero beyond the sides, so that the products ignore what `wrap` writes there.
   const double first = std::sqrt(product(r_.data(), r_.data(), arena));
   Outcome out;

@@ -5,6 +5,7 @@
 // before and after, linear interpolation between cell centres and its transpose, coarse faces that conduct as
 // much as the fine ones together.
 #pragma once
+#include <algorithm>
 #include <vector>
 
 #include "engine/base/cache_line.h"
@@ -72,13 +73,22 @@ class CutPoisson {
   bool coarsen();
   void fill_coarser(const Level& fine, Level& coarse, const ThreadArena& arena) const;
   void wrap(const Level& l, double* x) const;
-  void relax(const Level& l, size_t colour, const double* b, double* x, const ThreadArena& arena) const;
+  /// Relaxes the cells of both colours, starting with `first`; from 0 the values of x do not matter.
+  enum class From : uint8_t { zero, values };
+  void relax(const Level& l, size_t first, From from, const double* b, double* x,
+             const ThreadArena& arena) const;
+  void relax_row(const Level& l, size_t colour, From from, const double* b, double* x, size_t j,
+                 size_t q) const;
   /// r = b - A x, or A x if b is null.
   void residual(const Level& l, const double* b, double* x, double* r, const ThreadArena& arena) const;
   void cycle(size_t level, const double* b, double* x, const ThreadArena& arena);
   void restrict_to(const Level& fine, Level& coarse, const ThreadArena& arena) const;
   void correct(const Level& fine, const Level& coarse, double* x, const ThreadArena& arena) const;
   double product(const double* a, const double* b, const ThreadArena& arena);
+  double sum(const Vector& of, const ThreadArena& arena);
+  /// Of part(begin, end) over fixed blocks of [0, n), in their order.
+  template <class F>
+  double total(size_t n, const ThreadArena& arena, F&& part);
   template <class F>
   void rows(const Level& l, const ThreadArena& arena, F&& f) const;
 
@@ -91,5 +101,24 @@ class CutPoisson {
   Vector b_, r_, z_, p_, q_;
   std::vector<double> sums_;
 };
+
+/// f(offset of the row's first cell, its j, its l) for every row of cells along x, in parallel.
+template <class F>
+void CutPoisson::rows(const Level& l, const ThreadArena& arena, F&& f) const {
+  const size_t block = std::max<size_t>(1, kBlockRows / l.n[0]);
+  arena.for_blocks(l.n[1] * l.n[2], block, [&](size_t begin, size_t end) {
+    for (size_t r = begin; r < end; ++r) f(l.at(0, r % l.n[1], r / l.n[1]), r % l.n[1], r / l.n[1]);
+  });
+}
+
+template <class F>
+double CutPoisson::total(size_t n, const ThreadArena& arena, F&& part) {
+  sums_.resize((n + kBlockRows - 1) / kBlockRows);
+  arena.for_blocks(n, kBlockRows,
+                   [&](size_t begin, size_t end) { sums_[begin / kBlockRows] = part(begin, end); });
+  double all = 0;
+  for (const double s : sums_) all += s;
+  return all;
+}
 
 }  // namespace truestep::lattice

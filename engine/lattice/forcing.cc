@@ -14,7 +14,6 @@ namespace {
 using Node = ExpressionGraph::Node;
 using O = Operator;
 enum Variable : int32_t { kT, kX, kY, kZ, kCoefficient, kDamping, kVariables };
-constexpr const char* kSides[3][2] = {{"x_min", "x_max"}, {"y_min", "y_max"}, {"z_min", "z_max"}};
 
 /// Parses the texts and collects their errors.
 class Reader {
@@ -76,7 +75,7 @@ LatticeModel::LatticeModel(const LatticeDef& def, SideKind usual, const Texts& t
   for (size_t a = 0; a < lattice_.dimensions; ++a) {
     for (size_t end = 0; end < 2; ++end) {
       const std::string pointer =
-          def.sides.of(a, end) ? std::string("/sides/") + kSides[a][end] + "/value" : "/side/value";
+          def.sides.of(a, end) ? std::string("/sides/") + kSideNames[a][end] + "/value" : "/side/value";
       given[a][end] = r.read(pointer, side_value(def, a, end));
     }
   }

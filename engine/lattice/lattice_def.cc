@@ -7,14 +7,8 @@
 namespace truestep::lattice {
 
 namespace {
-constexpr const char* kSideNames[3][2] = {{"x_min", "x_max"}, {"y_min", "y_max"}, {"z_min", "z_max"}};
 constexpr double kMostNodes = 5e7;
 }  // namespace
-
-const std::optional<SideDef>& SidesDef::of(size_t axis, size_t end) const {
-  const std::optional<SideDef>* const all[] = {&x_min, &x_max, &y_min, &y_max, &z_min, &z_max};
-  return *all[2 * axis + end];
-}
 
 const DefTable& side_table() {
   using D = SideDef;
@@ -26,19 +20,6 @@ const DefTable& side_table() {
           .expression("value", &D::value, "expression of x, y, z and t")
           .number("transfer", &D::transfer, "1/m", at_least(0), "of a robin side")
           .build();
-  return kTable;
-}
-
-const DefTable& sides_table() {
-  using D = SidesDef;
-  static const DefTable kTable = TableOf<D>("the sides of the box")
-                                     .object("x_min", &D::x_min, side_table(), "side at the smallest x")
-                                     .object("x_max", &D::x_max, side_table(), "side at the largest x")
-                                     .object("y_min", &D::y_min, side_table(), "side at the smallest y")
-                                     .object("y_max", &D::y_max, side_table(), "side at the largest y")
-                                     .object("z_min", &D::z_min, side_table(), "side at the smallest z")
-                                     .object("z_max", &D::z_max, side_table(), "side at the largest z")
-                                     .build();
   return kTable;
 }
 

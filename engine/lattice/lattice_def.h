@@ -9,6 +9,7 @@
 #include "engine/core/def.h"
 #include "engine/core/integrator_def.h"
 #include "engine/core/resolution.h"
+#include "engine/lattice/box_sides.h"
 #include "engine/lattice/divide_cells.h"
 #include "engine/lattice/lattice.h"
 
@@ -19,11 +20,7 @@ struct SideDef {
   std::string value = "0";
   double transfer = 1;  ///< 1/m
 };
-struct SidesDef {
-  std::optional<SideDef> x_min, x_max, y_min, y_max, z_min, z_max;
-  /// In the order x_min, x_max, y_min ...
-  const std::optional<SideDef>& of(size_t axis, size_t end) const;
-};
+using SidesDef = BoxSides<SideDef>;
 
 struct LatticeDef : IntegratorParams {
   std::vector<int64_t> cells = {64};
@@ -37,7 +34,6 @@ struct LatticeDef : IntegratorParams {
 };
 
 const DefTable& side_table();
-const DefTable& sides_table();
 /// Checks conditions that involve several members.
 void check_lattice(const LatticeDef& d, const DefTable::Report& report);
 /// `usual`: kind of the sides that are not given.
@@ -85,7 +81,7 @@ TableOf<D>& add_lattice_rows(TableOf<D>& t, const char* initial_sentence, const 
       .numbers("size", size, "m", above(0), {0, 3}, "lengths of the box; absent: 1 along every axis")
       .vector("origin", origin, "m", any(), "lower corner of the box")
       .object("side", all, side_table(), "all sides without their own entry in `sides`")
-      .object("sides", sides, sides_table(), "individual sides")
+      .object("sides", sides, box_sides_table<SideDef>(side_table()), "individual sides")
       .choice("order", order, {"2", "4"},
               "of the error in space; 4 needs constant coefficients and no robin side")
       .expression("initial", initial, initial_sentence)

@@ -68,5 +68,52 @@ TEST(GridFluidWalls, ABodyShakenInAClosedBoxLeavesNoDivergence) {
   }
 }
 
+// A channel driven by a force between two blocks that need not line up with the cells: the speed at its
+// middle.
+double speed_between_blocks(int64_t cells, double lower_wall) {
+  constexpr double kWidth = 0.5;
+  GridFluidDef d;
+  d.cells = {8, cells};
+  d.size = {8 / double(cells), 1};
+  d.viscosity = 0.05;
+  d.tolerance = 1e-10;
+  d.force = {"1", "0"};
+  d.sides.x_min = FlowSideDef{SideKind::periodic, {}};
+  const ObstacleDef block{.shape = ObstacleDef::Shape::box, .center = {0, 0, 0}, .half = {1, 0.5, 1}};
+  d.obstacles = {block, block};
+  d.obstacles[0].center.y = lower_wall - 0.5, d.obstacles[1].center.y = lower_wall + kWidth + 0.5;
+  GridFlow run(d, 0.05);
+  run.steps(100);  // ten times what the slowest part takes to shrink by e
+  return run.velocity(0, 0.5 * d.size[0], lower_wall + 0.5 * kWidth);
+}
+
+// Walls on faces, through the middles of cells and between. A wall that passes the middle of a cell turns it
+// from fluid, which follows the equations, to solid, which follows the wall: the flow may change by the
+// discretization's error, of second order, and elsewhere not at all.
+TEST(GridFluidWalls, AChannelBetweenBlocksDoesNotFeelAHairsBreadth) {
+  constexpr double kShift = 1e-7, kExact = 0.5 * 0.5 / (8 * 0.05);
+  double jump[2] = {};
+  for (const size_t finer : {0, 1}) {
+    const int64_t cells = finer ? 64 : 32;
+    for (const double share : {0.0, 0.25, 0.5, 0.75}) {
+      const double wall = 0.25 + share / double(cells), here = speed_between_blocks(cells, wall);
+      const double below = speed_between_blocks(cells, wall - kShift);
+      const double above = speed_between_blocks(cells, wall + kShift);
+      std::printf("  %.2f of %lld cells: %.3f %% off, shifts change %.1e, %.1e\n", share,
+                  static_cast<long long>(cells), 100 * (here / kExact - 1), below / here - 1,
+                  above / here - 1);
+      EXPECT_NEAR(here, kExact, 2e-3 * kExact);  // 16 cells across: a quarter of (1/16)^2, twice
+      const double most = std::max(std::abs(below - here), std::abs(above - here));
+      if (share == 0.5) jump[finer] = most;
+      // As much as the shift changes the width's square, ten times.
+      EXPECT_LT(most, share == 0.5 ? 2e-3 * kExact : 10 * 4 * kShift * kExact) << share;
+    }
+  }
+  EXPECT_LT(jump[1], 0.3 * jump[0]);
+  // Control: a twentieth of a cell is felt.
+  EXPECT_GT(std::abs(speed_between_blocks(32, 0.25 + 0.25 / 32) - speed_between_blocks(32, 0.25 + 0.3 / 32)),
+            1e-6 * kExact);
+}
+
 }  // namespace
 }  // namespace truestep::test

@@ -27,9 +27,7 @@ void tangential_end(double* cell, ptrdiff_t inwards, const SideValues& side, siz
     cell[-(k + 1) * inwards] = 2 * g + sign * cell[k * inwards];
   }
   if (!given) return;
-  const double parabola = (8 * g - 6 * cell[0] + cell[inwards]) / 3;
-  cell[-inwards] =
-      side.curvature == 1 ? parabola : cell[-inwards] + side.curvature * (parabola - cell[-inwards]);
+  cell[-inwards] = (8 * g - 6 * cell[0] + cell[inwards]) / 3;
 }
 
 }  // namespace
@@ -61,6 +59,31 @@ void fill_ghosts(const MacGrid& g, size_t place, const Sides& sides, double* u, 
         }
       }
     });
+  }
+}
+
+void add_wall_curvature(const MacGrid& g, size_t place, const Sides& sides, const double* change,
+                        double factor, double* out, const ThreadArena& arena) {
+  for (size_t a = 0; a < g.dimensions; ++a) {
+    if (a == place) continue;
+    const size_t first = a == 0 ? 1 : 0, second = a == 2 ? 1 : 2;
+    const size_t rows = g.count(place, first), planes = g.count(place, second);
+    const size_t s_first = g.stride(first), s_second = second < g.dimensions ? g.stride(second) : 0;
+    const double scale = factor / (g.spacing[a] * g.spacing[a]);
+    for (size_t end = 0; end < 2; ++end) {
+      if (sides[a][end].mirror != Mirror::given) continue;
+      const auto stride = static_cast<ptrdiff_t>(g.stride(a)), inwards = end == 0 ? stride : -stride;
+      const size_t wall = g.base() + (end == 0 ? 0 : (g.cells[a] - 1) * g.stride(a));
+      arena.for_blocks(planes, 4, [&](size_t begin, size_t last) {
+        for (size_t q = begin; q < last; ++q) {
+          for (size_t p = 0; p < rows; ++p) {
+            const size_t at = wall + p * s_first + q * s_second;
+            const double* cell = change + at;
+            out[at] += scale * (cell[inwards] / 3 - cell[0]);
+          }
+        }
+      });
+    }
   }
 }
 

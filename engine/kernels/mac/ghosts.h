@@ -16,7 +16,6 @@ enum class Mirror : uint8_t { given, even, periodic, odd };
 struct SideValues {
   Mirror mirror = Mirror::even;
   std::vector<double> values;  ///< empty: 0
-  double curvature = 1;        ///< weight of the parabola beyond a given value; 0: its mirror image
   double at(size_t plane) const { return values.empty() ? 0 : values[plane]; }
 };
 /// [axis][end]
@@ -24,5 +23,10 @@ using Sides = std::array<std::array<SideValues, 2>, 3>;
 
 /// Fills the values beyond the sides, and sets faces on sides with given values.
 void fill_ghosts(const MacGrid& grid, size_t place, const Sides& sides, double* u, const ThreadArena& arena);
+
+/// out += factor times what the Laplacian of a change that vanishes on the sides with given values (along
+/// them) gains from the parabola there, beyond the mirror image that transforms have.
+void add_wall_curvature(const MacGrid& grid, size_t place, const Sides& sides, const double* change,
+                        double factor, double* out, const ThreadArena& arena);
 
 }  // namespace truestep::mac

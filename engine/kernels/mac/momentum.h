@@ -3,9 +3,10 @@
 // et al. 1998, "Fully conservative higher order finite difference schemes", section 4), and the Laplacian.
 // Ghosts must be filled.
 #pragma once
+#include <algorithm>
 #include <array>
 
-#include "engine/base/parallel.h"
+#include "engine/base/largest_block.h"
 #include "engine/kernels/mac/mac_grid.h"
 
 namespace truestep::mac {
@@ -22,6 +23,33 @@ void for_rows(const MacGrid& g, size_t place, const ThreadArena& arena, F&& f) {
   arena.for_blocks(ny * nz, block, [&](size_t begin, size_t end) {
     for (size_t r = begin; r < end; ++r) f(g.at(0, r % ny, r / ny), r % ny, r / ny, nx);
   });
+}
+
+/// Largest of 0 and f(offset of the row's first value, number of values) over the rows of `place`.
+template <class F>
+double largest_of_rows(const MacGrid& g, size_t place, const ThreadArena& arena, F&& f) {
+  const size_t nx = g.count(place, 0), ny = g.count(place, 1), nz = g.count(place, 2);
+  const size_t block = nx >= kBlockRows ? 1 : kBlockRows / nx;
+  return largest_block(arena, ny * nz, block, [&](size_t begin, size_t end) {
+    double most = 0;
+    for (size_t r = begin; r < end; ++r) {
+      const double row = f(g.at(0, r % ny, r / ny), nx);
+      most = row > most ? row : most;
+    }
+    return most;
+  });
+}
+
+/// to = value everywhere, ghosts included.
+template <class T>
+void fill_all(const MacGrid& g, T value, T* to, const ThreadArena& arena) {
+  arena.for_blocks(g.size(), kBlockRows,
+                   [=](size_t begin, size_t end) { std::fill(to + begin, to + end, value); });
+}
+/// to = from everywhere, ghosts included.
+inline void copy_all(const MacGrid& g, const double* from, double* to, const ThreadArena& arena) {
+  arena.for_blocks(g.size(), kBlockRows,
+                   [=](size_t begin, size_t end) { std::copy(from + begin, from + end, to + begin); });
 }
 
 /// out = -div(u u_c) + viscosity lap u_c at the faces of component c (m/s^2).

@@ -42,6 +42,9 @@ struct FlowModel {
   bool two_viscosities() const { return two_fluids() && def.second_fluid->viscosity; }
   /// kg/m^3, of a cell of which the second fluid fills a share.
   double density_of(double share) const;
+  /// kg/m^3, of such a cell for accelerations along an axis; `normal`: square of that component of its
+  /// border's unit normal. Above 0.
+  double inertia_of(double share, double normal) const;
   /// m/s^2, along axis a if the sides support the fluids against gravity; 0 along a periodic axis.
   double held_gravity(size_t a) const;
   /// Initial fractions of the second fluid.
@@ -97,9 +100,8 @@ class Flow {
   };
   void sides_at(double t);
   void fill_component(size_t c, double* u);
-  /// Sets how much of a parabola continues velocities beyond walls; diffusion: alpha h viscosity of an
-  /// implicit stage (m^2), 0 for an explicit one.
-  void curve_walls(double diffusion);
+  /// Solves (1 - amount lap) x = change (m^2) in place for component c, walls included.
+  void diffuse(size_t c, double amount, double* change);
   void stage(FlowFields& f, double t, double h, const Weights& w, bool implicit);
   void along_paths(FlowFields& f, double t, double h);
   void advect(size_t place, const mac::Sides& sides, const mac::ConstFields& u, double h, const double* from,
@@ -163,12 +165,13 @@ class Flow {
   std::optional<lattice::StaggeredSolver> pressure_, scalar_;
   std::optional<lattice::CutPoisson> cut_pressure_;
   std::array<Buffer, 10> arrays_;
-  std::array<Buffer, 3> lightness_;  ///< of two fluids: `density` by the density of a face
+  std::array<Buffer, 3> lightness_;  ///< of two fluids: `density` by the inertia of a face
   std::array<Buffer, 3> lift_;       ///< m/s^2, by their border on a face
   Buffer fluidity_;                  ///< 1/(Pa s), of cells where each fluid has its viscosity
   std::array<Buffer, 3> carried_;    ///< m/s^2, convection with the fluxes of mass
   std::array<std::vector<uint8_t>, 3> beside_border_;
-  std::array<std::vector<double>, 3> force_;  ///< constant in time
+  std::array<std::vector<double>, 3> force_;  ///< m/s^2, from the scene; kept if constant in time
+  std::vector<double> source_;                ///< 1/s, of the scalar, likewise
   MovingSolids solids_;
   std::array<std::vector<Solids::Face>, 3> were_inside_;
 };

@@ -37,7 +37,6 @@ void Flow::along_paths(FlowFields& f, double t, double h) {
   fill(f, t);
   if (f.scalar) mac::fill_ghosts(g, kCentre, scalar_sides_, f.scalar, *arena_);
   for (size_t c = 0; c < g.dimensions; ++c) {
-    std::copy_n(f.u[c], g.size(), array(c));
     advect(c, sides_[c], {f.u[0], f.u[1], f.u[2]}, h, f.u[c], array(3 + c));
   }
   for (size_t c = 0; c < g.dimensions; ++c) {
@@ -55,7 +54,7 @@ void Flow::along_paths(FlowFields& f, double t, double h) {
     fill(f, t + h);
     for (size_t c = 0; c < g.dimensions; ++c) {
       double* change = array(c);
-      std::fill_n(change, g.size(), 0.0);
+      mac::fill_all(g, 0.0, change, *arena_);
       mac::add_laplacian(g, c, f.u[c], h * f.viscosity, change, *arena_);
       viscous_[c]->solve(1, h * f.viscosity, change, *arena_);
     }
@@ -74,7 +73,7 @@ void Flow::along_paths(FlowFields& f, double t, double h) {
     for (size_t c = 0; c < g.dimensions; ++c) subtract_pressure(f, c, f.pressure, h, f.u[c]);
   } else {
     // The whole pressure comes from this projection.
-    std::fill_n(f.pressure, g.size(), 0.0);
+    mac::fill_all(g, 0.0, f.pressure, *arena_);
   }
   project(f, t, h);
 }
@@ -92,9 +91,13 @@ void Flow::carry(FlowFields& f, double t, double h) {
   mac::trace(g, kCentre, u, -h, to, back, *arena_);
   mac::correct(g, kCentre, u, h, f.scalar, to, back, array(2), *arena_);
   if (!model_->texts.scalar_source.zero) {
-    model_->texts.sample(model_->texts.scalar_source, g, kCentre, t, to);
+    const Program& program = model_->texts.scalar_source;
+    if (source_.empty() || program.time) {
+      source_.resize(g.size());
+      model_->texts.sample(program, g, kCentre, t, source_.data(), *arena_);
+    }
     mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
-      for (size_t i = 0; i < n; ++i) array(2)[at + i] += h * to[at + i];
+      for (size_t i = 0; i < n; ++i) array(2)[at + i] += h * source_[at + i];
     });
   }
   mac::for_rows(g, kCentre, *arena_,

@@ -177,12 +177,11 @@ double Flow::largest_divergence(FlowFields& f, double t) {
     divergence_between_solids(f, phi);
   }
   const mac::MacGrid& g = model_->grid;
-  double most = 0;
-  for (size_t r = 0; r < g.cells[1] * g.cells[2]; ++r) {
-    const size_t at = g.at(0, r % g.cells[1], r / g.cells[1]);
-    for (size_t i = at; i < at + g.cells[0]; ++i) most = std::max(most, std::abs(phi[i]));
-  }
-  return most;
+  return mac::largest_of_rows(g, kCentre, *arena_, [phi](size_t at, size_t n) {
+    double most = 0;
+    for (size_t i = at; i < at + n; ++i) most = std::max(most, std::abs(phi[i]));
+    return most;
+  });
 }
 
 }  // namespace truestep::grid_fluid

@@ -125,15 +125,17 @@ void FlowTexts::place_obstacles(const std::vector<ObstacleDef>& start, double t,
   }
 }
 
-void FlowTexts::sample(const Program& p, const mac::MacGrid& g, size_t place, double t, double* u) const {
-  static const ThreadArena kSerial(1);
+void FlowTexts::sample(const Program& p, const mac::MacGrid& g, size_t place, double t, double* u,
+                       const ThreadArena& arena) const {
   thread_local std::vector<double> x;
   x.resize(g.count(place, 0));
   for (size_t i = 0; i < x.size(); ++i) x[i] = g.coordinate(place, 0, static_cast<double>(i));
-  mac::for_rows(g, place, kSerial, [&](size_t at, size_t j, size_t k, size_t n) {
+  // Of this thread, whichever thread reads them.
+  const double* along = x.data();
+  mac::for_rows(g, place, arena, [&](size_t at, size_t j, size_t k, size_t n) {
     const double y = g.coordinate(place, 1, static_cast<double>(j)),
                  z = g.coordinate(place, 2, static_cast<double>(k));
-    const ExpressionRows::Column in[] = {{&t, 0}, {x.data(), 1}, {&y, 0}, {&z, 0}};
+    const ExpressionRows::Column in[] = {{&t, 0}, {along, 1}, {&y, 0}, {&z, 0}};
     const ExpressionRows::Output to[] = {{u + at, 1}};
     p.rows.run(in, to, 0, n);
   });

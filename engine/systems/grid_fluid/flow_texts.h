@@ -37,7 +37,8 @@ class FlowTexts {
   void place_obstacles(const std::vector<ObstacleDef>& start, double t, ObstaclePlaces& out) const;
 
   /// u = program at the grid's own values of `place`.
-  void sample(const Program& program, const mac::MacGrid& grid, size_t place, double t, double* u) const;
+  void sample(const Program& program, const mac::MacGrid& grid, size_t place, double t, double* u,
+              const ThreadArena& arena = ThreadArena()) const;
   /// Values of one component on a side's padded plane.
   void sample_side(const mac::MacGrid& grid, size_t axis, size_t end, size_t component, double t,
                    std::vector<double>& out) const;

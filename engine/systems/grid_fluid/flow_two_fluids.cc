@@ -1,11 +1,12 @@
 // Two fluids that do not mix: one velocity and pressure for both,
 //   u_t + div(u u) = -grad p / density + viscosity lap u + gravity + f,   div u = 0,
-// the density of a face being the mean of the two cells', and a cell's the mean by volume. The unknown
-// is p - density gravity . x, so that gravity acts only on the border, as -gravity . x grad density, with x
-// on the border itself: weighing the faces instead puts half of a raised border's weight a cell above it,
-// which slows waves by a quarter of k dx. The border is transported sharply and conserves volume
-// (kernels/mac/share.h) at the start of a substep; densities are constant within it. Near the border momentum
-// is convected with the mass fluxes (kernels/mac/border_momentum.h). There is no surface tension.
+// the density of a face being the mean of the two cells', and a cell's the mean by volume, less what its
+// border's motion calls for (inertia_of). The unknown is p - density gravity . x, so that gravity acts only
+// on the border, as -gravity . x grad density, with x on the border itself: weighing the faces instead puts
+// half of a raised border's weight a cell above it, which slows waves by a quarter of k dx. The border is
+// transported sharply and conserves volume (kernels/mac/share.h) at the start of a substep; densities are
+// constant within it. Near the border momentum is convected with the mass fluxes
+// (kernels/mac/border_momentum.h). There is no surface tension.
 #include <algorithm>
 #include <cmath>
 
@@ -30,6 +31,19 @@ double FlowModel::held_gravity(size_t a) const {
 double FlowModel::density_of(double share) const {
   if (!two_fluids()) return def.density;
   return def.density + std::clamp(share, 0.0, 1.0) * (def.second_fluid->density - def.density);
+}
+
+// Layers on either side of a border slide past each other, with one velocity to a face: the border is carried
+// by the velocity of the layers' edges instead of its own, and the row that it crosses has mass without the
+// motion along it. For waves on a border along the row both together act like
+//   4 share (1 - share) density_1 density_2 / density
+// of mass too much, an error of first order in k dx. It is taken off in proportion to Atwood's number, of
+// which such motion comes: fluids of one density do not feel their border.
+double FlowModel::inertia_of(double share, double normal) const {
+  const double two = std::clamp(share, 0.0, 1.0), mean = density_of(share);
+  const double first = def.density, second = def.second_fluid->density;
+  const double atwood = std::abs(second - first) / (second + first);
+  return mean - atwood * normal * 4 * two * (1 - two) * first * second / mean;
 }
 
 void FlowModel::fill_second(double* share) const {
@@ -71,10 +85,13 @@ void Flow::weigh(FlowFields& f) {
   mac::fill_ghosts(g, kCentre, scalar_sides_, f.second, *arena_);
   // gravity . x on the border in a cell, at the point of its plane closest to the centre, and its weight.
   double *place = array(0), *counts = array(1);
+  // Squares of the components of its unit normal.
+  double* across[] = {array(2), array(3), array(4)};
   mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t j, size_t k, size_t n) {
     for (size_t i = 0; i < n; ++i) {
       const double share = std::clamp(f.second[at + i], 0.0, 1.0);
       place[at + i] = 0, counts[at + i] = share * (1 - share);
+      for (size_t a = 0; a < g.dimensions; ++a) across[a][at + i] = 0;
       if (counts[at + i] == 0) continue;
       const mac::Border border = mac::border_in(g, f.second, at + i);
       double squares = 0, distance = border.level;
@@ -91,21 +108,27 @@ void Flow::weigh(FlowFields& f) {
         const double x = g.coordinate(kCentre, a, static_cast<double>(cell[a])) +
                          distance / squares * border.normal[a] / g.spacing[a];
         place[at + i] += model_->held_gravity(a) * x;
+        const double slope = border.normal[a] / g.spacing[a];
+        across[a][at + i] = slope * slope / squares;
       }
     }
   });
   mac::fill_ghosts(g, kCentre, scalar_sides_, place, *arena_);
   mac::fill_ghosts(g, kCentre, scalar_sides_, counts, *arena_);
+  for (size_t a = 0; a < g.dimensions; ++a) mac::fill_ghosts(g, kCentre, scalar_sides_, across[a], *arena_);
   std::array<const double*, 3> weights{};
   for (size_t c = 0; c < g.dimensions; ++c) {
     double *lightness = lightness_[c].data.data(), *lift = lift_[c].data.data();
     weights[c] = lightness;
     const size_t s = g.stride(c);
     // Includes the last face of a periodic axis.
-    for (size_t i = s; i < g.size(); ++i) {
-      lightness[i] =
-          2 * model_->def.density / (model_->density_of(f.second[i - s]) + model_->density_of(f.second[i]));
-    }
+    arena_->for_blocks(g.size(), kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t i = std::max(begin, s); i < end; ++i) {
+        lightness[i] = 2 * model_->def.density /
+                       (model_->inertia_of(f.second[i - s], across[c][i - s]) +
+                        model_->inertia_of(f.second[i], across[c][i]));
+      }
+    });
     mac::for_rows(g, c, *arena_, [&](size_t at, size_t j, size_t k, size_t n) {
       for (size_t i = 0; i < n; ++i) {
         const size_t high = at + i, low = high - s;
@@ -267,7 +290,7 @@ void Flow::carry_second(FlowFields& f, double t, double h) {
   const mac::MacGrid& g = model_->grid;
   fill(f, t);
   note_border(f, Since::now);
-  for (size_t c = 0; c < g.dimensions; ++c) std::copy_n(f.u[c], g.size(), carried_[c].data.data());
+  for (size_t c = 0; c < g.dimensions; ++c) mac::copy_all(g, f.u[c], carried_[c].data.data(), *arena_);
   carry_border(f, t, 0.5 * (f.border_h + h), f.second, Carried::momentum);
   f.border_h = h;
   for (size_t c = 0; c < g.dimensions; ++c) {
@@ -281,7 +304,7 @@ void Flow::carry_second(FlowFields& f, double t, double h) {
 
 void Flow::bring_up(FlowFields& f, double t, double* share) {
   fill(f, t);
-  std::copy_n(f.second, model_->grid.size(), share);
+  mac::copy_all(model_->grid, f.second, share, *arena_);
   carry_border(f, t, 0.5 * f.border_h, share, Carried::volume);
 }
 

@@ -13,14 +13,7 @@ double cell_count(const GridFluidDef& d) {
   return n;
 }
 
-namespace {
-constexpr const char* kSideNames[3][2] = {{"x_min", "x_max"}, {"y_min", "y_max"}, {"z_min", "z_max"}};
-}  // namespace
-
-const std::optional<FlowSideDef>& FlowSidesDef::of(size_t axis, size_t end) const {
-  const std::optional<FlowSideDef>* const all[] = {&x_min, &x_max, &y_min, &y_max, &z_min, &z_max};
-  return *all[2 * axis + end];
-}
+using lattice::kSideNames;
 
 const FlowSideDef& side_of(const GridFluidDef& d, size_t axis, size_t end) {
   static const FlowSideDef kWall;

@@ -19,19 +19,6 @@ const DefTable& side_table() {
   return kTable;
 }
 
-const DefTable& sides_table() {
-  using D = FlowSidesDef;
-  static const DefTable kTable = TableOf<D>("the sides of the box")
-                                     .object("x_min", &D::x_min, side_table(), "side at the smallest x")
-                                     .object("x_max", &D::x_max, side_table(), "side at the largest x")
-                                     .object("y_min", &D::y_min, side_table(), "side at the smallest y")
-                                     .object("y_max", &D::y_max, side_table(), "side at the largest y")
-                                     .object("z_min", &D::z_min, side_table(), "side at the smallest z")
-                                     .object("z_max", &D::z_max, side_table(), "side at the largest z")
-                                     .build();
-  return kTable;
-}
-
 const DefTable& scalar_table() {
   using D = ScalarDef;
   static const DefTable kTable =
@@ -103,7 +90,7 @@ const DefTable& grid_fluid_table() {
           .vector("origin", &D::origin, "m", any(), "lower corner of the box")
           .object("side", &D::all, side_table(),
                   "all sides without their own entry in `sides`; absent: walls at rest")
-          .object("sides", &D::sides, sides_table(), "individual sides")
+          .object("sides", &D::sides, lattice::box_sides_table<FlowSideDef>(side_table()), "individual sides")
           .number("viscosity", &D::viscosity, "m^2/s", at_least(0), "kinematic viscosity")
           .number("density", &D::density, "kg/m^3", above(0), "mass per volume (area in the plane)")
           .choice(

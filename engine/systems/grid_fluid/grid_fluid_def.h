@@ -10,6 +10,7 @@
 #include "engine/core/outputs.h"
 #include "engine/core/resolution.h"
 #include "engine/kernels/mac/mac_grid.h"
+#include "engine/lattice/box_sides.h"
 #include "engine/math/quaternion.h"
 
 namespace truestep::grid_fluid {
@@ -22,11 +23,7 @@ struct FlowSideDef {
   SideKind kind = SideKind::wall;
   std::vector<std::string> velocity;  ///< m/s; empty: 0
 };
-struct FlowSidesDef {
-  std::optional<FlowSideDef> x_min, x_max, y_min, y_max, z_min, z_max;
-  /// In the order x_min, x_max, y_min ...
-  const std::optional<FlowSideDef>& of(size_t axis, size_t end) const;
-};
+using FlowSidesDef = lattice::BoxSides<FlowSideDef>;
 
 /// A scalar that the flow carries: smoke, dye, salt.
 struct ScalarDef {

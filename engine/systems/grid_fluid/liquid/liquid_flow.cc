@@ -24,7 +24,10 @@ void LiquidFlow::bind(const FlowModel& m, size_t rows, const ThreadArena& arena)
   affine_ = m.def.advection == GridFluidDef::Advection::apic;
   width_ = 2 * d + (affine_ ? d * d : 0);
   now_.assign(rows * width_, 0), sorted_.assign(rows * width_, 0);
-  row_.assign(rows, 0), rows_sorted_.assign(rows, 0), cell_.assign(rows, 0);
+  row_.assign(rows, 0), rows_sorted_.assign(rows, 0), cell_.assign(rows, 0), by_layer_.assign(rows, 0);
+  // Blocks of particles that are counted by themselves.
+  constexpr size_t kMostBlocks = 64;
+  layer_ends_.assign(std::clamp<size_t>(rows / kParticles, 1, kMostBlocks) * g.cells[d - 1], 0);
   first_.assign(g.cell_count() + 1, 0);
   for (size_t c = 0; c < d; ++c) {
     for (Array* a : {&u_[c], &before_[c], &mass_[c], &factor_[c], &shift_[c]}) a->assign(n, 0);
@@ -42,7 +45,7 @@ void LiquidFlow::bind(const FlowModel& m, size_t rows, const ThreadArena& arena)
   for (size_t a = 0; a < 3; ++a) {
     for (size_t end = 0; end < 2; ++end) cell_sides_[a][end].mirror = mirrors[a][end];
   }
-  liquid_.assign(n, 0), fresh_.assign(n, 0);
+  liquid_.assign(n, 0), fresh_.assign(n, 0), excess_.resize(g.cells[1] * g.cells[2]);
   for (Array* a : {&room_, &depth_, &work_}) a->assign(n, 0);
   solver_.emplace(g, mirrors);
   solids_.bind(m);
@@ -126,41 +129,73 @@ double LiquidFlow::crossing_rate(double t) {
   place_obstacles(t);
   const mac::MacGrid& g = model_->grid;
   const size_t d = g.dimensions;
-  double most = solids_.crossing_rate();
-  for (size_t p = 0; p < rows_; ++p) {
-    const double* v = now_.data() + width_ * p + d;
-    double sum = 0;
-    for (size_t a = 0; a < d; ++a) sum += std::abs(v[a]) / g.spacing[a];
-    // Also finds values that are not finite.
-    most = sum <= most ? most : sum;
-  }
-  return most;
+  const double most = largest_block(*arena_, rows_, kParticles, [&](size_t begin, size_t end) {
+    double fastest = 0;
+    for (size_t p = begin; p < end; ++p) {
+      const double* v = now_.data() + width_ * p + d;
+      double sum = 0;
+      for (size_t a = 0; a < d; ++a) sum += std::abs(v[a]) / g.spacing[a];
+      // One value that is not finite decides.
+      if (!(sum <= fastest)) fastest = sum;
+      if (!std::isfinite(sum)) break;
+    }
+    return fastest;
+  });
+  const double solid = solids_.crossing_rate();
+  return solid > most ? solid : most;
 }
 
-// Sorts particles by cell, keeping their order within a cell.
+// Sorts particles by cell, keeping their order within a cell: first by layers of cells across the last axis,
+// then by cells within each layer, both by counting.
 template <size_t D>
 void LiquidFlow::sort() {
   const mac::MacGrid& g = model_->grid;
-  arena_->for_blocks(rows_, kParticles, [&](size_t begin, size_t end) {
+  const size_t layers = g.cells[D - 1], layer = g.cell_count() / layers;
+  const size_t blocks = layer_ends_.size() / layers, block = (rows_ + blocks - 1) / blocks;
+  arena_->for_blocks(rows_, block, [&](size_t begin, size_t end) {
+    uint32_t* count = layer_ends_.data() + begin / block * layers;
+    std::fill_n(count, layers, 0u);
     for (size_t p = begin; p < end; ++p) {
       const double* x = particle(now_, p);
       size_t cell = 0;
       for (size_t a = D; a-- > 0;)
         cell = cell * g.cells[a] + std::min(static_cast<size_t>(x[a]), g.cells[a] - 1);
       cell_[p] = static_cast<uint32_t>(cell);
+      ++count[cell / layer];
     }
   });
-  std::fill(first_.begin(), first_.end(), 0u);
-  for (const uint32_t c : cell_) ++first_[c + 1];
-  for (size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
-  for (size_t p = 0; p < rows_; ++p) cell_[p] = first_[cell_[p]]++;
-  // Each cell's end has become the start of the next.
-  for (size_t c = first_.size() - 1; c > 0; --c) first_[c] = first_[c - 1];
-  first_[0] = 0;
-  arena_->for_blocks(rows_, kParticles, [&](size_t begin, size_t end) {
-    for (size_t p = begin; p < end; ++p) {
-      std::copy_n(particle(now_, p), width_, particle(sorted_, cell_[p]));
-      rows_sorted_[cell_[p]] = row_[p];
+  // Where each block's particles of a layer start.
+  uint32_t sum = 0;
+  const size_t used = (rows_ + block - 1) / block;
+  for (size_t l = 0; l < layers; ++l) {
+    first_[l * layer] = sum;
+    for (size_t b = 0; b < used; ++b) {
+      uint32_t& start = layer_ends_[b * layers + l];
+      const uint32_t count = start;
+      start = sum, sum += count;
+    }
+  }
+  first_.back() = sum;
+  arena_->for_blocks(rows_, block, [&](size_t begin, size_t end) {
+    uint32_t* next = layer_ends_.data() + begin / block * layers;
+    for (size_t p = begin; p < end; ++p) by_layer_[next[cell_[p] / layer]++] = static_cast<uint32_t>(p);
+  });
+  arena_->for_blocks(layers, 1, [&](size_t l, size_t) {
+    const size_t begin = first_[l * layer], end = first_[(l + 1) * layer];
+    thread_local std::vector<uint32_t> next;
+    next.assign(layer, 0);
+    for (size_t m = begin; m < end; ++m) ++next[cell_[by_layer_[m]] - l * layer];
+    auto at = static_cast<uint32_t>(begin);
+    for (size_t c = 0; c < layer; ++c) {
+      // The layer's own first place is set already; the neighbours read it.
+      if (c > 0) first_[l * layer + c] = at;
+      const uint32_t count = next[c];
+      next[c] = at, at += count;
+    }
+    for (size_t m = begin; m < end; ++m) {
+      const size_t p = by_layer_[m], to = next[cell_[p] - l * layer]++;
+      std::copy_n(particle(now_, p), width_, particle(sorted_, to));
+      rows_sorted_[to] = row_[p];
     }
   });
   now_.swap(sorted_), row_.swap(rows_sorted_);
@@ -170,10 +205,10 @@ template <size_t D>
 void LiquidFlow::spread(LiquidFields& f) {
   const mac::MacGrid& g = model_->grid;
   for (size_t c = 0; c < D; ++c) {
-    std::fill(mass_[c].begin(), mass_[c].end(), 0.0);
-    std::fill(u_[c].begin(), u_[c].end(), 0.0);
+    mac::fill_all(g, 0.0, mass_[c].data(), *arena_);
+    mac::fill_all(g, 0.0, u_[c].data(), *arena_);
   }
-  std::fill_n(f.fill, g.size(), 0.0);
+  mac::fill_all(g, 0.0, f.fill, *arena_);
   const size_t last = g.cells[D - 1], layer = g.cell_count() / last;
   const size_t slabs = (last + kSlab - 1) / kSlab;
   for (size_t colour = 0; colour < 2; ++colour) {

@@ -23,12 +23,12 @@ void LiquidFlow::settle_faces(double t, double h) {
     });
     mac::extrapolate(g, c, 2, u, known, work_.data(), fresh_.data(), *arena_);
     fill_sides(c, u);
-    std::copy_n(u, g.size(), before_[c].data());
+    mac::copy_all(g, u, before_[c].data(), *arena_);
     const Program& program = model_->texts.force[c];
     std::vector<double>& force = force_[c];
     if (!program.zero && (force.empty() || program.time)) {
       force.resize(g.size());
-      model_->texts.sample(program, g, c, t, force.data());
+      model_->texts.sample(program, g, c, t, force.data(), *arena_);
     }
     for_faces(c, [&](size_t at, size_t, int) { u[at] += h * (along[c] + (program.zero ? 0 : force[at])); });
   }
@@ -165,16 +165,19 @@ void LiquidFlow::take_back_compression(LiquidFields& f, LiquidReport& report) {
       psi[i] = !liquid_[i] ? 0 : -std::clamp(excess, inside ? -kMost : 0, kMost);
     }
   });
-  for (size_t k = 0; k < g.cells[2]; ++k) {
-    for (size_t j = 0; j < g.cells[1]; ++j) {
-      const size_t at = g.at(0, j, k);
-      for (size_t i = at; i < at + g.cells[0]; ++i) {
-        if (!liquid_[i]) continue;
-        const double excess = std::max(f.fill[i] - 1, 0.0);
-        sum += excess, most = std::max(most, excess), cells += 1;
-      }
+  // Every row's sum, then theirs, in their order.
+  const size_t rows = g.cells[1] * g.cells[2];
+  mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t j, size_t k, size_t n) {
+    Excess& row = excess_[j + g.cells[1] * k];
+    row = {};
+    for (size_t i = at; i < at + n; ++i) {
+      if (!liquid_[i]) continue;
+      const double excess = std::max(f.fill[i] - 1, 0.0);
+      row.sum += excess, row.most = std::max(row.most, excess), row.cells += 1;
     }
-  }
+  });
+  for (size_t r = 0; r < rows; ++r)
+    sum += excess_[r].sum, most = std::max(most, excess_[r].most), cells += excess_[r].cells;
   report.mean_compression = cells > 0 ? sum / cells : 0, report.max_compression = most;
   constexpr double kTolerance = 1e-2, kFarthest = 0.25;
   report.density = solver_->solve(psi, kTolerance, *arena_);
