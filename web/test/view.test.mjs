@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { arrows, axisOf, chapterOf, chooseAtFirst, colorStops, Extent, gapsIn, infoOf, levelLine, matches, packScene, particleSurface, placeOf, readShared, relative, scaleOf, speedAtFirst, speedsFor, streamlines, writeShared } from "../build/view.mjs";
+import { arrows, axisOf, chapterOf, chooseAtFirst, colorStops, evenStreamlines, Extent, gapsIn, infoOf, levelLine, matches, packScene, particleSurface, placeOf, readShared, relative, scaleOf, speedAtFirst, speedsFor, streamline, writeShared } from "../build/view.mjs";
 
 const front = { right: [1, 0, 0], above: [0, 1, 0], back: [0, 0, 1] };
 
@@ -63,10 +63,31 @@ test("level lines, arrows and streamlines of known fields", () => {
   const m = 33;
   const u = Float32Array.from({ length: m * m }, (_, k) => 16 - Math.floor(k / m));
   const v = Float32Array.from({ length: m * m }, (_, k) => (k % m) - 16);
-  const path = [];
-  streamlines({ nx: m, ny: m, u, v }, 4, path);
-  const radius = (k) => Math.hypot(path[k] - 16, path[k + 1] - 16);
-  for (let k = 0; k + 3 < path.length; k += 4) assert.ok(Math.abs(radius(k + 2) - radius(k)) < 5e-4, `${radius(k)} ${radius(k + 2)}`);
+  const path = streamline({ nx: m, ny: m, u, v }, 22, 16, 0.5, 100);
+  assert.equal(path.length, 200);
+  for (let k = 0; k < path.length; k += 2) assert.ok(Math.abs(Math.hypot(path[k] - 16, path[k + 1] - 16) - 6) < 5e-4);
+});
+
+test("streamlines keep apart where the flow crowds, and are those of the service's pictures", () => {
+  // The eddy of tests/unit/even_streamlines_test.cc.
+  const n = 40;
+  const at = (f) => Float32Array.from({ length: n * n }, (_, k) => f((k % n) - 26, Math.floor(k / n) - 20));
+  const eddy = { nx: n, ny: n, u: at((_, y) => -y), v: at((x) => x * (x > 0 ? 9 : 1)) };
+  const closest = (lines) => {
+    let least = Infinity;
+    for (const a of lines) for (const b of lines) {
+      // Both halves of a line start from one seed.
+      if (a[0] === b[0] && a[1] === b[1]) continue;
+      for (let i = 0; i < a.length; i += 2) for (let j = 0; j < b.length; j += 2) least = Math.min(least, Math.hypot(a[i] - b[j], a[i + 1] - b[j + 1]));
+    }
+    return least;
+  };
+  const lines = evenStreamlines(eddy, 60);
+  // A quarter of the seeds' spacing.
+  assert.ok(closest(lines) >= (0.25 * 39) / Math.sqrt(60));
+  assert.deepEqual([lines.length, lines.reduce((sum, line) => sum + line.length / 2, 0)], [19, 1056]);
+  // Control: lines from the same seeds that do not look at each other.
+  assert.ok(closest(Array.from({ length: 8 }, (_, k) => streamline(eddy, 2.4 + 4.9 * k, 20, 0.5, 160))) < 1);
 });
 
 test("missing samples are gaps, uneven ones are not", () => {

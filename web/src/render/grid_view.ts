@@ -7,8 +7,9 @@ import type { ViewerSettings } from "../client/rest";
 import { colorTable, type ColorMap } from "./color_map";
 import type { Extent } from "./extent";
 import { WideLines } from "./lines";
-import { arrows, levelLine, streamlines } from "./plane_lines";
+import { arrows, levelLine } from "./plane_lines";
 import { scenery, shadeGlsl } from "./shading";
+import { evenStreamlines } from "./streamlines";
 import type { Has, Visibility } from "./system_view";
 
 const kColors = 256;
@@ -230,7 +231,9 @@ export class GridView {
       const pieces: number[] = [];
       if (lines > 0) {
         const [du, dv] = axes.map((axis) => this.spacing(axis)) as [number, number];
-        streamlines({ ...plane, u: u.map((x) => x / du), v: v.map((x) => x / dv) }, lines, pieces);
+        for (const line of evenStreamlines({ ...plane, u: u.map((x) => x / du), v: v.map((x) => x / dv) }, lines)) {
+          for (let k = 0; k + 3 < line.length; k += 2) pieces.push(line[k]!, line[k + 1]!, line[k + 2]!, line[k + 3]!);
+        }
       } else {
         arrows({ ...plane, u, v }, high, pieces);
       }

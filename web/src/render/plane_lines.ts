@@ -1,6 +1,6 @@
 // Lines over a plane of a lattice, as the service's pictures draw them: level lines by marching squares (saddles by
-// the mean of the corners), arrows, and streamlines by the classical Runge-Kutta method on the bilinear interpolant.
-// All in lattice coordinates, x fastest; a segment is four numbers: both ends.
+// the mean of the corners) and arrows; streamlines.ts has those that follow a flow. All in lattice coordinates, x fastest;
+// a segment is four numbers: both ends.
 
 export interface Plane {
   nx: number;
@@ -58,40 +58,6 @@ export function arrows({ nx, ny, u, v }: PlaneField, most: number, out: number[]
       const bx = i + dx, by = j + dy;
       out.push(i, j, bx, by);
       for (const side of [0.18, -0.18]) out.push(bx, by, bx - 0.3 * dx - side * dy, by - 0.3 * dy + side * dx);
-    }
-  }
-}
-
-function direction({ nx, ny, u, v }: PlaneField, x: number, y: number): [number, number] {
-  if (!(x >= 0 && y >= 0 && x <= nx - 1 && y <= ny - 1)) return [0, 0];
-  const i = Math.min(Math.floor(x), nx - 2), j = Math.min(Math.floor(y), ny - 2);
-  const s = x - i, t = y - j, k = i + nx * j;
-  const at = (f: ArrayLike<number>): number => (1 - t) * ((1 - s) * f[k]! + s * f[k + 1]!) + t * ((1 - s) * f[k + nx]! + s * f[k + nx + 1]!);
-  const a = at(u), b = at(v), size = Math.hypot(a, b);
-  return size > 0 && Number.isFinite(size) ? [a / size, b / size] : [0, 0];
-}
-
-/** `count` lines along the field, in both directions from evenly spaced seeds. */
-export function streamlines(field: PlaneField, count: number, out: number[]): void {
-  const { nx, ny } = field;
-  const columns = Math.max(1, Math.round(Math.sqrt((count * nx) / ny)));
-  const rows = Math.ceil(count / columns);
-  for (let k = 0; k < count; ++k) {
-    for (const h of [0.5, -0.5]) {
-      let x = (((k % columns) + 0.5) / columns) * (nx - 1);
-      let y = ((Math.floor(k / columns) + 0.5) / rows) * (ny - 1);
-      for (let step = 0; step < 2 * (nx + ny); ++step) {
-        const a = direction(field, x, y);
-        const b = direction(field, x + 0.5 * h * a[0], y + 0.5 * h * a[1]);
-        const c = direction(field, x + 0.5 * h * b[0], y + 0.5 * h * b[1]);
-        const d = direction(field, x + h * c[0], y + h * c[1]);
-        if ([a, b, c, d].some(([p, q]) => p === 0 && q === 0)) break;
-        const x1 = x + (h / 6) * (a[0] + 2 * b[0] + 2 * c[0] + d[0]);
-        const y1 = y + (h / 6) * (a[1] + 2 * b[1] + 2 * c[1] + d[1]);
-        out.push(x, y, x1, y1);
-        x = x1;
-        y = y1;
-      }
     }
   }
 }

@@ -1,6 +1,5 @@
-// The picture: camera, ground, shapes and systems. Draws only when something changed: a frame, the camera,
-// the size. A machine that cannot keep up gets fewer pixels first and no shadows second.
-import { Mesh, PerspectiveCamera, Scene, Sphere, Vector3, WebGLRenderer, type IUniform, type Object3D } from "three";
+// The picture: camera, ground, shapes and systems. The painter says when it is drawn.
+import { PerspectiveCamera, Scene, Sphere, Vector3, type IUniform } from "three";
 import type { ViewerSettings } from "../client/rest";
 import type { DecodedFrame } from "../client/decode";
 import type { Marks, Part, Shape, SystemTopology, Topology } from "../client/gen/truestep/v1/stream_pb";
@@ -11,19 +10,19 @@ import { Handle } from "./handle";
 import { GridView, type Scale } from "./grid_view";
 import { Labels, type Label } from "./labels";
 import { MarkLines } from "./marks";
+import { namesOf } from "./names";
+import { Painter } from "./painter";
 import { PlotAxes } from "./plot_axes";
 import { infoOf, type SceneInfo } from "./scene_info";
-import { scenery, setRamp, setTheme, type Theme } from "./shading";
-import { isGround, makeShape, placeShape } from "./shapes";
+import { setRamp, setTheme, type Theme } from "./shading";
+import { ShapeGroup, reachOfShape } from "./shape_group";
+import { isGround } from "./shapes";
 import { Strings } from "./strings";
 import { SystemView, type Has, type Visibility } from "./system_view";
 
-const kMany = 20000; // points
 const kCheckEvery = 200; // ms between two checks whether the scene has outgrown its frame
 const kSmall = 4000; // rows whose names follow them with every frame
-const kRest = 350; // ms without a new picture, after which one is drawn in full quality
 const kFlatFov = 12; // degrees: a plane scene shows its faces, not its sides
-const kNames = 8; // systems that are named on the picture
 
 export class Stage {
   readonly camera = new PerspectiveCamera(40, 1, 0.05, 400);
@@ -33,14 +32,13 @@ export class Stage {
   readonly show: Visibility = { points: true, lines: true, surface: true, bySpeed: true, colorBy: "" };
 
   private readonly viewHeight: IUniform<number> = { value: 1 };
-  private readonly renderer: WebGLRenderer;
+  private readonly painter: Painter;
   private readonly scene = new Scene();
   private readonly ground = new Ground();
   private readonly marks = new MarkLines();
   private parts = new Map<string, Part>();
   private settings: ViewerSettings = {};
-  /** In the order of the topology; undefined if nothing is drawn, as for the ground. */
-  private shapes: (Object3D | undefined)[] = [];
+  private readonly shapes = new ShapeGroup();
   private topology: Topology | undefined;
   private framed = false;
   private sinceCheck = 0;
@@ -54,29 +52,24 @@ export class Stage {
   private flat = false;
   /** Floors of bodies and points are determined once; a plane has a position of its own. */
   private floor = 0;
-  private dirty = true;
-  private shadowsDirty = true;
-  private scale = 1;
-  private late = 0;
-  private restores = 3;
-  private last = 0;
-  private drew = false;
-  /** When the last picture was requested, and whether it was drawn at full quality. */
-  private asked = 0;
-  private best = false;
-  private presented: (() => void)[] = [];
 
-  constructor(private readonly canvas: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({ canvas, context: contextOf(canvas) });
-    this.renderer.setClearColor(scenery.background, 1);
+  constructor(canvas: HTMLCanvasElement) {
+    this.painter = new Painter(canvas, this.viewHeight, {
+      scene: this.scene,
+      camera: this.camera,
+      ground: this.ground,
+      rows: () => this.rows(),
+      turn: (now) => this.framing.update(now),
+      before: (_, height) => this.handle.face(this.camera, height),
+      after: (width, height) => this.labels.place(this.camera, width, height),
+      resized: () => this.framing.resized(),
+    });
     this.scene.background = null;
-    this.scene.add(this.ground.object, this.marks.object, this.handle.object, this.strings.object);
+    this.scene.add(this.ground.object, this.shapes.object, this.marks.object, this.handle.object, this.strings.object);
     this.framing = new Framing(this.camera, canvas, () => this.invalidate());
     this.labels = new Labels(canvas);
     this.ground.fit(new Sphere(new Vector3(0, 0.8, 0), 2.5), 0);
-    new ResizeObserver(() => this.resize()).observe(canvas);
-    this.resize();
-    this.renderer.setAnimationLoop((now) => this.tick(now));
+    this.painter.start();
   }
 
   get controls(): Framing["controls"] {
@@ -90,7 +83,7 @@ export class Stage {
     for (const view of this.views.values()) view.dispose();
     this.views.clear();
     this.topology = undefined;
-    this.setShapes([]);
+    this.shapes.set([], 1);
     this.setMarks(undefined);
     this.framing.clear(settings.camera);
     setRamp(settings.color_map ?? "viridis");
@@ -107,7 +100,7 @@ export class Stage {
 
   setTheme(theme: Theme): void {
     setTheme(theme);
-    this.renderer.setClearColor(scenery.background, 1);
+    this.painter.setTheme();
     if (this.framed) this.fitAxes();
     this.invalidate(true);
   }
@@ -161,10 +154,7 @@ export class Stage {
   /** Moves the shapes of the topology to where they are now. */
   moveShapes(shapes: Shape[]): void {
     if (this.topology) this.topology.shapes = shapes;
-    shapes.forEach((shape, k) => {
-      const object = this.shapes[k];
-      if (object) placeShape(object, shape);
-    });
+    this.shapes.move(shapes);
     this.invalidate(true);
   }
 
@@ -209,10 +199,10 @@ export class Stage {
     });
     if (!this.framed && this.views.size > 0) this.frameScene();
     else if (performance.now() - this.sinceCheck >= kCheckEvery) this.followGrowth();
-    else if (this.labelled && [...this.views.values()].reduce((sum, view) => sum + view.count, 0) < kSmall) this.nameSystems();
+    else if (this.labelled && this.rows() < kSmall) this.nameSystems();
     if (this.framing.following) this.track();
     this.invalidate(true);
-    return new Promise((resolve) => this.presented.push(resolve));
+    return this.painter.drawn();
   }
 
   /** Applies `show` to everything on the screen. */
@@ -244,17 +234,19 @@ export class Stage {
   }
 
   invalidate(shadows = false): void {
-    this.dirty = true;
-    this.best = false;
-    this.asked = performance.now();
-    this.shadowsDirty ||= shadows;
+    this.painter.invalidate(shadows);
+  }
+
+  /** Rows on the screen. */
+  private rows(): number {
+    return [...this.views.values()].reduce((sum, view) => sum + view.count, 0);
   }
 
   /** The present extent. */
   private reach(): Extent {
     const now = new Extent();
     for (const view of this.views.values()) view.reachOf(now);
-    for (const shape of this.topology?.shapes ?? []) this.addShape(now, shape);
+    for (const shape of this.topology?.shapes ?? []) reachOfShape(now, shape);
     this.axes.forEach((axes) => axes.reachOf(now));
     return now;
   }
@@ -306,27 +298,11 @@ export class Stage {
   /** Ticks and names of axes, and names next to systems if there are only a few. */
   private nameSystems(): void {
     const labels: Label[] = this.axes.flatMap((axes) => axes.labels);
-    const drawn = [...this.views.values()].filter((view) => view instanceof SystemView && !view.id.includes(".") && view.count > 0) as SystemView[];
-    if (this.axes.length === 0 && drawn.length > 1 && drawn.length <= kNames) {
-      for (const view of drawn) {
-        const parts = [...this.views.values()].filter((part) => part instanceof SystemView && (part === view || part.id.startsWith(`${view.id}.`))) as SystemView[];
-        const color = parts.map((part) => part.givenColor).find((given) => given !== undefined) ?? view.tint;
-        const mine = new Extent();
-        view.reachOf(mine);
-        if (mine.empty) continue;
-        labels.push({ text: view.id.replaceAll("_", " "), at: mine.top(), kind: "name", color: `#${color.getHexString()}` });
-      }
-    }
-    for (const view of this.views.values()) if (view instanceof SystemView) labels.push(...view.curves());
+    const views = this.pointViews();
+    if (this.axes.length === 0) labels.push(...namesOf(views));
+    for (const view of views) labels.push(...view.curves());
     this.labelled = labels.some((label) => label.kind === "name");
     this.labels.set(labels);
-  }
-
-  private addShape(out: Extent, shape: Shape): void {
-    const { kind, position: [x = 0, y = 0, z = 0] = [], size: [a = 1, b = a, c = a] = [] } = shape;
-    if (kind === "sphere") out.add(x, y, z, a);
-    else if (kind === "box") out.add(x, y, z, 0.9 * Math.hypot(a, b, c));
-    else if (kind === "capsule" || kind === "cylinder") out.add(x, y, z, a + b);
   }
 
   /** A scene that outgrows its frame gets a larger one. */
@@ -353,99 +329,7 @@ export class Stage {
   }
 
   private drawShapes(): void {
-    this.setShapes((this.topology?.shapes ?? []).map((shape) => makeShape(shape, 1.5 * this.extent)));
-  }
-
-  private setShapes(shapes: (Object3D | undefined)[]): void {
-    for (const object of this.shapes) {
-      object?.traverse((child) => child instanceof Mesh && child.geometry.dispose());
-      object?.removeFromParent();
-    }
-    this.shapes = shapes;
-    for (const object of shapes) if (object) this.scene.add(object);
-  }
-
-  private resize(): void {
-    const { clientWidth: width, clientHeight: height } = this.canvas;
-    if (width === 0 || height === 0) return;
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2) * this.scale);
-    this.renderer.setSize(width, height, false);
-    this.viewHeight.value = this.canvas.height;
-    this.framing.resized();
-    this.invalidate();
-  }
-
-  private tick(now: number): void {
-    // Time since the last turn counts as the cost of a picture only if that turn drew one.
-    if (this.drew) this.adapt(now - this.last);
-    this.last = now;
-    this.framing.update(now);
-    this.drew = this.dirty;
-    if (!this.dirty) {
-      this.finish();
-      return this.release();
-    }
-    if (this.full) this.sharpen(false);
-    this.dirty = false;
-    this.draw();
-    this.release();
-  }
-
-  private draw(): void {
-    if (this.shadowsDirty) {
-      this.shadowsDirty = false;
-      this.ground.castShadows(this.renderer, this.scene, this.viewHeight);
-    }
-    const { clientWidth, clientHeight } = this.canvas;
-    this.handle.face(this.camera, clientHeight);
-    this.renderer.render(this.scene, this.camera);
-    this.labels.place(this.camera, clientWidth, clientHeight);
-  }
-
-  /** The final picture on a slow machine, once nothing moves any more: all pixels, and shadows. */
-  private finish(): void {
-    if (this.best || performance.now() - this.asked < kRest) return;
-    this.best = true;
-    if (this.scale >= 1 && this.ground.shadows) return;
-    this.sharpen(true);
-    this.draw();
-  }
-
-  private full = false;
-  private sharpen(on: boolean): void {
-    this.full = on;
-    const { clientWidth: width, clientHeight: height } = this.canvas;
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2) * (on ? 1 : this.scale));
-    this.renderer.setSize(width, height, false);
-    this.viewHeight.value = this.canvas.height;
-    this.ground.full = on;
-    this.shadowsDirty = true;
-  }
-
-  private release(): void {
-    for (const resolve of this.presented.splice(0)) resolve();
-  }
-
-  /** After a second of pictures slower than 24 a second: fewer pixels, then no shadows. Back after calm. */
-  private adapt(elapsed: number): void {
-    if (document.hidden || elapsed > 4000) return;
-    this.late = elapsed > 42 ? Math.max(0, this.late) + elapsed : elapsed < 21 ? Math.min(0, this.late) - elapsed : 0;
-    if (this.late > 1000) {
-      this.late = 0;
-      // With many points the second pass is expensive, with few the fill rate is.
-      const many = [...this.views.values()].reduce((sum, view) => sum + view.count, 0) > kMany;
-      if (this.ground.shadows && (many || this.scale < 1)) this.ground.shadows = false;
-      else this.scale = Math.max(0.6, this.scale * 0.8);
-    } else if (this.late < -4000 && this.restores > 0 && (this.scale < 1 || !this.ground.shadows)) {
-      this.late = 0;
-      --this.restores;
-      if (this.ground.shadows) this.scale = Math.min(1, this.scale / 0.8);
-      else this.ground.shadows = true;
-    } else {
-      return;
-    }
-    this.resize();
-    this.invalidate(true);
+    this.shapes.set(this.topology?.shapes ?? [], 1.5 * this.extent);
   }
 }
 
@@ -459,16 +343,4 @@ const sameBytes = (a: Uint8Array, b: Uint8Array): boolean => a.length === b.leng
 
 function sameTopology(a: SystemTopology, b: SystemTopology): boolean {
   return a.pointRadius === b.pointRadius && sameBytes(a.lines, b.lines) && sameBytes(a.triangles, b.triangles) && sameBytes(a.instances, b.instances) && a.visuals.length === b.visuals.length && a.color.join() === b.color.join();
-}
-
-/** WebGL 2, with anti-aliasing on a graphics processor but not with software rendering. */
-function contextOf(canvas: HTMLCanvasElement): WebGL2RenderingContext {
-  const probe = document.createElement("canvas").getContext("webgl2");
-  const info = probe?.getExtension("WEBGL_debug_renderer_info");
-  const name = String(info ? probe?.getParameter(info.UNMASKED_RENDERER_WEBGL) : "");
-  probe?.getExtension("WEBGL_lose_context")?.loseContext();
-  const software = /swiftshader|llvmpipe|softpipe|basic render/i.test(name);
-  const context = canvas.getContext("webgl2", { antialias: !software, powerPreference: "high-performance" });
-  if (!context) throw new Error("WebGL 2 is not available");
-  return context;
 }

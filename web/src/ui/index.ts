@@ -2,8 +2,9 @@
 export { axisOf, placeOf } from "../render/axis_ticks";
 export { Extent } from "../render/extent";
 export { particleSurface } from "../render/particle_surface";
-export { arrows, levelLine, streamlines } from "../render/plane_lines";
+export { arrows, levelLine } from "../render/plane_lines";
 export { infoOf } from "../render/scene_info";
+export { evenStreamlines, streamline } from "../render/streamlines";
 export * as colorStops from "../render/color_stops";
 export { packScene, readShared, writeShared } from "./address";
 export { chapterOf, matches } from "./gallery";
