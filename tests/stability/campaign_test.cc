@@ -104,6 +104,11 @@ TEST(Campaign, WhatFellIntoOthersIsPushedOut) {
   judge_seeds({400347, 516202, 516840, 700642, 704267, 732339, 901409, 902076, 902569, 903294});
 }
 
+// The same in space: bodies of these ended 77 and 157 mm deep in one another.
+TEST(Campaign, WhatFellIntoOthersInSpaceIsPushedOut) {
+  judge_seeds({502312, 506227});
+}
+
 // Ropes far too stiff for an explicit method's step, tied together, gain a million times their initial
 // energy: this must be reported, not shown. With the methods that the ropes choose themselves nothing
 // happens.

@@ -21,7 +21,8 @@ bool touch_allowed(const BodyKind& a, const BodyKind& b) {
 
 }  // namespace
 
-void ContactList::update_bounds(const State& s, std::span<const BodyKind> kinds, const StepInput& in) {
+void ContactList::update_bounds(const State& s, std::span<const BodyKind> kinds, const StepInput& in,
+                                double ahead) {
   const double h = in.h;
   const size_t n = s.rows(columns::position);
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
@@ -30,6 +31,8 @@ void ContactList::update_bounds(const State& s, std::span<const BodyKind> kinds,
   const auto asleep = s.span<uint32_t>(columns::asleep);
   const double fall = norm(load3(s.f64(columns::gravity).data(), 0)) * h * h;
   bodies_.resize(n), boxes_.resize(n), mobility_.resize(n);
+  const double seen2 = ahead > 0 ? 0.25 * kSeenMotion * kSeenMotion / (ahead * ahead) : HUGE_VAL;
+  moves_ = false;
   for (size_t i = 0; i < n; ++i) {
     const BodyKind& k = kinds[kind[i]];
     BodyNow& b = bodies_[i];
@@ -43,6 +46,8 @@ void ContactList::update_bounds(const State& s, std::span<const BodyKind> kinds,
     b.margin = std::min(kMarginShare * k.reach, kMostMargin) + std::abs(k.gravity_scale) * fall;
     // The reach of a plane is infinite.
     b.turn_speed = turn == Vec3{} ? 0 : std::min(norm(turn) * k.reach, k.reach / h);
+    b.moves = norm2(velocity) > seen2 * k.reach * k.reach || norm2(turn) > seen2;
+    moves_ |= b.moves;
     mobility_[i] = k.motion == BodyDef::Motion::fixed ? Mobility::fixed : Mobility::moving;
     if (k.mask == 0 || k.category == 0) {
       boxes_[i] = Box::nothing();
@@ -60,7 +65,8 @@ void ContactList::update_bounds(const State& s, std::span<const BodyKind> kinds,
   }
 }
 
-void ContactList::narrow_phase(const State& s, std::span<const BodyKind> kinds, const StepInput& in) {
+void ContactList::narrow_phase(const State& s, std::span<const BodyKind> kinds, const StepInput& in,
+                               double ahead) {
   const auto kind = s.span<uint32_t>(columns::kind);
   const double* v = s.f64(columns::velocity).data();
   pairs_.clear();
@@ -72,16 +78,22 @@ void ContactList::narrow_phase(const State& s, std::span<const BodyKind> kinds, 
     if (joined(p.a, p.b)) continue;
     pairs_.push_back(p);
   }
+  bears_.clear();
+  if (moves_) find_bearing(s);
   const size_t blocks = (pairs_.size() + kPairsPerBlock - 1) / kPairsPerBlock;
   if (blocks_.size() < blocks) blocks_.resize(blocks), manifolds_.resize(blocks);
   in.arena.for_blocks(pairs_.size(), kPairsPerBlock, [&](size_t begin, size_t end) {
     std::vector<Contact>& out = blocks_[begin / kPairsPerBlock];
     std::vector<Manifold>& several = manifolds_[begin / kPairsPerBlock];
     out.clear();
+    Outlook later;
     for (size_t p = begin; p < end; ++p) {
       const auto [a, b] = pairs_[p];
       const BodyKind &ka = kinds[kind[a]], &kb = kinds[kind[b]];
       const BodyNow &na = bodies_[a], &nb = bodies_[b];
+      later.ahead = 0;
+      if (!bears_.empty() && bears_[p]) look_ahead(s, kinds, pairs_[p], ahead, later);
+      const Transform &at_a = later.ahead > 0 ? later.a : na.at, &at_b = later.ahead > 0 ? later.b : nb.at;
       double margin = ka.moved_by_forces() ? na.margin : nb.margin;
       if (kb.moved_by_forces()) margin = std::min(margin, nb.margin);
       // With a margin larger than its own size, a body would touch planes next to those that it meets.
@@ -93,13 +105,18 @@ void ContactList::narrow_phase(const State& s, std::span<const BodyKind> kinds, 
       if (single(ka.solid.kind) && single(kb.solid.kind)) {
         Contact& c = out.emplace_back();
         c.a = a, c.b = b;
-        if (!collide(ka.solid, na.at, kb.solid, nb.at, margin, c.manifold)) out.pop_back();
+        if (!collide(ka.solid, at_a, kb.solid, at_b, margin, c.manifold)) {
+          out.pop_back();
+        } else if (later.ahead > 0) {
+          bring_back(c, later, ka, kb);
+        }
       } else {
         several.clear();
-        collide(ka.solid, na.at, kb.solid, nb.at, margin, several);
+        collide(ka.solid, at_a, kb.solid, at_b, margin, several);
         for (const Manifold& m : several) {
           Contact& c = out.emplace_back();
           c.a = a, c.b = b, c.manifold = m;
+          if (later.ahead > 0) bring_back(c, later, ka, kb);
         }
       }
     }
@@ -123,7 +140,7 @@ bool ContactList::wake(State& s, std::span<const BodyKind> kinds) {
 }
 
 void ContactList::find(State& s, std::span<const BodyKind> kinds, std::span<const Joint> joints,
-                       const StepInput& in) {
+                       const StepInput& in, double ahead) {
   joined_.clear();
   const auto held = s.span<uint32_t>(columns::joint_bodies);
   for (size_t k = 0; k < joints.size(); ++k) {
@@ -132,11 +149,11 @@ void ContactList::find(State& s, std::span<const BodyKind> kinds, std::span<cons
     joined_.push_back(uint64_t{low} << 32 | high);
   }
   std::sort(joined_.begin(), joined_.end());
-  update_bounds(s, kinds, in);
-  narrow_phase(s, kinds, in);
+  update_bounds(s, kinds, in, ahead);
+  narrow_phase(s, kinds, in, ahead);
   if (wake(s, kinds)) {
-    update_bounds(s, kinds, in);
-    narrow_phase(s, kinds, in);
+    update_bounds(s, kinds, in, ahead);
+    narrow_phase(s, kinds, in, ahead);
   }
   match(s);
 }

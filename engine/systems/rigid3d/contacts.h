@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/collision/collision.h"
+#include "engine/collision/pairs/foreseen_manifold.h"
 #include "engine/core/system.h"
 #include "engine/systems/rigid3d/rigid3d_state.h"
 
@@ -14,7 +15,8 @@ namespace truestep::rigid3d {
 
 struct Contact {
   uint32_t a = 0, b = 0;  ///< rows, a < b
-  Manifold manifold;
+  Manifold manifold;      ///< of the poses at which it was found, about the centre of a as it is now
+  Vec3 apart;             ///< m by which b has moved relative to a in those poses
   double impulse[Manifold::kMost] = {};  ///< N s, of one substep
   double penetration_offset = 0;         ///< m between the surfaces without load
   double uneven[Manifold::kMost] = {};   ///< m by which a point's offset exceeds that
@@ -28,14 +30,17 @@ struct BodyNow {
   Transform at;
   double margin = 0;      ///< m, distance at which contacts of a slow body begin
   double turn_speed = 0;  ///< m/s of its outermost point due to rotation
+  bool moves = false;     ///< by more than what single precision leaves of rest
   enum class Part : uint8_t { fixed, kinematic, resting, active } part = Part::fixed;
 };
 
 class ContactList {
  public:
   /// Finds all contacts of moving bodies and wakes what they touch. Points count if they are at most a step's
-  /// motion apart. Bodies held together by a joint do not touch unless the joint says so.
-  void find(State& s, std::span<const BodyKind> kinds, std::span<const Joint> joints, const StepInput& in);
+  /// motion apart. Bodies held together by a joint do not touch unless the joint says so. What bears is found
+  /// as it will be `ahead` (s) later.
+  void find(State& s, std::span<const BodyKind> kinds, std::span<const Joint> joints, const StepInput& in,
+            double ahead);
   /// Ascending by bodies.
   std::span<Contact* const> all() const { return contacts_; }
   std::span<const BodyNow> bodies() const { return bodies_; }
@@ -50,8 +55,19 @@ class ContactList {
   }
 
  private:
-  void update_bounds(const State& s, std::span<const BodyKind> kinds, const StepInput& in);
-  void narrow_phase(const State& s, std::span<const BodyKind> kinds, const StepInput& in);
+  void update_bounds(const State& s, std::span<const BodyKind> kinds, const StepInput& in, double ahead);
+  void narrow_phase(const State& s, std::span<const BodyKind> kinds, const StepInput& in, double ahead);
+  /// Marks the pairs that move and bore a load in the last step.
+  void find_bearing(const State& s);
+  /// Two bodies as they will be `ahead` (s) later; 0: they hardly move relative to one another.
+  struct Outlook {
+    double ahead = 0;
+    SpaceMotion of_a, of_b;
+    Transform a, b;
+  };
+  void look_ahead(const State& s, std::span<const BodyKind> kinds, const BodyPair& pair, double ahead,
+                  Outlook& out) const;
+  static void bring_back(Contact& c, const Outlook& o, const BodyKind& a, const BodyKind& b);
   bool wake(State& s, std::span<const BodyKind> kinds);
   void match(const State& s);
   void match_pair(const State& s, std::span<Contact* const> contacts, size_t first, size_t end);
@@ -65,6 +81,11 @@ class ContactList {
   std::vector<Box> boxes_;
   std::vector<Mobility> mobility_;
   std::vector<BodyPair> pairs_;
+  /// rad, or sizes of the smaller body, by which contacts are found ahead: less motion than that is what
+  /// single precision leaves of rest.
+  static constexpr double kSeenMotion = 1e-6;
+  std::vector<uint8_t> bears_;    // per pair; empty if nothing moves
+  bool moves_ = false;            // any body
   std::vector<uint64_t> joined_;  // pairs that do not touch, ascending
   std::vector<std::vector<Contact>> blocks_;
   std::vector<std::vector<Manifold>> manifolds_;

@@ -161,7 +161,8 @@ void Rigid3d::find_contacts(State& s, const StepInput& in) const {
     if (asleep[a] && moves(b)) wake_body(s, a, bodies_.kinds);
     if (asleep[b] && moves(a)) wake_body(s, b, bodies_.kinds);
   }
-  scratch.contacts.find(s, bodies_.kinds, joints_.joints, in);
+  const int n = substeps(s, in.h);
+  scratch.contacts.find(s, bodies_.kinds, joints_.joints, in, 0.5 * (n - 1) / n * in.h);
 }
 
 double Rigid3d::restitution_speed(const Vec3& gravity, double dt) const {

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/geometry/compound.h"
 #include "engine/systems/rigid3d/solver.h"
+#include "engine/systems/rigid3d/turned_surface.h"
 
 namespace truestep::rigid3d {
 
@@ -12,26 +12,6 @@ namespace {
 template <class T>
 Vec3 get3(const Wide<T> in[3], int lane) {
   return {in[0][lane], in[1][lane], in[2][lane]};
-}
-
-/// The solid of a manifold's part, and its pose, if it is a solid of revolution that can be touched off its
-/// axis; null for balls and capsules, whose contact normals always meet the axis.
-const Solid* cylinder_of(const Solid& s, uint32_t part, Transform& at) {
-  if (s.kind == SolidKind::cylinder) return &s;
-  if (s.kind != SolidKind::compound) return nullptr;
-  const Compound::Part& p = s.compound->parts()[part];
-  if (p.solid.kind != SolidKind::cylinder) return nullptr;
-  at = at * p.place;
-  return &p.solid;
-}
-
-/// m/s along n at x: speed of a cylinder's material there due to rotation about its own axis. The surface
-/// stays in place while points of the rim pass.
-double passes(const BodyKind& kind, uint32_t part, Transform at, const Vec3& spin, const Vec3& x,
-              const Vec3& n) {
-  if (!cylinder_of(kind.solid, part, at)) return 0;
-  const Vec3 own = axis(at.rotation, 1);
-  return dot(own, spin) * dot(n, cross(own, x - at.position));
 }
 
 }  // namespace
@@ -51,7 +31,7 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
     if (k == kNoBody) continue;
     const Contact& c = *contacts[k];
     const BodyKind &ka = kinds[kind[c.a]], &kb = kinds[kind[c.b]];
-    const Vec3 xa = now[c.a].at.position, xb = now[c.b].at.position;
+    const Vec3 xa = now[c.a].at.position, xb = now[c.b].at.position + c.apart;
     set3(in.normal, lane, c.manifold.normal);
     set3(in.offset, lane, xb - xa);
     if (c.manifold.count > g.points) g.points = c.manifold.count;

@@ -1,0 +1,69 @@
+// Contacts that bear, found where their bodies will be half-way through the substeps (foreseen_manifold.h).
+#include <algorithm>
+#include <cmath>
+
+#include "engine/systems/rigid3d/contacts.h"
+#include "engine/systems/rigid3d/turned_surface.h"
+
+namespace truestep::rigid3d {
+namespace {
+
+/// rad, or sizes of the smaller body: farther than that the motion tells little of where a load will act.
+constexpr double kMostMotion = 0.05;
+
+}  // namespace
+
+void ContactList::find_bearing(const State& s) {
+  bears_.reserve(pairs_.capacity());
+  bears_.assign(pairs_.size(), 0);
+  const auto bodies = s.span<uint32_t>(columns::contact_bodies);
+  const double* impulse = s.f64(columns::contact_impulse).data();
+  const size_t rows = s.rows(columns::contact_bodies);
+  size_t row = 0;
+  const auto key = [](uint32_t a, uint32_t b) { return uint64_t{a} << 32 | b; };
+  for (size_t k = 0; k < pairs_.size() && row < rows; ++k) {
+    const uint64_t pair = key(pairs_[k].a, pairs_[k].b);
+    if (!bodies_[pairs_[k].a].moves && !bodies_[pairs_[k].b].moves) continue;
+    while (row < rows && key(bodies[2 * row], bodies[2 * row + 1]) < pair) ++row;
+    for (; row < rows && key(bodies[2 * row], bodies[2 * row + 1]) == pair; ++row) {
+      const double* l = impulse + 4 * row;
+      if (l[0] + l[1] + l[2] + l[3] > 0) bears_[k] = 1;
+    }
+  }
+}
+
+void ContactList::look_ahead(const State& s, std::span<const BodyKind> kinds, const BodyPair& pair,
+                             double ahead, Outlook& out) const {
+  const auto kind = s.span<uint32_t>(columns::kind);
+  const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
+  const BodyKind &a = kinds[kind[pair.a]], &b = kinds[kind[pair.b]];
+  const double size =
+      a.moved_by_forces() ? (b.moved_by_forces() ? std::min(a.reach, b.reach) : a.reach) : b.reach;
+  // A ball looks the same however it has turned.
+  const auto motion = [&](const BodyKind& k, uint32_t i) {
+    return SpaceMotion{load3(v, i), k.reach == k.inner ? Vec3{} : load3(w, i)};
+  };
+  out.of_a = motion(a, pair.a), out.of_b = motion(b, pair.b);
+  const double way2 = std::max({norm2(out.of_a.spin), norm2(out.of_b.spin),
+                                norm2(out.of_b.velocity - out.of_a.velocity) / (size * size)});
+  out.ahead = 0;
+  if (!(way2 * ahead * ahead > kSeenMotion * kSeenMotion)) return;
+  out.ahead = way2 * ahead * ahead > kMostMotion * kMostMotion ? kMostMotion / std::sqrt(way2) : ahead;
+  out.a = place_after(bodies_[pair.a].at, out.of_a, out.ahead);
+  out.b = place_after(bodies_[pair.b].at, out.of_b, out.ahead);
+}
+
+void ContactList::bring_back(Contact& c, const Outlook& o, const BodyKind& a, const BodyKind& b) {
+  const Vec3& n = c.manifold.normal;
+  for (int p = 0; p < c.manifold.count; ++p) {
+    ContactPoint& point = c.manifold.points[p];
+    double parts = parting_speed(point.position, n, o.a, o.of_a, o.b, o.of_b);
+    if (a.turned_round) parts += passes(a, c.manifold.part_a, o.a, o.of_a.spin, point.position, n);
+    if (b.turned_round) parts -= passes(b, c.manifold.part_b, o.b, o.of_b.spin, point.position, n);
+    point.separation -= o.ahead * parts;
+    point.position -= o.of_a.velocity * o.ahead;
+  }
+  c.apart = (o.of_b.velocity - o.of_a.velocity) * o.ahead;
+}
+
+}  // namespace truestep::rigid3d
