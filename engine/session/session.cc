@@ -105,7 +105,7 @@ uint64_t Session::accrue(double wall_seconds) {
   pace_.wall += std::max(wall_seconds, 0.0);
   pace_.wanted += std::max(wall_seconds, 0.0) * speed_;
   if (constexpr double kLook = 0.5; pace_.wall >= kLook) {
-    // What is due now is not done yet: it counts in the next look.
+    // Steps that are due now are still to be done: they count next time.
     const double pending = static_cast<double>(due) * dt;
     achieved_speed_ = std::max(0.0, pace_.pending + pace_.wanted - pace_.skipped - pending) / pace_.wall;
     pace_ = {.pending = pending};

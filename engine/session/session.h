@@ -257,8 +257,8 @@ class Session {
   double speed_ = 1;
   double accumulator_ = 0;  ///< s of simulated time not yet stepped
   uint64_t skipped_ = 0;
-  /// Since achieved_speed_ was last computed: s of wall time, simulated s wanted and skipped; simulated s
-  /// that were due before and not yet done.
+  /// Since achieved_speed_ was last computed: s of wall time, simulated s wanted and skipped; `pending` are
+  /// simulated s that were due at that time and had not been done.
   struct Pace {
     double wall = 0, wanted = 0, skipped = 0, pending = 0;
   } pace_;

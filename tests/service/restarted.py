@@ -72,3 +72,8 @@ class Restarted(unittest.TestCase):
 
     def folder(self, session):
         return pathlib.Path(self.data) / "sessions" / session["id"]
+
+    def newest_state(self, session):
+        """The step of the newest state that is saved on disk, 0 for the start."""
+        states = (path.name.split(".") for path in self.folder(session).glob("state.*.*"))
+        return max(((int(number), int(step)) for _, number, step in states), default=(0, 0))[1]

@@ -6,9 +6,9 @@ foreach(part sessions lifecycle memory output catalogue equations stream watched
                        ENVIRONMENT "TRUESTEP_BINARY=$<TARGET_FILE:truestep>;TRUESTEP_SANITIZE=${TRUESTEP_SANITIZE}")
 endforeach()
 
-# They measure the process's memory, or how soon one is served while others work: of no use under sanitizers.
+# These measure the process's memory, or how soon a request is served while others compute: meaningless under sanitizers.
 set_tests_properties(service.memory service.lifecycle service.keys PROPERTIES LABELS "service;measured")
-# They measure how soon one is served while others work.
+# How soon a request is served is measured with nothing else on the machine.
 set_tests_properties(service.lifecycle service.keys PROPERTIES RUN_SERIAL TRUE)
 
 if(NOT TRUESTEP_CHECKS_FOLDER)

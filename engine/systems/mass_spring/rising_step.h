@@ -1,9 +1,9 @@
-// A step of one Newton iteration that ends with more energy than it had, although nothing supplies any, is
-// taken again with all of Newton's iterations, and if that gains too in two parts, four and so on. One
-// iteration takes springs as straight: one that turns by the angle a within the step is stretched by a^2 / 2,
-// and where a rope or a net whips a stiff one makes energy of that. The energies are summed only where some
-// spring may have turned by kTurns; the rest of a scene pays for a copy of its points. Whoever names the
-// method in the scene gets the method alone.
+// A step of one Newton iteration that ends with more energy than it began with, although nothing supplies
+// any, is repeated with as many iterations as Newton's method needs, and if that gains energy too, in two
+// parts, in four, and so on. A single iteration lets springs turn along a tangent: one that turns by the angle
+// a is stretched by a^2 / 2 of its length, which is much energy where a stiff one whips about in a rope or
+// a net. Energies are summed only when some spring may have turned by kTurns; all other steps pay for a copy
+// of their points. A method that the scene names is used as it is.
 #pragma once
 #include <functional>
 
@@ -15,24 +15,23 @@ class RisingStep {
  public:
   RisingStep(const MassSpringField& field, const IntegratorOptions& options);
 
-  /// rad by which springs may turn before energies are looked at. Swept over five random scenes that need it:
-  /// all hold from 0.003 to 0.03, one gains at 0.1, two at 0.3.
+  /// rad by which springs may turn before energies are compared. Of five random scenes that need it all hold
+  /// with 0.003 to 0.03, one gains energy with 0.1, two with 0.3.
   static constexpr double kTurns = 0.03;
-  /// Energy that a step may gain, as a fraction of its kinetic energy: the same scenes hold from 1e-5 to
-  /// 3e-2, two of them gain at 0.1.
+  /// Energy that a step may gain, as a fraction of its kinetic energy: the same scenes hold with 1e-5 to
+  /// 3e-2, two of them gain energy with 0.1.
   static constexpr double kRise = 1e-3;
   static constexpr int kMostParts = 8;
 
   using Step = std::function<void(State&, const StepInput&)>;
-  /// `usual`, and in its place `full` where the energy rises; the usual one where the full one has no
-  /// solution.
+  /// Takes the step `usual`; if the energy rises, `full` in its place, unless that has no solution.
   void step(State& s, const StepInput& in, const Step& usual, const Step& full) const;
 
  private:
   bool rises(const State& s, const StepInput& in, std::span<const double> x0,
              std::span<const double> v0) const;
 
-  /// Allocates, in the first step of a workspace, what taking a step again needs.
+  /// Allocates in a workspace's first step what repeating a step needs.
   void reserve(State& s, const StepInput& in) const;
 
   const MassSpringField& field_;
