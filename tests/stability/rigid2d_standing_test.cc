@@ -116,6 +116,60 @@ TEST(Rigid2dStanding, TheSlowestModeOfAHundredRowsIsDamped) {
   EXPECT_LT(growth(eps, 0.21, 20, 0, h), 0.5);
 }
 
+/// A half circle of fifteen stones, 10 m in radius and 2 m thick, between two fixed springers.
+std::string arch() {
+  constexpr int kStones = 15;
+  constexpr double kInner = 9, kOuter = 11, kHalf = std::numbers::pi / kStones / 2;
+  const double xi = kInner * std::cos(kHalf), xo = kOuter * std::cos(kHalf), yi = kInner * std::sin(kHalf),
+               yo = kOuter * std::sin(kHalf), centre = xi + (xo - xi) * (yi + 2 * yo) / (3 * (yi + yo));
+  const auto corner = [&](double x, double y) {
+    return '[' + Trial::number(x - centre) + ", " + Trial::number(y) + ", 0]";
+  };
+  const std::string stone =
+      corner(xi, -yi) + ", " + corner(xo, -yo) + ", " + corner(xo, yo) + ", " + corner(xi, yi);
+  std::string bodies = kGround;
+  for (int k = -1; k <= kStones; ++k) {
+    const double a = std::numbers::pi * (k + 0.5) / kStones;
+    bodies += std::string(", {") + (k < 0 || k == kStones ? R"("motion": "fixed", )" : "") +
+              R"("position": [)" + Trial::number(centre * std::cos(a)) + ", " +
+              Trial::number(10 + centre * std::sin(a)) + R"(, 0], "angle": )" + Trial::number(a) +
+              R"(, "shapes": [{"type": "polygon", "points": [)" + stone + "]}]}";
+  }
+  return R"("sleeping": false, "bodies": [)" + bodies + "]";
+}
+
+/// Two cards of 4 m that lean on one another by 20 degrees.
+std::string cards() {
+  constexpr double kHalf = 2, kThin = 0.08, kLean = std::numbers::pi / 9;
+  const double across = kHalf * std::sin(kLean) + kThin * std::cos(kLean),
+               up = kHalf * std::cos(kLean) + kThin * std::sin(kLean);
+  std::string bodies = kGround;
+  for (const double side : {-1.0, 1.0}) {
+    bodies += R"(, {"friction": 0.6, "position": [)" + Trial::number(side * across) + ", " +
+              Trial::number(up) + R"(, 0], "angle": )" + Trial::number(side * kLean) +
+              R"(, "shapes": [{"type": "box", "half_extents": [0.08, 2, 0]}]})";
+  }
+  return R"("sleeping": false, "bodies": [)" + bodies + "]";
+}
+
+// Loads of arches and leaning bodies are not passed down from body to body as those of stacks are. What
+// stands at the start has them all the same, and the yields of its contacts: without the sweeps that find
+// them the arch's keystone sank by 5.9 mm until offsets had grown, and these do not take all of it back.
+TEST(Rigid2dStanding, WhatLeansKeepsItsHeight) {
+  for (const char* precision : {R"(, "precision": "f32")", R"(, "precision": "f64")"}) {
+    Trial stones(arch() + precision);
+    const double key = stones.position(9).y;
+    stones.steps(300);
+    EXPECT_NEAR(stones.position(9).y, key, 3e-4) << precision;
+    EXPECT_NEAR(stones.position(9).x, 0, 3e-4) << precision;
+    Trial house(cards() + precision);
+    const double height = house.position(1).y;
+    house.steps(300);
+    EXPECT_NEAR(house.position(1).y, height, 3e-4) << precision;
+    EXPECT_NEAR(house.position(2).y, height, 3e-4) << precision;
+  }
+}
+
 TEST(Rigid2dStanding, AHeapOfMixedShapesFallsAsleep) {
   std::string bodies = kGround;
   for (const char* x : {"-3.2", "3.2"}) {

@@ -126,11 +126,23 @@ class Solver {
   JointRow<T> row_of(const Joint& joint, const Pairs& pairs, const SolverSettings& settings,
                      const State& state) const;
   /// Initial impulses and offsets of contacts if none continues another.
-  void start_contacts(const Pairs& pairs, double h);
+  void start_contacts(const Model& model, const Pairs& pairs, const SolverSettings& settings,
+                      const ThreadArena& arena);
   /// Contacts through which bodies at rest support others, the highest first.
   void list_bearings(const Pairs& pairs, double h);
   /// Marks in parts_ the bodies of islands in which every load lies above its support.
   void find_balance();
+  /// Adds the loads of arches, wedges and leaning bodies to those that find_balance passed down. Marks in
+  /// parts_ the bodies of islands that were not held without them and are now; others keep their loads.
+  void sweep_loads(const SolverSettings& settings, const ThreadArena& arena);
+  /// Marks the rows of islands in which the velocities in start_, what contacts leave of a small step's
+  /// forces, are small; returns the sum of their squares over the bodies on which contacts act, as a fraction
+  /// of what forces add.
+  double find_held(std::vector<uint8_t>& held);
+  /// m by which a point yields under an impulse per small step.
+  double yields(const ContactPack<T>& c, int lane, int point, double load) const;
+  /// Adds penetration offsets (m) to the points of a contact.
+  void begin_with(uint32_t pack, int lane, const double offset[2]);
   /// Applies bounces to contacts that close within a small step.
   void hit_contacts(const SolverSettings& settings, const ThreadArena& arena);
   /// Bodies on which only springs act begin and end a step with half of the spring impulse of a small step

@@ -5,10 +5,13 @@
 // between normal and vertical), by the two points of a single contact as by a lever, and the offsets of their
 // points start at the corresponding yield. Exact for stacks, close for piles of boxes; the sweeps correct the
 // rest. Islands with a body whose load lies outside its support start at zero: they topple, and loaded
-// springs would throw them up. Horizontal thrust (arches) is ignored.
+// springs would throw them up. Where this does not hold everything (arches, wedges, cards that lean on one
+// another), sweeps with all bodies treated as at rest add what is missing; an island that they hold starts
+// with the yields under these loads.
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "engine/rigid/islands.h"
 #include "engine/systems/rigid2d/solver_contact.h"
@@ -18,8 +21,24 @@ namespace {
 
 /// Contacts steeper than this (cosine between normal and vertical) carry nothing at the start.
 constexpr double kCarries = 0.3;
-/// Offsets of two equally loaded points are merged where they differ by no more than this fraction.
-constexpr double kAlike = 1.0 / 8;
+/// Offsets of two equally loaded points are merged where they differ by no more than this fraction: those of
+/// a tower whose boxes stand in line to a thousandth.
+constexpr double kAlike = 1e-3;
+/// Most sweeps for loads that are not passed down, the number of packs that they may process in all, and
+/// sweeps between two looks at what is left.
+constexpr size_t kLoadSweeps = 2000, kLoadPacks = 200'000, kSweepsPerLook = 50;
+/// Fraction of the velocity that forces add in a small step that may be left in a supported body, and the
+/// multiple at which the body may already move.
+constexpr double kHeld = 0.01, kStill = 2;
+/// Sweeps end where this fraction is left, or where a look finds the squares of what is left hardly smaller.
+constexpr double kBalanced = 1e-4, kHardly = 0.995;
+/// Largest offset of an island held by sweeps, as a fraction of the smaller body's inner radius: loaded
+/// springs store energy.
+constexpr double kMostStart = 0.02;
+/// Multiple of the scalar's epsilon by which offsets stay below the yields: with offsets that are larger by
+/// rounding bodies would be lifted, by a nanometre in single precision.
+constexpr double kBelowYield = 512;
+constexpr size_t kPackBlock = 64;  // packs per task
 
 }  // namespace
 
@@ -54,35 +73,144 @@ void Solver<T>::list_bearings(const Pairs& pairs, double h) {
 }
 
 template <class T>
-void Solver<T>::start_contacts(const Pairs& pairs, double h) {
-  list_bearings(pairs, h);
+void Solver<T>::start_contacts(const Model& model, const Pairs& pairs, const SolverSettings& settings,
+                               const ThreadArena& arena) {
+  list_bearings(pairs, settings.h);
   if (bearings_.empty()) return;
   seats_.assign(movers_.size() + 1, {});
   for (size_t r = 0; r < moved_; ++r) {
     seats_[r].load = flat::norm(Vec2{push_[8 * r], push_[8 * r + 1]}) / static_cast<double>(rows_[8 * r + 3]);
   }
   find_balance();
-  for (const Bearing& b : bearings_) {
+  std::vector<std::array<double, 2>> loads(bearings_.size());
+  for (size_t i = 0; i < bearings_.size(); ++i) {
+    const Bearing& b = bearings_[i];
     if (!parts_[b.upper]) continue;
     const double normal = seats_[b.upper].load * b.lean / seats_[b.upper].share;
     const std::array<double, 2> part = parts_of(b);
     ContactPack<T>& c = contacts_[b.pack];
-    double offset[2] = {};
-    for (int i = 0; i < 2 && c.point[i].normal_mass[b.lane] > 0; ++i) {
-      auto& p = c.point[i];
-      p.normal.set(b.lane, static_cast<T>(normal * part[i]));
-      // Equilibrium of the soft constraint:  x (1 - scale) = -mass scale bias_rate C.
-      offset[i] = normal * part[i] * (1 - static_cast<double>(c.mass_scale[b.lane])) /
-                  static_cast<double>(c.mass_scale[b.lane] * c.bias_rate[b.lane] * p.normal_mass[b.lane]);
+    for (size_t k = 0; k < 2 && c.point[k].normal_mass[b.lane] > 0; ++k) {
+      loads[i][k] = normal * part[k];
+      c.point[k].normal.set(b.lane, static_cast<T>(loads[i][k]));
     }
-    // Two equally loaded points share one offset, unless one yields much more than the other because the
-    // centre of a body lies outside them: both would begin to tilt.
-    if (part[0] == part[1] && std::abs(offset[0] - offset[1]) <= kAlike * std::max(offset[0], offset[1])) {
+  }
+  const std::vector<uint8_t> balanced = parts_;
+  sweep_loads(settings, arena);
+  for (size_t i = 0; i < bearings_.size(); ++i) {
+    const Bearing& b = bearings_[i];
+    if (!balanced[b.upper] || parts_[b.upper]) continue;
+    const ContactPack<T>& c = contacts_[b.pack];
+    double offset[2] = {yields(c, b.lane, 0, loads[i][0]), yields(c, b.lane, 1, loads[i][1])};
+    // Two equally loaded points share one offset unless one yields more than the other, because the centres
+    // of the bodies are not in line: both would begin to tilt.
+    if (loads[i][0] == loads[i][1] &&
+        std::abs(offset[0] - offset[1]) <= kAlike * std::max(offset[0], offset[1])) {
       offset[0] = offset[1] = 0.5 * offset[0] + 0.5 * offset[1];
     }
-    for (int i = 0; i < 2 && c.point[i].normal_mass[b.lane] > 0; ++i) {
-      auto& p = c.point[i];
-      p.separation.set(b.lane, p.separation[b.lane] - static_cast<T>(offset[i]));
+    begin_with(b.pack, b.lane, offset);
+  }
+  for (uint32_t p = 0; p < contact_colours_.back(); ++p) {
+    const ContactPack<T>& c = contacts_[p];
+    for (int lane = 0; lane < Wide<T>::kLanes; ++lane) {
+      const uint32_t body = std::min(c.a[lane], c.b[lane]);
+      if (body >= moved_ || !parts_[body]) continue;
+      double offset[2], inner = HUGE_VAL;
+      for (int i = 0; i < 2; ++i) offset[i] = yields(c, lane, i, c.point[i].normal[lane]);
+      for (const uint32_t row : {c.a[lane], c.b[lane]}) {
+        if (row < moved_) inner = std::min(inner, model.light[movers_[row]].inner);
+      }
+      const double most = std::max(offset[0], offset[1]);
+      const double share = most > kMostStart * inner ? kMostStart * inner / most : 1;
+      offset[0] *= share, offset[1] *= share;
+      begin_with(p, lane, offset);
+    }
+  }
+}
+
+template <class T>
+double Solver<T>::yields(const ContactPack<T>& c, int lane, int point, double load) const {
+  const auto& p = c.point[point];
+  if (!(p.normal_mass[lane] > 0)) return 0;
+  // Equilibrium of the soft constraint:  x (1 - scale) = -mass scale bias_rate C.
+  return load * (1 - static_cast<double>(c.mass_scale[lane])) /
+         static_cast<double>(c.mass_scale[lane] * c.bias_rate[lane] * p.normal_mass[lane]);
+}
+
+template <class T>
+void Solver<T>::begin_with(uint32_t pack, int lane, const double offset[2]) {
+  constexpr double kShare = 1 - kBelowYield * std::numeric_limits<T>::epsilon();
+  for (int i = 0; i < 2; ++i) {
+    auto& p = contacts_[pack].point[i];
+    if (!(p.normal_mass[lane] > 0)) continue;
+    p.separation.set(lane, p.separation[lane] - static_cast<T>(kShare * offset[i]));
+  }
+}
+
+template <class T>
+double Solver<T>::find_held(std::vector<uint8_t>& held) {
+  // Rotation counts by the radius of gyration.
+  const auto size = [](const T* v, const T* row) {
+    const double turn = row[7] > 0 ? double(v[2]) * double(v[2]) * double(row[3]) / double(row[7]) : 0;
+    return std::sqrt(double(v[0]) * double(v[0]) + double(v[1]) * double(v[1]) + turn);
+  };
+  double pull = 0, squares = 0;
+  for (size_t r = 0; r < moved_; ++r) pull = std::max(pull, size(&push_[8 * r], &rows_[8 * r]));
+  held.assign(island_.size(), 1);
+  for (size_t r = 0; r < moved_; ++r) {
+    const T *v = &start_[8 * r], *free = &push_[8 * r], *row = &rows_[8 * r];
+    const double left = size(v, row) / pull;
+    held[r] = left <= kHeld && size(row, row) <= kStill * pull;
+    if (!std::equal(v, v + 3, free)) squares += left * left;
+  }
+  spread_minimum<uint8_t>(island_, held);
+  return squares;
+}
+
+template <class T>
+void Solver<T>::sweep_loads(const SolverSettings& settings, const ThreadArena& arena) {
+  const uint32_t packs = contact_colours_.back();
+  // As if everything were at rest: velocities are what forces add in a small step and contacts remove.
+  std::copy(rows_.begin(), rows_.end(), start_.begin());
+  for (size_t r = 0; r < movers_.size(); ++r) {
+    for (size_t k = 0; k < 3; ++k) start_[8 * r + k] = r < moved_ ? push_[8 * r + k] : T(0);
+  }
+  for (uint32_t p = 0; p < packs; ++p) {
+    remember_impulses(contacts_[p]);
+    warm_start(contacts_[p], start_.data(), moved_);
+  }
+  find_islands();
+  std::vector<uint8_t> before, held;
+  find_held(before);
+  held = before;
+  if (std::find(before.begin(), before.end(), 0) != before.end()) {
+    const T inverse_h = static_cast<T>(1 / settings.h);
+    const T push_out_speed = static_cast<T>(settings.push_out_speed);
+    const size_t sweeps = std::min<size_t>(kLoadSweeps, kLoadPacks / packs);
+    double last = HUGE_VAL;
+    for (size_t k = 0; k < sweeps; ++k) {
+      each_colour(contact_colours_, k % 2 == 0 ? ColourOrder::forth : ColourOrder::back, arena, kPackBlock,
+                  [&](size_t p) {
+                    solve_contacts<Pass::relax>(contacts_[p], start_.data(), moved_, inverse_h,
+                                                push_out_speed, static_cast<const T*>(nullptr));
+                  });
+      if ((k + 1) % kSweepsPerLook != 0) continue;
+      const double left = find_held(held);
+      if (left <= kBalanced * kBalanced || left > kHardly * last) break;
+      last = left;
+    }
+    find_held(held);
+  }
+  for (size_t r = 0; r < parts_.size(); ++r) parts_[r] = held[r] && !before[r];
+  for (uint32_t p = 0; p < packs; ++p) {
+    ContactPack<T>& c = contacts_[p];
+    for (int lane = 0; lane < Wide<T>::kLanes; ++lane) {
+      const uint32_t body = std::min(c.a[lane], c.b[lane]);
+      if (body < moved_ && parts_[body]) continue;
+      for (int i = 0; i < 2; ++i) {
+        c.point[i].normal.set(lane, c.before.normal[i][lane]);
+        c.point[i].tangent.set(lane, c.before.tangent[i][lane]);
+      }
+      c.rolling_impulse.set(lane, c.before.rolling[lane]);
     }
   }
 }
@@ -137,7 +265,9 @@ void Solver<T>::find_balance() {
   spread_minimum<uint8_t>(island_, {parts_.data(), island_.size()});
 }
 
-template void Solver<float>::start_contacts(const Pairs&, double);
-template void Solver<double>::start_contacts(const Pairs&, double);
+template void Solver<float>::start_contacts(const Model&, const Pairs&, const SolverSettings&,
+                                            const ThreadArena&);
+template void Solver<double>::start_contacts(const Model&, const Pairs&, const SolverSettings&,
+                                             const ThreadArena&);
 
 }  // namespace truestep::rigid2d
