@@ -49,6 +49,18 @@ class SecondOrder {
   virtual std::span<const double> symmetric_in() const { return {}; }
   /// Overwrites the values of da/dx and da/dv in the order of `shape`.
   virtual void jacobian(double t, const double* x, const double* v, double* dadx, double* dadv) const {}
+
+  /// A stage of an implicit method, u = u0 + g a(t, x0 + s u, u); arrays as long as v.
+  struct Stage {
+    double t = 0, g = 0, s = 0;
+    const double *x0 = nullptr, *u0 = nullptr;
+    double tolerance = 0;  ///< relative
+  };
+  /// Solves it by a method of its own, for steps that cannot be shortened and on which Newton's method
+  /// failed. False: no such method, or no solution.
+  virtual bool solve_stage(const Stage& stage, double* u) const { return false; }
+  /// Allocates what `solve_stage` needs.
+  virtual void reserve_stage() const {}
 };
 
 class RightHandSide {

@@ -7,7 +7,9 @@
 #include "engine/base/byte_hash.h"
 #include "engine/base/errors.h"
 #include "engine/core/linear_solver.h"
+#include "engine/integrators/implicit/implicit.h"
 #include "engine/integrators/implicit/implicit_methods.h"
+#include "engine/integrators/implicit/stage_newton.h"
 
 namespace truestep {
 
@@ -65,6 +67,27 @@ void FieldEquations::linearise(double t, const double* y) const {
   Evaluation e{motion_.input.workspace, motion_.input.arena};
   const auto& own = motion_.input.workspace.object<OwnSolver>("integrator.own_solver");
   own.solver->linearise({t, {y, nx}, {y + nx, nv}, motion_.state}, e);
+}
+
+bool FieldEquations::solve_stage(const Stage& stage, double* u) const {
+  if (!has_jacobian() || motion_.input.workspace.object<bool>(kPointsAreMoved)) return false;
+  const size_t n = motion_.v.size();
+  const StageEquation eq{.t = stage.t, .g = stage.g, .s = stage.s, .x0 = {stage.x0, n}, .u0 = {stage.u0, n}};
+  std::ranges::copy(eq.u0, u);
+  IntegratorOptions options;
+  options.newton_tolerance = stage.tolerance;
+  try {
+    // With damping held at x0 it would be the solution of other equations.
+    return !StageNewton(motion_, options).solve(eq, {u, n}).held;
+  } catch (const Instability&) {
+    return false;
+  }
+}
+void FieldEquations::reserve_stage() const {
+  bool& reserved = motion_.input.workspace.object<bool>("integrator.stage_reserved");
+  if (reserved || !has_jacobian()) return;
+  StageNewton(motion_, {});
+  reserved = true;
 }
 
 void add_memory(State& state, size_t n) {

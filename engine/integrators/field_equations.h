@@ -36,6 +36,9 @@ class FieldEquations final : public RightHandSide, public SecondOrder {
   /// The field's, made when an implicit method first asks.
   LinearSolver* linear_solver() const override;
   void linearise(double t, const double* y) const override;
+  /// As a minimum of the incremental potential (stage_newton.h), for fields with a Jacobian.
+  bool solve_stage(const Stage& stage, double* u) const override;
+  void reserve_stage() const override;
 
  private:
   FieldJacobian& bound_jacobian() const;

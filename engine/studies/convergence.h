@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/studies/refinement.h"
+#include "engine/studies/refinement/refinement.h"
 #include "engine/studies/study.h"
 
 namespace truestep {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/studies/reference.h"
-#include "engine/studies/refinement.h"
+#include "engine/studies/refinement/refinement.h"
 #include "engine/studies/study.h"
 
 namespace truestep {

@@ -12,7 +12,7 @@
 #include "engine/base/errors.h"
 #include "engine/scene/json.h"
 #include "engine/scene/json_write.h"
-#include "engine/studies/refinement.h"
+#include "engine/studies/refinement/refinement.h"
 #include "engine/studies/study.h"
 #include "server/cli/exit_codes.h"
 #include "server/cli/input.h"

@@ -1,5 +1,5 @@
 // Shallow water gives the same bits for any number of threads, with a workspace that is discarded, and from a
-// restored snapshot; that its steps do not allocate is checked in allocation_test.
+// restored snapshot; that its steps do not allocate is checked in grid_allocation_test.
 #include <gtest/gtest.h>
 
 #include "tests/support/shallow_run.h"

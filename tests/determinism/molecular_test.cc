@@ -1,5 +1,5 @@
 // Atoms give the same bits on any number of threads, without a workspace, and from a copy of a state halfway
-// between two neighbour lists; that no step after the first allocates is checked in allocation_test.cc.
+// between two neighbour lists; particle_allocation_test.cc checks that no step after the first allocates.
 #include "tests/unit/molecular_rig.h"
 
 namespace truestep::molecular {

@@ -8,7 +8,7 @@
 #include "engine/base/errors.h"
 #include "engine/scene/catalogue.h"
 #include "engine/scene/json.h"
-#include "engine/studies/refinement.h"
+#include "engine/studies/refinement/refinement.h"
 #include "engine/studies/study.h"
 
 namespace truestep {

@@ -3,44 +3,23 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <mutex>
-#include <set>
 
 #include "engine/base/errors.h"
-#include "engine/core/force_system.h"
-#include "engine/integrators/control/spectrum.h"
 #include "engine/scene/json.h"
-#include "engine/studies/accuracy.h"
 #include "engine/studies/convergence.h"
 #include "engine/studies/scene_variant.h"
-#include "engine/studies/study.h"
 #include "engine/studies/trajectory.h"
 #include "engine/studies/work_precision.h"
 #include "tests/support/slowdown.h"
+#include "tests/unit/study_rig.h"
 
 namespace truestep {
 namespace {
 
+using testing_rig::kCloth;
+using testing_rig::kOscillator;
+using testing_rig::Study;
 namespace json = boost::json;
-
-constexpr const char* kOscillator = R"({"schema_version":"1.0","name":"oscillator",
-  "time":{"dt":0.01,"duration":2},
-  "systems":[{"type":"oscillator","id":"o","mass":1,"stiffness":100,"damping":2,"position":1,"velocity":0,
-              "integrator":"rk4"}]})";
-
-class Study : public testing::Test {
- protected:
-  StudyResult run(const std::string& request) {
-    return run_study(read_study_request(parse_json(request)), context);
-  }
-  static std::string with(const std::string& kind, const std::string& rest,
-                          const std::string& scene = kOscillator) {
-    return "{\"kind\":\"" + kind + "\",\"scene\":" + scene + (rest.empty() ? "" : "," + rest) + "}";
-  }
-  ThreadArena arena{2};
-  std::atomic<bool> cancelled{false};
-  StudyContext context{.arena = arena, .cancelled = cancelled, .progress = [](double, const std::string&) {}};
-};
 
 std::string first_pointer(const std::string& request) {
   try {
@@ -59,22 +38,6 @@ TEST(SceneVariant, SetsMembersAndElements) {
   EXPECT_EQ(d, parse_json(R"({"a":[{"b":5},{"c/d":6}],"time":{"dt":0.5}})"));
   for (const char* bad : {"a", "/a/2/b", "/a/x", "/a/0/b/deeper"})
     EXPECT_THROW(set_at(d, bad, 1), Error) << bad;
-}
-
-TEST(Accuracy, NamesASystemWhoseMethodCanBeChosen) {
-  const auto pointer = [](const char* accuracy, const char* system) {
-    const auto report =
-        read_scene(parse_json(std::string(R"({"schema_version":"1.0","name":"s","accuracy":)") + accuracy +
-                              R"(,"systems":[)" + system + "]}"));
-    return report.errors.empty() ? std::string() : report.errors.front().pointer;
-  };
-  const char* oscillator = R"({"type":"oscillator","id":"o","mass":1,"stiffness":1})";
-  EXPECT_EQ(pointer(R"({"tolerance":1e-4})", oscillator), "");
-  EXPECT_EQ(pointer(R"({"tolerance":1e-4,"system":"o"})", oscillator), "");
-  EXPECT_EQ(pointer(R"({"tolerance":1e-4,"system":"p"})", oscillator), "/accuracy/system");
-  const json::value one = parse_json(kOscillator);
-  EXPECT_EQ(require_scene(read_scene(one)).integrated_system(""), 0u);
-  EXPECT_EQ(require_scene(read_scene(one)).integrated_system("other"), std::nullopt);
 }
 
 TEST(ObservedOrder, QuotesOnlyWhatHasSettled) {
@@ -152,11 +115,6 @@ TEST_F(Study, ErrorsOfTheReferenceAreThoseOfTheClosedForm) {
   EXPECT_EQ(m.points[0].status, "ok");
 }
 
-// A cloth of 400 points for a minute: far beyond a budget of 2 s.
-constexpr const char* kCloth = R"({"schema_version":"1.0","name":"cloth","time":{"dt":0.005,"duration":60},
-  "systems":[{"type":"mass_spring","id":"c","mass":0.001,"stiffness":50,"damping":0.0001,
-              "pinned":["corner_00","corner_10"],"cloth_grid":{"nx":20,"ny":20}}]})";
-
 TEST_F(Study, AStudyCoversWhatItsBudgetReachesAndSaysSo) {
   const std::string budget = R"("budget":)" + std::to_string(2 * kSlowdown);
   const std::string rest = R"("integrators":["rk4","velocity_verlet"],)" + budget;
@@ -200,80 +158,6 @@ TEST_F(Study, NoErrorIsQuotedBelowWhatTheReferenceKnows) {
   // Control: the same without a floor is smooth, accurate to rounding, and reported far below that.
   const auto falling = run(with("work_precision", rest));
   EXPECT_LT(lowest(falling), 1e-6);
-}
-
-TEST_F(Study, StabilityLimitsMatchTheory) {
-  const std::string undamped = R"({"schema_version":"1.0","name":"undamped","time":{"dt":0.01,"duration":2},
-    "systems":[{"type":"oscillator","id":"o","mass":1,"stiffness":100,"position":1,"velocity":0}]})";
-  const auto r = run(with("stability", R"("integrators":["symplectic_euler","rk4"],"steps":4000)", undamped));
-  EXPECT_NEAR(r.summary.at("omega_max").as_double(), 10, 1e-6);
-  for (const auto& row : r.table.rows) {
-    // A run counts as unstable once it is ten times farther than the motion: a fraction e beyond the limit,
-    // 4,000 steps of symplectic Euler grow by exp(4000 * 2 sqrt(2 e)) and those of rk4 by about exp(4000 * 4
-    // e). 2e-2 is enough for both.
-    EXPECT_NEAR(std::get<double>(row[3]), 1, 0.02) << std::get<std::string>(row[0]);
-  }
-  // The plot identifies the methods by name, one line each.
-  EXPECT_THAT(r.plot.y_names, testing::ElementsAre("symplectic_euler", "rk4"));
-  EXPECT_THAT(result_svg(r.plot),
-              testing::AllOf(testing::HasSubstr(">symplectic_euler<"), testing::HasSubstr(">rk4<")));
-}
-
-TEST_F(Study, StabilityIsThatOfTheSystemItIsAbout) {
-  // The second oscillator becomes unstable at 2 / 10 s whatever the limit of the first one's method: rk4 2.83
-  // / 3 s.
-  const std::string two = R"({"schema_version":"1.0","name":"two","time":{"dt":0.01,"duration":2},
-    "systems":[{"type":"oscillator","id":"soft","mass":1,"stiffness":9,"position":1,"velocity":0},
-               {"type":"oscillator","id":"stiff","mass":1,"stiffness":100,"position":1,"velocity":0,
-                "integrator":"symplectic_euler"}]})";
-  const auto r = run(with("stability", R"("integrators":["rk4"],"steps":4000)", two));
-  EXPECT_NEAR(std::get<double>(r.table.rows[0][3]), 1, 0.02);
-}
-
-TEST_F(Study, StabilityOfFreeFlightIsRefusedWithTheReason) {
-  const std::string ball = R"({"schema_version":"1.0","name":"ball","time":{"dt":0.01,"duration":1},
-    "systems":[{"type":"particles","id":"b","positions":[[0,1,0]],"mass":1}]})";
-  try {
-    run(with("stability", "", ball));
-    ADD_FAILURE() << "nothing can be unstable here";
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), "study_failed");
-    EXPECT_THAT(e.what(), testing::HasSubstr("neither oscillate nor decay"));
-  }
-}
-
-TEST_F(Study, StabilityOfALargeSceneEndsWithinItsBudget) {
-  const double begin = thread_cpu_seconds();
-  const auto r = run(with("stability", R"("integrators":["rk4","velocity_verlet"],"budget":0.4)", kCloth));
-  // 1,000 steps per run would be some 2 s of this cloth; the spectrum and building the worlds are extra.
-  EXPECT_LT(thread_cpu_seconds() - begin, 1.5);
-  EXPECT_THAT(std::string(r.summary.at("note").as_string()), testing::HasSubstr("of the 1000 steps"));
-  // Control: a light scene runs all of them.
-  EXPECT_FALSE(run(with("stability", R"("integrators":["rk4"])")).summary.contains("note"));
-}
-
-Spectrum spectrum_of(const char* scene) {
-  const World world(parse_scene(scene));
-  const auto& forces = dynamic_cast<const ForceSystem&>(world.system(0));
-  return estimate_spectrum(forces.force_field(), world.initial_state().systems[0], 0);
-}
-
-TEST(Spectrum, FindsFrequencyAndDampingOfAnOscillator) {
-  const auto s = spectrum_of(R"({"schema_version":"1.0","name":"one","gravity":[0,0,0],
-    "systems":[{"type":"oscillator","id":"o","mass":2,"stiffness":50,"damping":3}]})");
-  // sqrt(k / m) and c / m; central differences of linear forces are exact to rounding.
-  EXPECT_NEAR(s.omega, 5, 1e-6);
-  EXPECT_NEAR(s.damping, 1.5, 1e-6);
-}
-
-TEST(Spectrum, FindsTheHighestFrequencyOfAChain) {
-  const auto s = spectrum_of(R"({"schema_version":"1.0","name":"chain","gravity":[0,0,0],
-    "systems":[{"type":"mass_spring","id":"c","rope":{"from":[0,0,0],"to":[11,0,0],"links":11},"pinned":["ends"],
-                "mass":1,"stiffness":1}]})");
-  // Reference case ms.chain10: omega_10 = 2 sin(10 pi / 22). The iteration stops when the eigenvalue changes
-  // by 1e-7; the next one is 0.94 of it, which leaves some 1e-6. The next lower mode, 1.919, would be far
-  // off.
-  EXPECT_NEAR(s.omega, 2 * std::sin(10 * 3.14159265358979 / 22), 1e-5);
 }
 
 TEST_F(Study, CrossCheckOfAMethodWithItselfIsZero) {
@@ -321,62 +205,6 @@ TEST_F(Study, CancellingEndsIt) {
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), "cancelled");
   }
-}
-
-json::value accurate(double tolerance) {
-  json::value scene = parse_json(kOscillator);
-  scene.as_object()["accuracy"] = json::object{{"tolerance", tolerance}};
-  return scene;
-}
-
-// x(2) of kOscillator in closed form, see above.
-double oscillator_end() {
-  const double w = std::sqrt(99.0);
-  return std::exp(-2.0) * (std::cos(2 * w) + std::sin(2 * w) / w);
-}
-
-TEST_F(Study, AccuracyIsReachedByWhatWasChosen) {
-  for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
-    const AccuracyOutcome chosen = choose_method(accurate(tolerance), 3, context);
-    const World world = build_world(chosen.scene, context);
-    WorldState state = world.initial_state();
-    Workspace workspace;
-    while (state.step < 200) world.step(state, workspace, arena, {});
-    const double x = state.systems[0].f64(state.systems[0].at("position"))[0];
-    const double error = std::abs(x / oscillator_end() - 1);
-    EXPECT_LE(error, tolerance) << json::serialize(chosen.report.at("chosen"));
-    // The running estimate has the size of the true error: within a factor of ten, or below the reference's
-    // own rounding.
-    const double estimate = *world.observe(state).find("error.estimate");
-    EXPECT_LT(estimate, 10 * error + 1e-12);
-    EXPECT_GT(estimate, 0.1 * error - 1e-12);
-  }
-}
-
-TEST_F(Study, AccuracyThatNothingReachesIsRefusedWithWhatIsReachable) {
-  json::value scene = accurate(1e-14);
-  try {
-    choose_method(scene, 1, context);
-    FAIL() << "1e-14 over two seconds is below rounding";
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), "accuracy_unreachable");
-    EXPECT_EQ(e.issues().at(0).pointer, "/accuracy/tolerance");
-  }
-}
-
-TEST_F(Study, EstimateSurvivesASnapshotAndCostsNothingWhereNobodyAsks) {
-  const World plain = build_world(parse_json(kOscillator), context),
-              world = build_world(accurate(1e-4), context);
-  EXPECT_FALSE(plain.observe(plain.initial_state()).find("error.estimate"));
-  EXPECT_TRUE(plain.initial_state().finer.empty());
-  WorldState a = world.initial_state();
-  Workspace workspace;
-  for (int n = 0; n < 50; ++n) world.step(a, workspace, arena, {});
-  WorldState b = WorldState::deserialize(a.serialize());
-  EXPECT_EQ(a, b);
-  for (int n = 0; n < 50; ++n) world.step(a, workspace, arena, {}), world.step(b, workspace, arena, {});
-  EXPECT_EQ(a.hash(), b.hash());
-  EXPECT_EQ(world.observe(a).find("error.estimate"), world.observe(b).find("error.estimate"));
 }
 
 TEST(StudyRequest, FaultsNameTheirPlace) {

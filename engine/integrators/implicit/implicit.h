@@ -9,6 +9,10 @@ namespace truestep {
 /// Only fields that support this have it.
 inline constexpr std::string_view kHeldSteps = "integrator.held_steps";
 
+/// Flag in the workspace: something else moves points after each step, and a stage that Newton's method does
+/// not solve is refused. Minimised instead, it would turn what was stretched into motion.
+inline constexpr std::string_view kPointsAreMoved = "integrator.points_are_moved";
+
 /// For fields with a Jacobian and dx/dt = v.
 void implicit_euler_sparse(Motion& m, const IntegratorOptions& options);
 void linear_implicit_euler_sparse(Motion& m, const IntegratorOptions& options);

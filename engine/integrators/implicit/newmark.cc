@@ -44,6 +44,7 @@ class NewmarkSteps final : public Interpolant {
         kept_(kept),
         n_(eq.size() / 2) {
     std::copy_n(in_.y, 2 * n_, eq.array(y_));
+    second_.reserve_stage();
   }
 
   // --- drive_fixed.h
@@ -78,7 +79,7 @@ class NewmarkSteps final : public Interpolant {
         factored_ = h;
       }
       if (iterate(t, h)) return true;
-      if (fresh) return false;
+      if (fresh) return own_method(t, h);
       linearised_ = false;
     }
   }
@@ -152,6 +153,28 @@ class NewmarkSteps final : public Interpolant {
       if (verdict == Convergence::Verdict::done) break;
     }
     theta_ = convergence.theta();
+    return true;
+  }
+  // In V = (1 - af) v1 + af v and X alike, with the acceleration A at (X, V),
+  //   V = V0 + g A,  X = X0 + s (V - V0),  g = (1 - af) gamma h / (1 - am),  s = beta h / gamma.
+  bool own_method(double t, double h) {
+    const double beta = alpha_.beta, gamma = alpha_.gamma, af = alpha_.f, am = alpha_.m;
+    const double rest = am / (1 - am), g = (1 - af) * gamma * h / (1 - am), s = beta * h / gamma;
+    if (!(s > 0)) return false;
+    const double *y = eq_.array(y_), *v = y + n_, *a = eq_.array(kA);
+    double *x0 = eq_.array(kPoint), *v0 = x0 + n_, *u = eq_.array(kResidual);
+    for (size_t i = 0; i < n_; ++i) {
+      v0[i] = v[i] + (1 - af) * h * (1 - gamma - gamma * rest) * a[i];
+      x0[i] = y[i] + (1 - af) * h * (v[i] + h * (0.5 - beta - beta * rest) * a[i]) - s * v0[i];
+    }
+    if (!second_.solve_stage({t + (1 - af) * h, g, s, x0, v0, in_.newton_tolerance}, u)) return false;
+    double *y1 = eq_.array(1 - y_), *a1 = eq_.array(kA1);
+    for (size_t i = 0; i < n_; ++i) {
+      a1[i] = (u[i] - v0[i]) / (g * (1 - am)) - rest * a[i];
+      y1[i] = y[i] + h * v[i] + h * h * ((0.5 - beta) * a[i] + beta * a1[i]);
+      y1[n_ + i] = v[i] + h * ((1 - gamma) * a[i] + gamma * a1[i]);
+    }
+    theta_ = 1;
     return true;
   }
   // The larger one, or NaN if either is.

@@ -3,7 +3,8 @@
 // by simplified Newton iterations with (I - z J)^-1. The Jacobian is that of a step's start or an earlier
 // one; it is recomputed when iterations contract slowly or fail. The factors are kept as long as z and J are.
 // If a fixed step still fails, the full Newton method follows: a Jacobian at every iterate, and increments
-// shortened until the next one promises to be smaller (natural monotonicity, Deuflhard 2004, section 3.3).
+// shortened until the next one promises to be smaller (natural monotonicity, Deuflhard 2004, section 3.3),
+// and then the equations' own method, if they have one.
 #pragma once
 #include "engine/integrators/implicit/newton_iteration.h"
 
@@ -13,7 +14,9 @@ template <class Equations>
 class StageSolver {
  public:
   using Scale = IncrementScale<Equations>;
-  StageSolver(Equations& eq, typename Scale::By by) : eq_(eq), scale_(eq, by) {}
+  StageSolver(Equations& eq, typename Scale::By by) : eq_(eq), scale_(eq, by) {
+    if (second_order() && !scale_.shortens_steps()) second_order()->reserve_stage();
+  }
 
   /// Before a step from (t, y) with rate f(t, y); false: no factors. May be repeated with another z.
   bool prepare(double t, const double* y, const double* rate, double z) {
@@ -30,7 +33,7 @@ class StageSolver {
   }
   /// y: a guess, then the solution; d: scratch. False: no convergence.
   bool solve(double t, const double* base, double z, double* y, double* d) {
-    if (whole_) return newton(t, base, z, y, d);
+    if (whole_) return newton(t, base, z, y, d) || own_method(t, base, z, y);
     const size_t n = eq_.padded();
     Convergence convergence(scale_.most_iterations());
     for (;;) {
@@ -94,6 +97,20 @@ class StageSolver {
       if (size <= 1) return true;
     }
     return false;
+  }
+
+  const SecondOrder* second_order() const {
+    return eq_.f().second_order();
+  }
+
+  // With y = (x, u) the stage is u = base_u + z a(t, x, u), x = base_x + z u.
+  bool own_method(double t, const double* base, double z, double* y) {
+    if (!second_order()) return false;
+    const size_t n = eq_.size() / 2;
+    const double tolerance = eq_.advance().newton_tolerance;
+    if (!second_order()->solve_stage({t, z, z, base, base + n, tolerance}, y + n)) return false;
+    for (size_t i = 0; i < n; ++i) y[i] = base[i] + z * y[n + i];
+    return true;
   }
 
   Equations& eq_;

@@ -1,6 +1,7 @@
 #include "engine/systems/articulation/articulation.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/core/command_checks.h"
 #include "engine/systems/articulation/frames.h"
@@ -8,6 +9,15 @@
 namespace truestep::articulation {
 
 namespace {
+
+// Implicit Euler damps joints whose effective masses stay the same. Where links whip they do not, and a step
+// of these methods that gains energy or has no solution is taken again in parts; energies are summed only
+// where a joint turns by more than kTurns, rad, in a step. Swept over free chains of 10 to 40 links at 0.25
+// to 17 ms: the most that is gained falls from 65 of 785 J to 3.3 J with a bound of 1e-4 for what a step may
+// gain, to 3.5 J (and 5.6 J) with 1e-3, to 30 J with 1e-2; more than 8 parts change nothing.
+constexpr std::string_view kFirstOrder[] = {"implicit_euler", "linear_implicit_euler"};
+constexpr double kTurns = 0.01;
+constexpr RisingStep::Bounds kRising{.rise = 1e-4, .most_parts = 8};
 
 enum Field : size_t { kPosition, kVelocity, kOrientation, kAngularVelocity, kJointForce, kJointMoment };
 
@@ -33,9 +43,10 @@ Articulation::Articulation(std::unique_ptr<const ArticulationField> field, const
                            const ArticulationDef& def)
     : ForceSystem(std::move(field), method.row, def.choice().options),
       tree_(static_cast<const ArticulationField&>(force_field())),
+      rising_(tree_, kRising),
       point_radius_(def.point_radius.value_or(all_have_shapes(def) ? 0 : 0.03)),
       color_(def.color) {
-  add_integration_stage(method.why);
+  add_method_stage(method.why);
   bound_speed();
   if (tree_.model().closures.empty()) {
     skip_stage("loops", "the links are a tree");
@@ -67,6 +78,33 @@ Articulation::Articulation(std::unique_ptr<const ArticulationField> field, const
                {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity}},
               2 * n,
               {}}});
+}
+
+void Articulation::add_method_stage(const std::string& why) {
+  if (std::ranges::find(kFirstOrder, integrator().name) == std::end(kFirstOrder)) {
+    return add_integration_stage(why);
+  }
+  add_stage("integrate",
+            "advances position and velocity with " + std::string(integrator().name) + ": " + why +
+                "; a step that gains energy where links turn, or has no solution, is taken again in up to " +
+                std::to_string(kRising.most_parts) + " parts",
+            [this](State& s, const StepInput& in) { integrate(s, in); });
+}
+
+void Articulation::integrate(State& s, const StepInput& in) const {
+  using Supply = RisingStep::Supply;
+  rising_.step_in_parts(
+      s, in, exchange(s) == Energy::Exchange::open ? Supply::some : Supply::none,
+      [this](std::span<const double> v0, std::span<const double> v, double h) {
+        return std::ranges::any_of(tree_.model().tree.nodes, [&](const Node& n) {
+          if (n.move != Move::revolute && n.move != Move::spherical) return false;
+          for (uint32_t k = n.v; k < n.v + velocities_of(n.move); ++k) {
+            if (std::max(std::abs(v0[k]), std::abs(v[k])) * h > kTurns) return true;
+          }
+          return false;
+        });
+      },
+      [this](State& to, const StepInput& at) { integrator().step(tree_, to, at, options()); });
 }
 
 Ports Articulation::ports() const {

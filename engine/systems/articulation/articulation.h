@@ -4,6 +4,7 @@
 #include <mutex>
 
 #include "engine/core/force_system.h"
+#include "engine/integrators/control/rising_step.h"
 #include "engine/integrators/table/default_method.h"
 #include "engine/systems/articulation/link_bodies.h"
 
@@ -26,11 +27,14 @@ class Articulation final : public ForceSystem {
   Energy::Exchange exchange(const State& state) const override;
 
  private:
+  void add_method_stage(const std::string& why);
+  void integrate(State& s, const StepInput& in) const;
   void draw_lines(PartDrawing& out) const;
   void draw_links(PartDrawing& out) const;
   std::vector<JointMark> joint_marks(const State& state) const;
 
   const ArticulationField& tree_;
+  RisingStep rising_;
   double point_radius_;
   std::optional<Vec3> color_;
   mutable std::once_flag reached_;

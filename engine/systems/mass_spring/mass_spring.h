@@ -5,9 +5,9 @@
 #include "engine/collision/points/surface_contacts.h"
 #include "engine/core/force_system.h"
 #include "engine/core/impulse_answer.h"
+#include "engine/integrators/control/rising_step.h"
 #include "engine/integrators/table/default_method.h"
 #include "engine/systems/mass_spring/mass_spring_field.h"
-#include "engine/systems/mass_spring/rising_step.h"
 
 namespace truestep::mass_spring {
 
@@ -58,6 +58,7 @@ class MassSpring final : public ForceSystem, public AnswersImpulses {
   ColliderSet colliders_;
   std::vector<Surface> surfaces_;  // one per collider
   double radius_;                  // m, distance kept from colliders
+  double shortest_;                // m, of the springs' lengths
   bool looks_;                     // at the energy of steps
   RisingStep rising_;
   SurfaceContacts on_surfaces_{colliders_,

@@ -42,4 +42,8 @@ Trial make_trial(uint64_t seed) {
   return t;
 }
 
+void set_integrator(Trial& trial, const std::string& name) {
+  system_of(trial)["integrator"] = name;
+}
+
 }  // namespace truestep::campaign

@@ -1,6 +1,7 @@
-// campaign [--seeds N] [--first SEED] [--family NAME] [--scene]: judges N random scenes (default 300), prints
-// the findings, one per line, and a table of families. --scene prints the scenes instead, one JSON document
-// per line, for `truestep run -`. Exit code 1 if anything was found.
+// campaign [--seeds N] [--first SEED] [--family NAME] [--integrator NAME] [--scene]: judges N random scenes
+// (default 300), prints the findings, one per line, and a table of families. --integrator gives their first
+// systems this method. --scene prints the scenes instead, one JSON document per line, for `truestep run -`.
+// Exit code 1 if anything was found.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
@@ -13,11 +14,12 @@ int main(int count, char** arguments) {
   using namespace truestep::campaign;
   CLI::App app("judges random scenes");
   uint64_t seeds = 300, first = 0;
-  std::string wanted;
+  std::string wanted, integrator;
   bool print_scenes = false;
   app.add_option("--seeds", seeds, "how many scenes");
   app.add_option("--first", first, "the first seed");
   app.add_option("--family", wanted, "only scenes of this family");
+  app.add_option("--integrator", integrator, "the method of the scenes' first systems");
   app.add_flag("--scene", print_scenes, "prints the scenes instead of judging them");
   CLI11_PARSE(app, count, arguments);
 
@@ -29,8 +31,9 @@ int main(int count, char** arguments) {
   std::map<std::string, Row> table;
   int found = 0;
   for (uint64_t seed = first; seed < first + seeds; ++seed) {
-    const Trial trial = make_trial(seed);
+    Trial trial = make_trial(seed);
     if (!wanted.empty() && trial.family != wanted) continue;
+    if (!integrator.empty()) set_integrator(trial, integrator);
     if (print_scenes) {
       std::cout << truestep::write_json(trial.scene) << '\n';
       continue;

@@ -1,4 +1,4 @@
-#include "engine/studies/refinement.h"
+#include "engine/studies/refinement/refinement.h"
 
 #include <algorithm>
 #include <cmath>
