@@ -1,9 +1,9 @@
 // A step of one Newton iteration that ends with more energy than it began with, although nothing supplies
 // any, is repeated with as many iterations as Newton's method needs, and if that gains energy too, in two
-// parts, in four, and so on. A single iteration lets springs turn along a tangent: one that turns by the angle
-// a is stretched by a^2 / 2 of its length, which is much energy where a stiff one whips about in a rope or
-// a net. Energies are summed only when some spring may have turned by kTurns; all other steps pay for a copy
-// of their points. A method that the scene names is used as it is.
+// parts, in four, and so on. A single iteration lets springs turn along a tangent: one that turns by the
+// angle a is stretched by a^2 / 2 of its length, which is much energy where a stiff one whips about in a rope
+// or a net. Energies are summed only when some spring may have turned by kTurns; all other steps pay for a
+// copy of their points. A method that the scene names is used as it is.
 #pragma once
 #include <functional>
 
