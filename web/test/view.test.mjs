@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { arrows, axisOf, chapterOf, chooseAtFirst, colorStops, evenStreamlines, Extent, gapsIn, infoOf, levelLine, matches, packScene, particleSurface, placeOf, readShared, relative, scaleOf, speedAtFirst, speedsFor, streamline, writeShared } from "../build/view.mjs";
+import { arrows, axisOf, chapterOf, chooseAtFirst, colorStops, endsOf, evenStreamlines, Extent, gapsIn, infoOf, levelLine, matches, packScene, particleSurface, placeOf, readShared, relative, scaleOf, speedAtFirst, speedsFor, streamline, writeShared } from "../build/view.mjs";
 
 const front = { right: [1, 0, 0], above: [0, 1, 0], back: [0, 0, 1] };
 
@@ -103,6 +103,13 @@ test("a drift is seen beside a large value, and ticks tell themselves apart", ()
   assert.deepEqual(labels, ["418.0", "418.1", "418.2"]);
   assert.deepEqual(scaleOf([-5.4, -5.2], 0.2).labels, ["−5.4", "−5.2"]);
   assert.equal(chooseAtFirst(["a.integrator.steps", "a.x", "a.y"]).names[0], "a.x");
+});
+
+test("the ends of a colour bar have the digits of the larger", () => {
+  assert.deepEqual(endsOf(4.407e-6, 0.87741), ["0", "0.8774"]);
+  assert.deepEqual(endsOf(-1234.56, 17.2), ["-1235", "17"]);
+  assert.deepEqual(endsOf(1.5e-9, 3.25e-8), ["1.5e-9", "3.25e-8"]);
+  assert.deepEqual(endsOf(0, 2.5), ["0", "2.5"]);
 });
 
 test("speeds fit the scene's step, up to a thousand", () => {

@@ -8,5 +8,5 @@ export { evenStreamlines, streamline } from "../render/streamlines";
 export * as colorStops from "../render/color_stops";
 export { packScene, readShared, writeShared } from "./address";
 export { chapterOf, matches } from "./gallery";
-export { chooseAtFirst, gapsIn, relative, scaleOf } from "./plot_model";
+export { chooseAtFirst, endsOf, gapsIn, relative, scaleOf } from "./plot_model";
 export { speedAtFirst, speedsFor } from "./speeds";

@@ -51,3 +51,11 @@ export function scaleOf(ticks: readonly number[], step: number): { exponent: num
   const digits = Math.min(12, Math.max(0, -Math.floor(Math.log10(scaled) + 1e-6)));
   return { exponent, labels: ticks.map((tick) => (Math.abs(tick) < 1e-9 * step ? "0" : (tick / 10 ** exponent).toFixed(digits).replace("-", "−"))) };
 }
+
+/** Both ends of a range with four digits of the larger: beside 0.8774 an end of 4e-6 is 0. */
+export function endsOf(low: number, high: number): [string, string] {
+  const largest = Math.max(Math.abs(low), Math.abs(high));
+  const unit = largest > 0 && Number.isFinite(largest) ? 10 ** (Math.floor(Math.log10(largest)) - 3) : 1;
+  const text = (x: number): string => String(Number((Math.round(x / unit) * unit).toPrecision(4)) || 0);
+  return [text(low), text(high)];
+}
