@@ -70,8 +70,8 @@ double internal_steps(const RightHandSide& f, double h, const double* y, const T
   return ratio <= 1 ? 1 : std::min(ratio, 3 + 4 * std::log10(ratio));
 }
 
-/// Work of later steps relative to the first, in which little moves yet: nets, ropes and beams.
-constexpr double kLater = 1.6;
+/// Work of later steps relative to the first kSettled ones, in which little moves yet: nets, ropes and beams.
+constexpr double kLater = 1.6, kSettled = 20;
 /// Longest estimated time of a trial, and the fewest internal steps that are informative.
 constexpr double kTrialSeconds = 0.15, kFewest = 2;
 
@@ -91,11 +91,14 @@ class Stop final : public StepWatcher {
   size_t steps_;
 };
 
-/// How far a method gets in its first internal steps, as a share of the step, and their work.
+/// How far a method gets in its first internal steps, in steps of the scene, at the pace of the later half of
+/// them and in all, and their work.
 struct Trial {
-  double done = 0;
+  double done = 0, reached = 0;
   Statistics count;
 };
+/// Steps of the scene that a trial takes at most.
+constexpr int kMostSteps = 30;
 std::optional<Trial> try_steps(const Integrator& method, const RightHandSide& f, double h, const double* y,
                                const Tolerance& tolerance, size_t steps) {
   std::vector<double> at(y, y + f.size());
@@ -103,22 +106,32 @@ std::optional<Trial> try_steps(const Integrator& method, const RightHandSide& f,
   Carry carry;
   Stop stop(steps);
   Trial out;
-  // A method that continues over the session's steps takes internal steps of any length.
-  constexpr double kMany = 30;
-  const double t_end = method.name.starts_with("cvode") ? kMany * h : h;
-  Advance run{.f = f, .t = 0, .t_end = t_end, .y = at.data(), .workspace = workspace, .carry = carry};
-  run.tolerance = tolerance, run.watcher = &stop, run.statistics = &out.count;
-  run.max_steps = 4 * steps;
-  try {
-    method.advance(run);
-  } catch (const Instability&) {
-    return std::nullopt;
+  // A method that continues over the session's steps takes internal steps of any length; others end with
+  // every step and go on with what they have learnt.
+  const bool over = method.name.starts_with("cvode");
+  double reached = 0;
+  for (int k = 0; k < (over ? 1 : kMostSteps) && stop.taken < steps; ++k) {
+    Advance run{.f = f,
+                .t = k * h,
+                .t_end = over ? kMostSteps * h : (k + 1) * h,
+                .y = at.data(),
+                .workspace = workspace,
+                .carry = carry};
+    run.tolerance = tolerance, run.watcher = &stop, run.statistics = &out.count;
+    run.max_steps = 4 * steps;
+    try {
+      method.advance(run);
+    } catch (const Instability&) {
+      return std::nullopt;
+    }
+    reached = run.reached;
+    carry.step = std::min(carry.step, h);
   }
-  out.done = run.reached / h;
-  // The first half begins with minute steps of order 1, which no later step of the session repeats.
-  if (t_end > h && stop.middle > 0 && run.reached > stop.middle) {
+  out.done = out.reached = reached / h;
+  // The first half begins at rest, and with minute steps of order 1, which later steps do not repeat.
+  if (stop.middle > 0 && reached > stop.middle) {
     const double share = 1 - static_cast<double>((steps + 1) / 2) / static_cast<double>(stop.taken);
-    out.done = (run.reached - stop.middle) / (share * h);
+    out.done = (reached - stop.middle) / (share * h);
   }
   return out.done > 0 ? std::optional(out) : std::nullopt;
 }
@@ -150,7 +163,8 @@ std::optional<StepWork> implicit_step_work(const Integrator& method, const Right
   const double most = kTrialSeconds / std::max(w.seconds() / steps, 1e-6);
   if (most < kFewest) return w;
   if (const auto trial = try_steps(method, f, h, y, tolerance, static_cast<size_t>(most))) {
-    const auto whole = [&](uint64_t n) { return kLater * static_cast<double>(n) / trial->done; };
+    const double later = trial->reached < kSettled ? kLater : 1;
+    const auto whole = [&](uint64_t n) { return later * static_cast<double>(n) / trial->done; };
     w.rates = whole(trial->count.rates), w.jacobians = whole(trial->count.jacobians);
     w.factorisations = whole(trial->count.factorisations), w.solves = whole(trial->count.solves);
   }

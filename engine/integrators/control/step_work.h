@@ -1,8 +1,8 @@
 // Estimates the cost of a step of an implicit method with direct solves: how often the method evaluates,
 // differentiates, factorises and solves, times the cost of each given the pattern of the derivatives. For
 // admission only: the number of internal steps of an adaptive method depends on the solution, so its first
-// ones are tried if that costs at most 0.15 s (of a multistep method, whose steps grow over several of the
-// scene's, the later half of them).
+// ones are tried if that costs at most 0.15 s, over several steps of the scene; the later half of them
+// counts.
 #pragma once
 #include <optional>
 
