@@ -199,6 +199,8 @@ class Solver {
   std::array<double, 2> parts_of(const Bearing& b) const;
   std::vector<Bearing> bearings_;
   std::vector<Seat> seats_;
+  std::vector<std::array<double, 2>> loads_;  // of the bearings' points
+  std::vector<uint8_t> balanced_, held_before_, held_now_;
 };
 
 }  // namespace truestep::rigid2d

@@ -82,7 +82,7 @@ void Solver<T>::start_contacts(const Model& model, const Pairs& pairs, const Sol
     seats_[r].load = flat::norm(Vec2{push_[8 * r], push_[8 * r + 1]}) / static_cast<double>(rows_[8 * r + 3]);
   }
   find_balance();
-  std::vector<std::array<double, 2>> loads(bearings_.size());
+  loads_.assign(bearings_.size(), {});
   for (size_t i = 0; i < bearings_.size(); ++i) {
     const Bearing& b = bearings_[i];
     if (!parts_[b.upper]) continue;
@@ -90,20 +90,20 @@ void Solver<T>::start_contacts(const Model& model, const Pairs& pairs, const Sol
     const std::array<double, 2> part = parts_of(b);
     ContactPack<T>& c = contacts_[b.pack];
     for (size_t k = 0; k < 2 && c.point[k].normal_mass[b.lane] > 0; ++k) {
-      loads[i][k] = normal * part[k];
-      c.point[k].normal.set(b.lane, static_cast<T>(loads[i][k]));
+      loads_[i][k] = normal * part[k];
+      c.point[k].normal.set(b.lane, static_cast<T>(loads_[i][k]));
     }
   }
-  const std::vector<uint8_t> balanced = parts_;
+  balanced_ = parts_;
   sweep_loads(settings, arena);
   for (size_t i = 0; i < bearings_.size(); ++i) {
     const Bearing& b = bearings_[i];
-    if (!balanced[b.upper] || parts_[b.upper]) continue;
+    if (!balanced_[b.upper] || parts_[b.upper]) continue;
     const ContactPack<T>& c = contacts_[b.pack];
-    double offset[2] = {yields(c, b.lane, 0, loads[i][0]), yields(c, b.lane, 1, loads[i][1])};
+    double offset[2] = {yields(c, b.lane, 0, loads_[i][0]), yields(c, b.lane, 1, loads_[i][1])};
     // Two equally loaded points share one offset unless one yields more than the other, because the centres
     // of the bodies are not in line: both would begin to tilt.
-    if (loads[i][0] == loads[i][1] &&
+    if (loads_[i][0] == loads_[i][1] &&
         std::abs(offset[0] - offset[1]) <= kAlike * std::max(offset[0], offset[1])) {
       offset[0] = offset[1] = 0.5 * offset[0] + 0.5 * offset[1];
     }
@@ -179,10 +179,9 @@ void Solver<T>::sweep_loads(const SolverSettings& settings, const ThreadArena& a
     warm_start(contacts_[p], start_.data(), moved_);
   }
   find_islands();
-  std::vector<uint8_t> before, held;
-  find_held(before);
-  held = before;
-  if (std::find(before.begin(), before.end(), 0) != before.end()) {
+  find_held(held_before_);
+  held_now_ = held_before_;
+  if (std::find(held_now_.begin(), held_now_.end(), 0) != held_now_.end()) {
     const T inverse_h = static_cast<T>(1 / settings.h);
     const T push_out_speed = static_cast<T>(settings.push_out_speed);
     const size_t sweeps = std::min<size_t>(kLoadSweeps, kLoadPacks / packs);
@@ -194,13 +193,13 @@ void Solver<T>::sweep_loads(const SolverSettings& settings, const ThreadArena& a
                                                 push_out_speed, static_cast<const T*>(nullptr));
                   });
       if ((k + 1) % kSweepsPerLook != 0) continue;
-      const double left = find_held(held);
+      const double left = find_held(held_now_);
       if (left <= kBalanced * kBalanced || left > kHardly * last) break;
       last = left;
     }
-    find_held(held);
+    find_held(held_now_);
   }
-  for (size_t r = 0; r < parts_.size(); ++r) parts_[r] = held[r] && !before[r];
+  for (size_t r = 0; r < parts_.size(); ++r) parts_[r] = held_now_[r] && !held_before_[r];
   for (uint32_t p = 0; p < packs; ++p) {
     ContactPack<T>& c = contacts_[p];
     for (int lane = 0; lane < Wide<T>::kLanes; ++lane) {
