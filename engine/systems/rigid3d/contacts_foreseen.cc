@@ -8,7 +8,8 @@
 namespace truestep::rigid3d {
 namespace {
 
-/// rad, or sizes of the smaller body: farther than that the motion tells little of where a load will act.
+/// rad, or sizes of the smaller body: contacts of bodies that move farther are found where they are now.
+/// Where the motion was followed up to there instead, 14 of 500 wheels (wheel_3d of the campaign) sank.
 constexpr double kMostMotion = 0.05;
 
 }  // namespace
@@ -47,8 +48,11 @@ void ContactList::look_ahead(const State& s, std::span<const BodyKind> kinds, co
   const double way2 = std::max({norm2(out.of_a.spin), norm2(out.of_b.spin),
                                 norm2(out.of_b.velocity - out.of_a.velocity) / (size * size)});
   out.ahead = 0;
+  // The rim of a cylinder that rolls passes its contact.
+  if ((a.turned_round && out.of_a.spin != Vec3{}) || (b.turned_round && out.of_b.spin != Vec3{})) return;
   if (!(way2 * ahead * ahead > kSeenMotion * kSeenMotion)) return;
-  out.ahead = way2 * ahead * ahead > kMostMotion * kMostMotion ? kMostMotion / std::sqrt(way2) : ahead;
+  if (way2 * ahead * ahead > kMostMotion * kMostMotion) return;
+  out.ahead = ahead;
   out.a = place_after(bodies_[pair.a].at, out.of_a, out.ahead);
   out.b = place_after(bodies_[pair.b].at, out.of_b, out.ahead);
 }
