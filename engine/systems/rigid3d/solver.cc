@@ -16,10 +16,6 @@ constexpr int kImpactRounds = 64;
 /// Fraction of push_out_speed up to which the speed of pushes is left to the relaxation, which removes most
 /// of it: walls and towers lean where positions are corrected separately from velocities.
 constexpr double kGentlePush = 0.25;
-/// Masses that differ by more than this need several sweeps of pushes that are taken back: these begin anew
-/// in every substep, and one sweep lifts a heavy body through a light one by the ratio of their masses.
-constexpr double kUneven = 3;
-constexpr int kUnevenSweeps = 8;
 /// rad/s; the axis of rotation of slower bodies changes by less than the resolution of a float.
 constexpr double kSlowSpin = 1e-2;
 
@@ -171,17 +167,12 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
     const ColourOrder order = k % 2 == 0 ? ColourOrder::forth : ColourOrder::back;
     const bool parts = deep.exchange(false);
     pass.start = parts ? start_.data() : nullptr;
-    const int sweeps = parts ? start_parting(pass) : 1;
+    if (parts) start_parting(pass);
     joints_.pull(v, team_);
     joints_.bias(v, team_);
     balls_.bias(v, team_);
     each_colour(contact_lanes_, groups_, team_, order,
                 [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::bias>(g, v, d, end, pass); });
-    for (int i = 1; i < sweeps; ++i) {
-      each_colour(contact_lanes_, groups_, team_, order, [&](ContactGroup<T>& g) {
-        if (any_below(-g.before.taken, W(0))) solve_contacts<ContactSolve::bias>(g, v, d, end, pass);
-      });
-    }
     if (jointed_) move_jointed(T(h));
     each_body([&](size_t i) {
       for (int e = 0; e < 8 && !jointed_; ++e) d[i].x[e] += T(h) * v[i].x[e];
@@ -251,7 +242,7 @@ void ContactSolver<T>::kick(T times) {
 }
 
 template <class T>
-int ContactSolver<T>::start_parting(const ContactPass<T>& pass) {
+void ContactSolver<T>::start_parting(const ContactPass<T>& pass) {
   start_islands(island_);
   const auto lanes = [&](auto&& visit) {
     for (size_t g = 0; g < contact_lanes_.count; ++g) {
@@ -280,12 +271,6 @@ int ContactSolver<T>::start_parting(const ContactPass<T>& pass) {
     g.before.taken.set(lane, i != kNoBody && parts_[i] ? T(1) : T(0));
     if (lane == 0) remember_impulses(g);
   });
-  double heaviest = HUGE_VAL, lightest = 0;  // as 1 / sqrt(m)
-  for (uint32_t i = 0; i < body_.size(); ++i) {
-    if (!parts_[island_of(island_, i)]) continue;
-    heaviest = std::min(heaviest, scaled_[i].root), lightest = std::max(lightest, scaled_[i].root);
-  }
-  return lightest * lightest > kUneven * heaviest * heaviest ? kUnevenSweeps : 1;
 }
 
 template <class T>

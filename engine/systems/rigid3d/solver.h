@@ -59,9 +59,8 @@ class ContactSolver {
   void hand_down_loads(std::span<Contact* const> contacts, std::span<const BodyNow> now);
   /// Applies bounces to contacts that close within a substep.
   void hit(const ImpactPass<T>& pass, int substeps_left);
-  /// Marks the lanes of islands with a deep contact, and stores their impulses; returns how many sweeps of
-  /// pushes they need.
-  int start_parting(const ContactPass<T>& pass);
+  /// Marks the lanes of islands with a deep contact, and stores their impulses.
+  void start_parting(const ContactPass<T>& pass);
   void store_impulses(std::span<Contact* const> contacts, const PenetrationOffsetRule& rule);
   void store_bodies(State& s);
   template <class Body>
