@@ -10,8 +10,6 @@
 namespace truestep::rigid2d {
 namespace {
 
-constexpr size_t kBlock = 1024;    // bodies per task
-constexpr size_t kPackBlock = 64;  // packs per task
 /// Maximum rounds of impacts passed on between bodies in one small step; the rest does not bounce.
 constexpr int kImpactRounds = 64;
 
@@ -19,7 +17,7 @@ constexpr int kImpactRounds = 64;
 template <class Packs, class Body>
 void each_colour(const ThreadArena& arena, Packs& packs, const std::vector<uint32_t>& colours, Body&& body,
                  ColourOrder order = ColourOrder::forth) {
-  truestep::each_colour(colours, order, arena, kPackBlock, [&](size_t p) { body(packs[p]); });
+  truestep::each_colour(colours, order, arena, kPacksPerTask, [&](size_t p) { body(packs[p]); });
 }
 
 template <class Packs, class Body>
@@ -196,7 +194,7 @@ void Solver<T>::small_step(const SolverSettings& settings, const ThreadArena& ar
                                static_cast<T>(settings.joint.impulse_scale)};
   T* rows = rows_.data();
   const uint32_t moved = moved_;
-  arena.for_blocks(movers_.size(), kBlock, [&](size_t begin, size_t end) {
+  arena.for_blocks(movers_.size(), kBodiesPerTask, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const T* p = push_.data() + 8 * i;
       T* r = rows + 8 * i;
@@ -228,7 +226,7 @@ void Solver<T>::small_step(const SolverSettings& settings, const ThreadArena& ar
     });
   }
 
-  arena.for_blocks(movers_.size(), kBlock, [&](size_t begin, size_t end) {
+  arena.for_blocks(movers_.size(), kBodiesPerTask, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       T* r = rows + 8 * i;
       r[4] += h * r[0], r[5] += h * r[1], r[6] += h * r[2];

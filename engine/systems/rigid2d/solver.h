@@ -22,6 +22,8 @@
 
 namespace truestep::rigid2d {
 
+inline constexpr size_t kBodiesPerTask = 1024, kPacksPerTask = 64;
+
 /// Bodies with more contacts get the softness of this many.
 inline constexpr size_t kCrowd = 8;
 

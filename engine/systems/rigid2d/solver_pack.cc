@@ -9,7 +9,6 @@
 namespace truestep::rigid2d {
 namespace {
 
-constexpr size_t kPackBlock = 64;  // packs per task
 constexpr size_t kPacksAhead = 2;
 /// rad, or typical sizes: less motion than that within half a step is left alone, it is what single precision
 /// leaves of rest.
@@ -160,7 +159,7 @@ void Solver<T>::pack_contacts(const Model& model, const State& state, const Pair
     at += count[c];
   }
   first.push_back(at);
-  arena.for_blocks(packs, kPackBlock, [&](size_t begin, size_t finish) {
+  arena.for_blocks(packs, kPacksPerTask, [&](size_t begin, size_t finish) {
     for (size_t p = begin; p < finish; ++p) {
       const auto lanes = static_cast<int>(first[p + 1] - first[p]);
       for (int k = 0; k < lanes; ++k) {

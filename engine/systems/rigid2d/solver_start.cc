@@ -38,7 +38,6 @@ constexpr double kMostStart = 0.02;
 /// Multiple of the scalar's epsilon by which offsets stay below the yields: with offsets that are larger by
 /// rounding bodies would be lifted, by a nanometre in single precision.
 constexpr double kBelowYield = 512;
-constexpr size_t kPackBlock = 64;  // packs per task
 
 }  // namespace
 
@@ -187,7 +186,7 @@ void Solver<T>::sweep_loads(const SolverSettings& settings, const ThreadArena& a
     const size_t sweeps = std::min<size_t>(kLoadSweeps, kLoadPacks / packs);
     double last = HUGE_VAL;
     for (size_t k = 0; k < sweeps; ++k) {
-      each_colour(contact_colours_, k % 2 == 0 ? ColourOrder::forth : ColourOrder::back, arena, kPackBlock,
+      each_colour(contact_colours_, k % 2 == 0 ? ColourOrder::forth : ColourOrder::back, arena, kPacksPerTask,
                   [&](size_t p) {
                     solve_contacts<Pass::relax>(contacts_[p], start_.data(), moved_, inverse_h,
                                                 push_out_speed, static_cast<const T*>(nullptr));

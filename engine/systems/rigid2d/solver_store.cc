@@ -9,7 +9,6 @@
 namespace truestep::rigid2d {
 namespace {
 
-constexpr size_t kBlock = 1024;  // bodies per task
 /// Share of the smaller body's inner radius up to which offsets grow; those of the start may be thicker.
 /// Of 24 heaps of 40 layers, that yield where grains are strained by some percent, 21 sleep within 10 s of
 /// rest so, 13 with a hundredth and none without a bound.
@@ -22,7 +21,7 @@ void Solver<T>::store_bodies(State& state, double dt, const ThreadArena& arena) 
   double* x = state.f64(columns::position).data();
   double* v = state.f64(columns::velocity).data();
   const auto w = state.f64(columns::angular_velocity), angle = state.f64(columns::angle);
-  arena.for_blocks(movers_.size(), kBlock, [&](size_t begin, size_t end) {
+  arena.for_blocks(movers_.size(), kBodiesPerTask, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const size_t body = movers_[i];
       const T* r = rows_.data() + 8 * i;
