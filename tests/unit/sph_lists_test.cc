@@ -23,10 +23,12 @@ SphDef shaken_water(Periodic periodic, Precision precision, int dimension) {
 
 template <int D, class T>
 struct Listed {
-  explicit Listed(const SphDef& d) : run(d), near(run.system.setting()) {
+  explicit Listed(const SphDef& d, bool wide = true) : run(d), near(run.system.setting()) {
+    if (!wide) near.leave_out_wide();
     run.shake(0.03, 1);
-    f.unit = near.unit(), f.renews = true;
+    f.unit = near.unit(), f.renews = true, f.weighted = d.bodies[0].density.has_value();
     f.resize(run.system.setting().rows);
+    for (size_t i = 0; f.weighted && i < f.n; ++i) f.light[i] = static_cast<T>(i % 3);
     near.sort(f, run.state.span<T>(columns::position).data(), alone);
     near.list(f, alone);
   }
@@ -107,6 +109,59 @@ TEST(SphLists, AreRenewedAsTheyWere) {
   all.near.renew(all.f, all.alone);
   for (size_t i = 0; i < all.f.n; ++i) most = std::max(most, std::abs(double{all.f.delta[i] - density[i]}));
   EXPECT_GT(most, 1e-3);
+}
+
+/// All that lists hold, and their sums.
+template <int D>
+std::vector<float> contents(const Listed<D, float>& all) {
+  std::vector<float> out;
+  for (const auto* sums : {&all.f.delta, &all.f.pull, &all.f.stiffness})
+    out.insert(out.end(), sums->begin(), sums->end());
+  for (size_t i = 0; i < all.f.n; ++i) {
+    const Chunk<float>& c = all.f.chunks[i / kChunk];
+    for (size_t k = c.first[i % kChunk]; k < c.first[i % kChunk + 1]; ++k) {
+      const auto& row = c.group(k).g[k % 8];
+      out.insert(out.end(),
+                 {static_cast<float>(row[0]), static_cast<float>(row[1]), static_cast<float>(row[2])});
+      out.push_back(static_cast<float>(c.base[k / 8] + c.group(k).above(k % 8)));
+      for (const auto* kept : {&c.s, &c.w, &c.q}) out.push_back(kept->empty() ? 0 : (*kept)[k]);
+    }
+  }
+  return out;
+}
+
+// Loops for wider registers make the plain loops' lists, to the bit: in every kernel, in boxes and across
+// sides, for liquids of one density and of several, with all that lists can hold.
+TEST(SphLists, EveryProcessorsLoopsMakeTheSame) {
+  if (!Listed<3, float>(shaken_water(Periodic::none, Precision::f32, 3)).near.wide()) {
+    GTEST_SKIP() << "this processor has no wider loops";
+  }
+  const auto same = [](const SphDef& d) {
+    if (d.dimension == 3) {
+      EXPECT_EQ(contents(Listed<3, float>(d, true)), contents(Listed<3, float>(d, false)));
+    } else {
+      EXPECT_EQ(contents(Listed<2, float>(d, true)), contents(Listed<2, float>(d, false)));
+    }
+  };
+  for (const int dimension : {2, 3}) {
+    for (const Smoothing kernel :
+         {Smoothing::cubic, Smoothing::wendland_c2, Smoothing::wendland_c4, Smoothing::poly6_spiky}) {
+      SphDef d = shaken_water(Periodic::none, Precision::f32, dimension);
+      d.kernel = kernel;
+      same(d);
+      d.periodic = Periodic::x, d.surface_tension = 1;
+      same(d);
+      d.bodies[0].density = 500, d.surface_tension = 0, d.support = 3;
+      same(d);
+    }
+  }
+  // The control: other particles have other lists.
+  SphDef d = shaken_water(Periodic::none, Precision::f32, 3);
+  Listed<3, float> moved(d);
+  const auto before = contents(moved);
+  moved.f.x[0][7] += 1e-3f;
+  moved.near.list(moved.f, moved.alone);
+  EXPECT_NE(contents(moved), before);
 }
 
 // Where images make slots descend, groups end early; elsewhere lists need no such test.

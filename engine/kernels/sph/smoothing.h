@@ -5,55 +5,23 @@
 // (1 - q)^3, each with its own sigma: poly6 does not push close particles apart.
 #pragma once
 #include <algorithm>
-#include <cstdint>
 
+#include "engine/kernels/sph/smoothing_values.h"
 #include "engine/math/wide.h"
 
 namespace truestep::sph {
-
-enum class Smoothing : uint8_t { cubic, wendland_c2, wendland_c4, poly6_spiky };
 
 /// Whether slopes are the derivative of the values; otherwise they are another kernel's.
 constexpr bool slopes_of_values(Smoothing k) {
   return k != Smoothing::poly6_spiky;
 }
 
-namespace smoothing_detail {
 template <class T>
-Wide<T> real(double x) {
-  return Wide<T>::all(static_cast<T>(x));
-}
-}  // namespace smoothing_detail
-
-/// w and s of q in [0, 1].
-template <class T>
-struct SmoothingValue {
-  Wide<T> w, s;
-};
+using SmoothingValue = SmoothingLanes<Wide<T>>;
 
 template <Smoothing K, class T>
 inline SmoothingValue<T> smoothing(const Wide<T>& q) {
-  using smoothing_detail::real;
-  const Wide<T> u = real<T>(1) - q, u2 = u * u;
-  if constexpr (K == Smoothing::cubic) {
-    const Wide<T> inner_w = madd(real<T>(6) * q * q, q - real<T>(1), real<T>(1));
-    const Wide<T> inner_s = madd(real<T>(18), q, real<T>(-12));
-    const Wide<T> outer_w = real<T>(2) * u2 * u;
-    // Used only above a half, where q is far from 0.
-    const Wide<T> outer_s = real<T>(-6) * u2 / max(q, real<T>(0.5));
-    const auto near = q < real<T>(0.5);
-    return {select(near, inner_w, outer_w), select(near, inner_s, outer_s)};
-  } else if constexpr (K == Smoothing::wendland_c2) {
-    return {u2 * u2 * madd(real<T>(4), q, real<T>(1)), real<T>(-20) * u2 * u};
-  } else if constexpr (K == Smoothing::poly6_spiky) {
-    const Wide<T> p = real<T>(1) - q * q;
-    // The gradient's size tends to 3 at q = 0, where it has no direction.
-    return {p * p * p, real<T>(-3) * u2 / max(q, real<T>(1e-3))};
-  } else {
-    const Wide<T> u4 = u2 * u2;
-    const Wide<T> p = madd(madd(real<T>(35.0 / 3), q, real<T>(6)), q, real<T>(1));
-    return {u4 * u2 * p, real<T>(-56.0 / 3) * u4 * u * madd(real<T>(5), q, real<T>(1))};
-  }
+  return smoothing_of<K, T>(q);
 }
 
 /// Makes the integral of W over the whole space 1.

@@ -3,7 +3,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "engine/systems/sph/fluid.h"
+#include "engine/systems/sph/around.h"
 
 namespace truestep::sph {
 
@@ -12,9 +12,6 @@ class Neighbours {
  public:
   using W = Wide<T>;
   static constexpr size_t kLanes = W::kLanes;
-  /// What lists hold besides gradients: slopes, also weights, also distances.
-  enum class Extras : uint8_t { none, slopes, weights, distances };
-
   explicit Neighbours(const Setting& set) : set_(set) {
     const SphDef& d = set.def;
     if (d.viscosity > 0 || d.xsph > 0 || d.solver != Method::dfsph) extras_ = Extras::slopes;
@@ -23,12 +20,16 @@ class Neighbours {
     if (d.surface_tension > 0 && kRounded<T>) extras_ = Extras::distances;
     if constexpr (kRounded<T>) {
       unit_ = set.kernel_s * set.support * steepest(set.def.kernel) / kGradientSteps;
+      wide_ = wide_cell_loops(set.def.kernel, D);
     }
   }
 
   /// 1/m, of the gradients in lists.
   T unit() const { return static_cast<T>(unit_); }
   Extras extras() const { return extras_; }
+  /// Whether loops for wider registers make the lists.
+  bool wide() const { return wide_ != nullptr; }
+  void leave_out_wide() { wide_ = nullptr; }
 
   /// Order by cell for positions given as n x 3, ties by row: fills row and x of f.
   void sort(Fluid<D, T>& f, const T* place, const ThreadArena& arena) const {
@@ -152,10 +153,15 @@ class Neighbours {
         size_t used = 0;
         chunk.first[0] = 0;
         for (size_t i = low; i < high;) {
-          const size_t stop = look_around(f, i, high, chunk);
-          used = chunk.around_in_order ? lists_of<K, true>(f, i, stop, low, chunk, used, scales)
-                                       : lists_of<K, false>(f, i, stop, low, chunk, used, scales);
-          i = stop;
+          const Around<D, T> cell = look_around(f, i, high, chunk);
+          if (chunk.around_in_order && wide_) {
+            used = wide_lists_of<K>(f, i, cell, low, chunk, used);
+          } else {
+            keep_near(f, i, cell, static_cast<T>(set_.support * set_.support), chunk);
+            used = chunk.around_in_order ? lists_of<K, true>(f, i, cell.stop, low, chunk, used, scales)
+                                         : lists_of<K, false>(f, i, cell.stop, low, chunk, used, scales);
+          }
+          i = cell.stop;
         }
       }
     });
@@ -172,37 +178,28 @@ class Neighbours {
     }
     return used;
   }
-
-  /// Collects the particles in the cells around particle i's that are within the kernel's radius of the box
-  /// of the particles from i to `high` in its cell; returns the end of these.
-  size_t look_around(const Fluid<D, T>& f, size_t i, size_t high, Chunk<T>& chunk) const {
-    const size_t cell = f.cell_of[f.row[i]], stop = std::min(high, size_t{f.cells.start[cell + 1]});
-    W low[D], top[D];
-    int c[3] = {};
-    for (size_t a = 0; a < D; ++a) {
-      const T* x = f.x[a].data();
-      c[a] = f.cells.along(double{x[i]}, static_cast<int>(a));
-      low[a] = top[a] = W::all(x[i]);
-      for (size_t k = i; k < stop; k += kLanes) {
-        const W place = select(first_lanes<T>(std::min(stop - k, kLanes)), load(x + k), low[a]);
-        low[a] = min(low[a], place), top[a] = max(top[a], place);
+  /// The same by loops for wider registers.
+  template <Smoothing K>
+  size_t wide_lists_of(Fluid<D, T>& f, size_t i, const Around<D, T>& cell, size_t low, Chunk<T>& chunk,
+                       size_t used) const {
+    if constexpr (kRounded<T>) {
+      const ListInput in = wide_input(f, cell, chunk, set_, unit_);
+      chunk.around_count = wide_->around(in);
+      while (i < cell.stop) {
+        chunk.need(used + chunk.around_seen + 2 * kLanes, static_cast<size_t>(extras_));
+        ListOutput out;
+        wide_output(chunk, used, extras_, out);
+        const size_t made = wide_->lists(in, chunk.around_count, i, cell.stop, out);
+        for (size_t k = 0; k < made; ++k, ++i) {
+          const ListSums& s = out.sums[k];
+          finish<K>(f, i,
+                    {load(s.density), load(s.squares), {load(s.pull[0]), load(s.pull[1]), load(s.pull[2])}});
+          chunk.first[i - low + 1] = out.ends[k];
+        }
+        used = out.used;
       }
-      low[a] = smallest(low[a]), top[a] = largest(top[a]);
     }
-    const W limit = W::all(static_cast<T>(set_.support * set_.support));
-    chunk.around_count = chunk.around_seen = 0;
-    size_t least = f.n, before = 0;
-    bool ascends = true;
-    f.cells.around(c, [&](size_t begin, size_t end, const double* shift) {
-      ascends = ascends && begin >= before;
-      least = std::min(least, begin), before = end;
-      const bool moved = shift[0] != 0 || shift[1] != 0 || shift[2] != 0;
-      const size_t own = begin <= i && i < end && !moved ? i : SIZE_MAX;
-      chunk.template put_around<D>(f.x, begin, end, own, shift, low, top, limit);
-    });
-    chunk.around_in_order = ascends && before <= least + 0x10000;
-    chunk.template end_around<D>();
-    return stop;
+    return used;
   }
 
   /// Writes the neighbours of particle i into chunk.near; returns their number.
@@ -336,6 +333,7 @@ class Neighbours {
   const Setting& set_;
   double unit_ = 1;
   Extras extras_ = Extras::none;
+  const CellLoops* wide_ = nullptr;  ///< of this processor, if it has any
 };
 
 }  // namespace truestep::sph

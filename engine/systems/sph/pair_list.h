@@ -79,11 +79,11 @@ struct Chunk {
   Aligned<T> q;                ///< 1, distance over the kernel's radius
   uint32_t first[kChunk + 1];
   /// The cells around the current one: positions (m), padded to whole groups with points far from everything,
-  /// slots, and rows of both (the fourth number has the slot's bits). Slot i of the current cell is at i +
-  /// own.
+  /// slots, and rows of both (the fourth number has the slot's bits; loops for wider registers have other
+  /// uses for the rows). Slot i of the current cell is at i + own.
   Aligned<T> around[3], around_rows;
   std::vector<uint32_t> around_slots;
-  std::vector<uint32_t> near;  ///< of the list that is being made: which of those around
+  Aligned<uint32_t> near;  ///< of the list that is being made: which of those around
   size_t around_count = 0, around_seen = 0, own = 0;
   /// Whether slots of those around ascend and span at most 2^16, so that none is too far from the one before.
   bool around_in_order = false;
@@ -127,6 +127,17 @@ struct Chunk {
     }));
   }
 
+  /// Room for `seen` slots around a cell, whatever is left out of them, so that it does not grow with what a
+  /// step happens to keep.
+  void need_around(size_t seen) {
+    around_seen = seen;
+    const size_t room = seen + 2 * kLanes;
+    if (around_slots.size() >= room) return;
+    // Whole cache lines, so that each column of the scratch starts with one.
+    const size_t more = (room + room / 2 + 15) / 16 * 16;
+    around_slots.resize(more), around_rows.resize(kScratch * more), near.resize(2 * more);
+    for (auto& a : around) a.resize(more);
+  }
   /// Appends those of slots `begin` to `end`, their positions x moved by `shift` (m), whose squared distance
   /// from the box between `low` and `top` is within `limit`. No point that is so close to a point in the box
   /// is left out: rounding is monotone. `first` is the current cell's first slot if that is among
@@ -134,14 +145,6 @@ struct Chunk {
   template <size_t D>
   [[gnu::always_inline]] void put_around(const Aligned<T>* x, size_t begin, size_t end, size_t first,
                                          const double* shift, const W* low, const W* top, const W& limit) {
-    // As if nothing were left out, so that room does not grow with what a step happens to keep.
-    around_seen += end - begin;
-    const size_t room = around_seen + 2 * kLanes;
-    if (around_slots.size() < room) {
-      const size_t more = room + room / 2;
-      around_slots.resize(more), around_rows.resize(4 * more), near.resize(more + kLanes);
-      for (auto& a : around) a.resize(more);
-    }
     W by[D];
     T* places[D];
     for (size_t a = 0; a < D; ++a) by[a] = W::all(static_cast<T>(shift[a])), places[a] = around[a].data();
@@ -218,7 +221,8 @@ struct Chunk {
   }
 
  private:
-  static constexpr T kFar = T(1e18);  ///< m
+  static constexpr T kFar = T(1e18);                       ///< m
+  static constexpr size_t kScratch = kRounded<T> ? 8 : 4;  ///< columns, two lists' for wider registers
   /// Sums of entries times factor(slot of the first, offsets): four of them, so no product waits for the one
   /// before.
   template <class Factor>
