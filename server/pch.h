@@ -1,12 +1,12 @@
 // The heavy network headers, compiled once.
 #pragma once
-#include <boost/asio.hpp>
-#include <boost/beast.hpp>
-#include <boost/json.hpp>
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <bit>
+#include <boost/asio.hpp>
+#include <boost/beast.hpp>
+#include <boost/json.hpp>
 #include <charconv>
 #include <chrono>
 #include <cmath>
