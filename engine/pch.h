@@ -4,6 +4,8 @@
 #include <array>
 #include <atomic>
 #include <bit>
+#include <charconv>
+#include <chrono>
 #include <cmath>
 #include <complex>
 #include <cstdint>
@@ -22,6 +24,12 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <tuple>
+#include <unordered_map>
 #include <utility>
 #include <variant>
 #include <vector>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
