@@ -89,6 +89,8 @@ const DefTable& viewer_table() {
           .object("camera", &ViewerParams::camera, camera_table(), "camera; without one the scene is framed")
           .text("color_by", &ViewerParams::color_by,
                 "field that colours points, or the field of a grid to show, e.g. speed")
+          .text("legend", &ViewerParams::legend,
+                "what the colours of `color_by` show; without it the name of the field. Its unit follows")
           .choice("color_map", &ViewerParams::color_map, {"viridis", "water", "ember"},
                   "colour map from the lowest to the highest value")
           .numbers("range", &ViewerParams::range, "", any(), {0, 2},

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { arrows, axisOf, chapterOf, chooseAtFirst, colorStops, endsOf, evenStreamlines, Extent, gapsIn, infoOf, levelLine, matches, packScene, particleSurface, placeOf, readShared, relative, scaleOf, speedAtFirst, speedsFor, streamline, writeShared } from "../build/view.mjs";
+import { arrows, axisOf, chapterOf, chooseAtFirst, colorStops, endsOf, evenStreamlines, Extent, gapsIn, infoOf, levelLine, matches, packScene, particleSurface, placeOf, readShared, relative, scaleLabel, scaleOf, speedAtFirst, speedsFor, streamline, writeShared } from "../build/view.mjs";
 
 const front = { right: [1, 0, 0], above: [0, 1, 0], back: [0, 0, 1] };
 
@@ -184,4 +184,10 @@ test("a ball of particles has the smooth surface of a ball, closed and outward",
   // Control: particles with half the spacing that they are said to have are twice as many for the same surface.
   const none = particleSurface(new Float32Array(0), 0, undefined, spacing, spacing);
   assert.equal(none.triangles.length, 0);
+});
+
+test("a colour bar has the scene's legend or the field's name, and a unit", () => {
+  assert.equal(scaleLabel({ legend: "smoke" }, "scalar", "1"), "smoke");
+  assert.equal(scaleLabel({ legend: "overpressure" }, "pressure", "Pa"), "overpressure (Pa)");
+  assert.equal(scaleLabel({}, "speed", "m/s"), "speed (m/s)");
 });

@@ -77,7 +77,7 @@ Shown shown_of(const PartInfo& part, size_t field, const FrameValues& values, co
   s.style.scalar_min = viewer.range.empty() ? low : static_cast<float>(viewer.range[0]);
   s.style.scalar_max = viewer.range.empty() ? high : static_cast<float>(viewer.range[1]);
   s.style.color_map = viewer.color_map;
-  s.style.scalar_label = label_of(part.fields[field].name, part.fields[field].unit);
+  s.style.scalar_label = label_of(viewer, part.fields[field].name, part.fields[field].unit);
   return s;
 }
 
@@ -235,8 +235,9 @@ void add_plane(DrawList& list, const Plane& p, const Shown& s, const ViewerParam
 
 }  // namespace
 
-std::string label_of(const std::string& name, const std::string& unit) {
-  return unit.empty() || unit == "1" ? name : name + " (" + unit + ")";
+std::string label_of(const ViewerParams& viewer, const std::string& name, const std::string& unit) {
+  const std::string& shown = viewer.legend.empty() ? name : viewer.legend;
+  return unit.empty() || unit == "1" ? shown : shown + " (" + unit + ")";
 }
 
 void add_grid(DrawList& list, const PartInfo& part, size_t field, const FrameValues& values,

@@ -71,7 +71,7 @@ DrawPoints points_of(const World& world, const Frame& frame, size_t p, const Vie
       points.scalar_min = static_cast<float>(range[0]), points.scalar_max = static_cast<float>(range[1]);
     }
     if (points.scalar.size() * 3 == points.positions.size()) {
-      points.scalar_label = label_of(color_by, info.fields[*f].unit);
+      points.scalar_label = label_of(viewer, color_by, info.fields[*f].unit);
     } else {
       points.scalar.clear();
     }
@@ -94,7 +94,7 @@ DrawPoints points_of(const World& world, const Frame& frame, size_t p, const Vie
     points.line_scalar = FrameValues(frame, at->part, at->field).floats();
     points.line_scalar.resize(points.lines.size() / 2);
     const FieldInfo& field = world.parts()[at->part].info().fields[at->field];
-    points.scalar_label = label_of(color_by, field.unit);
+    points.scalar_label = label_of(viewer, color_by, field.unit);
   }
   // Springs under a surface would only be clutter.
   if (!points.triangles.empty()) points.lines.clear(), points.line_kinds.clear();
@@ -300,10 +300,10 @@ FrameRequest picture_request(const World& world, const PictureLook& look) {
 DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook& look) {
   DrawList list;
   const SceneHeader& header = world.scene().header;
-  // A range belongs to the field named by the scene.
+  // A range and a legend belong to the field named by the scene.
   ViewerParams viewer = header.viewer;
   if (look.color_by && *look.color_by != viewer.color_by)
-    viewer.color_by = *look.color_by, viewer.range.clear();
+    viewer.color_by = *look.color_by, viewer.range.clear(), viewer.legend.clear();
   list.up = up_of(header.gravity);
   if (look.theme == PictureLook::Theme::dark)
     list.background_top = {0.09f, 0.105f, 0.13f}, list.background_bottom = {0.145f, 0.165f, 0.20f};

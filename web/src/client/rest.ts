@@ -21,6 +21,8 @@ export interface Expectation {
 export interface ViewerSettings {
   camera?: { eye?: number[]; target?: number[]; fov?: number };
   color_by?: string;
+  /** What the colours show; without it the field's name. */
+  legend?: string;
   color_map?: "viridis" | "water" | "ember";
   /** Lowest and highest value of the colours. */
   range?: number[];

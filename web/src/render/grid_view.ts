@@ -8,6 +8,7 @@ import { colorTable, type ColorMap } from "./color_map";
 import type { Extent } from "./extent";
 import { WideLines } from "./lines";
 import { arrows, levelLine } from "./plane_lines";
+import { scaleLabel } from "./scale_label";
 import { scenery, shadeGlsl } from "./shading";
 import { evenStreamlines } from "./streamlines";
 import type { Has, Visibility } from "./system_view";
@@ -133,7 +134,7 @@ export class GridView {
     this.take(field);
     const [least, greatest] = this.settings.range?.length === 2 ? (this.settings.range as [number, number]) : extent(this.values);
     const unit = this.part.fields.find((one) => one.name === field.field)?.unit ?? "";
-    this.scale = { label: `${field.field}${field.width > 1 ? ", length" : ""}${unit && unit !== "1" ? ` (${unit})` : ""}`, map: this.map, low: least, high: greatest };
+    this.scale = { label: scaleLabel(this.settings, `${field.field}${field.width > 1 ? ", length" : ""}`, unit), map: this.map, low: least, high: greatest };
     for (const sheet of this.sheets) {
       this.paint(sheet, least, greatest);
       if (!(sheet.mesh.material as ShaderMaterial).transparent) this.over(sheet, least, greatest);

@@ -14,6 +14,7 @@ import { namesOf } from "./names";
 import { Painter } from "./painter";
 import { PlotAxes } from "./plot_axes";
 import { infoOf, type SceneInfo } from "./scene_info";
+import { scaleLabel } from "./scale_label";
 import { setRamp, setTheme, type Theme } from "./shading";
 import { ShapeGroup, reachOfShape } from "./shape_group";
 import { isGround } from "./shapes";
@@ -183,7 +184,7 @@ export class Stage {
     const name = this.show.colorBy || "speed";
     const field = [...this.parts.values()].flatMap((part) => part.fields).find((one) => one.name === name);
     const unit = field?.unit ?? (name === "speed" ? "m/s" : "");
-    return { label: unit && unit !== "1" ? `${name} (${unit})` : name, map: this.settings.color_map ?? "viridis", low, high };
+    return { label: scaleLabel(this.settings, name, unit), map: this.settings.color_map ?? "viridis", low, high };
   }
 
   /** Draws `frame` with the next picture; the promise resolves when that picture has been drawn. */

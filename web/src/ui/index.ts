@@ -4,6 +4,7 @@ export { Extent } from "../render/extent";
 export { particleSurface } from "../render/particle_surface";
 export { arrows, levelLine } from "../render/plane_lines";
 export { infoOf } from "../render/scene_info";
+export { scaleLabel } from "../render/scale_label";
 export { evenStreamlines, streamline } from "../render/streamlines";
 export * as colorStops from "../render/color_stops";
 export { packScene, readShared, writeShared } from "./address";
