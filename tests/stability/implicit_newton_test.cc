@@ -335,13 +335,29 @@ TEST(ImplicitNewton, Bdf2BeginsOnAStiffNetAtRest) {
   }
 }
 
-// A net that flies along itself: its springs are pressed together in one direction.
+/// The most energy in a second of a net that flies along itself, over what it starts with: its springs are
+/// pressed together in one direction.
+double most_energy_of_thrown_net(const char* method, double step) {
+  MassSpringDef d = flat_net(300, method);
+  d.velocity = {5, 0, 0};
+  SpringRun run(d);
+  const double start = run.observe("energy.total");
+  double most = start;
+  for (int n = 0; n * step < 1; ++n) {
+    run.step(step);
+    most = std::max(most, run.observe("energy.total"));
+  }
+  return most / start;
+}
+
+// Nothing can give it energy: bdf2 loses some at any step. The others keep theirs only where the step
+// resolves how the net buckles: at a sixtieth they are the control, and a session ends with an event there.
 TEST(ImplicitNewton, FixedStepsOfANetThrownAlongItself) {
-  for (const char* method : {"bdf2", "implicit_midpoint", "trapezoid", "newmark", "generalized_alpha"}) {
-    MassSpringDef d = flat_net(300, method);
-    d.velocity = {5, 0, 0};
-    SpringRun run(d);
-    for (int n = 0; n < 60; ++n) ASSERT_NO_THROW(run.step(kStep)) << method << ' ' << n;
+  constexpr double kRounding = 1 + 1e-9;
+  ASSERT_NO_THROW(EXPECT_LE(most_energy_of_thrown_net("bdf2", kStep), kRounding));
+  for (const char* method : {"implicit_midpoint", "trapezoid", "newmark", "generalized_alpha"}) {
+    ASSERT_NO_THROW(EXPECT_LE(most_energy_of_thrown_net(method, kStep / 16), 1.01) << method);
+    ASSERT_NO_THROW(EXPECT_GT(most_energy_of_thrown_net(method, kStep), 10) << method);
   }
 }
 
