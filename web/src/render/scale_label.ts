@@ -1,3 +1,4 @@
+// The words beside a colour bar.
 import type { ViewerSettings } from "../client/rest";
 
 /** What stands beside a colour bar: the scene's legend or else `name`, and the unit; pure numbers have none. */
