@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/random.h"
+
 namespace truestep::rigid3d {
 
 namespace {
@@ -17,6 +19,23 @@ using Part = BodyNow::Part;
 
 bool touch_allowed(const BodyKind& a, const BodyKind& b) {
   return (a.category & b.mask) && (b.category & a.mask) && (a.moved_by_forces() || b.moved_by_forces());
+}
+
+/// Nothing then says where they could part.
+bool balls_at_one_place(const Solid& a, const Transform& at_a, const Solid& b, const Transform& at_b) {
+  return a.kind == SolidKind::sphere && b.kind == SolidKind::sphere &&
+         norm(at_b.position - at_a.position) <= 1e-12 * b.size.x;
+}
+
+/// A direction of its own for every pair: along one for all, many balls would form a line that hardly parts.
+void part_anywhere(const Vec3& place, Contact& c) {
+  const auto u = uniform4(0, c.a, c.b);
+  const Vec3 d{u[0] - 0.5, u[1] - 0.5, u[2] - 0.5};
+  const double l = norm(d);
+  if (!(l > 0)) return;
+  const double along = dot(c.manifold.points[0].position - place, c.manifold.normal);
+  c.manifold.normal = d / l;
+  c.manifold.points[0].position = place + c.manifold.normal * along;
 }
 
 }  // namespace
@@ -107,9 +126,10 @@ void ContactList::narrow_phase(const State& s, std::span<const BodyKind> kinds, 
         c.a = a, c.b = b;
         if (!collide(ka.solid, at_a, kb.solid, at_b, margin, c.manifold)) {
           out.pop_back();
-        } else if (later.ahead > 0) {
-          bring_back(c, later, ka, kb);
+          continue;
         }
+        if (balls_at_one_place(ka.solid, at_a, kb.solid, at_b)) part_anywhere(at_a.position, c);
+        if (later.ahead > 0) bring_back(c, later, ka, kb);
       } else {
         several.clear();
         collide(ka.solid, at_a, kb.solid, at_b, margin, several);
