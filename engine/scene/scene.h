@@ -63,7 +63,7 @@ enum class Liquid : uint8_t { balls, surface };
 struct ViewerParams {
   std::optional<CameraParams> camera;
   std::string color_by;  ///< name of a field
-  std::string legend;    ///< what its values mean; empty: the name of the field
+  std::string legend;    ///< what its values mean; empty: its name
   ColorMap color_map = ColorMap::viridis;
   std::vector<double> range;  ///< lowest and highest value of the colours; empty: those shown
   std::optional<SliceParams> slice;

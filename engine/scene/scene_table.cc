@@ -107,6 +107,8 @@ const DefTable& viewer_table() {
           .integer("streamlines", &ViewerParams::streamlines, between(0, 400),
                    "lines along a vector field of a grid in the plane or a slice")
           .check([](const ViewerParams& v, const DefTable::Report& report) {
+            if (!v.legend.empty() && v.color_by.empty())
+              report("/legend", "it says what the colours of `color_by` show: give that, too");
             if (v.range.size() == 1 || (v.range.size() == 2 && !(v.range[0] < v.range[1])))
               report("/range", "two numbers, the lower first");
           })

@@ -29,6 +29,15 @@ TEST(PictureLegend, WithoutWordsItIsTheField) {
   EXPECT_EQ(label(R"({"color_by": "scalar"})"), "scalar");
 }
 
+// A grid that has no such field shows its first one: that is not what the scene has words for.
+TEST(PictureLegend, ItIsNotThatOfTheFieldShownInstead) {
+  EXPECT_EQ(label(R"({"color_by": "depth", "legend": "depth of the pool"})"), label("{}"));
+}
+
+TEST(PictureLegend, ItNeedsAFieldToSpeakOf) {
+  EXPECT_THROW(label(R"({"legend": "smoke"})"), Error);
+}
+
 TEST(PictureLegend, ItIsNotThatOfAnotherFieldThatIsAskedFor) {
   PictureLook look;
   look.color_by = "pressure";

@@ -187,7 +187,9 @@ test("a ball of particles has the smooth surface of a ball, closed and outward",
 });
 
 test("a colour bar has the scene's legend or the field's name, and a unit", () => {
-  assert.equal(scaleLabel({ legend: "smoke" }, "scalar", "1"), "smoke");
-  assert.equal(scaleLabel({ legend: "overpressure" }, "pressure", "Pa"), "overpressure (Pa)");
+  const scene = (color_by, legend) => ({ color_by, legend });
+  assert.equal(scaleLabel(scene("scalar", "smoke"), "scalar", "1"), "smoke");
+  assert.equal(scaleLabel(scene("pressure", "overpressure"), "pressure", "Pa"), "overpressure (Pa)");
+  assert.equal(scaleLabel(scene("speed", "speed of the spray"), "velocity", "m/s", true), "velocity, length (m/s)");
   assert.equal(scaleLabel({}, "speed", "m/s"), "speed (m/s)");
 });

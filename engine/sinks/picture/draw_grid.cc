@@ -236,7 +236,7 @@ void add_plane(DrawList& list, const Plane& p, const Shown& s, const ViewerParam
 }  // namespace
 
 std::string label_of(const ViewerParams& viewer, const std::string& name, const std::string& unit) {
-  const std::string& shown = viewer.legend.empty() ? name : viewer.legend;
+  const std::string& shown = !viewer.legend.empty() && name == viewer.color_by ? viewer.legend : name;
   return unit.empty() || unit == "1" ? shown : shown + " (" + unit + ")";
 }
 

@@ -134,7 +134,7 @@ export class GridView {
     this.take(field);
     const [least, greatest] = this.settings.range?.length === 2 ? (this.settings.range as [number, number]) : extent(this.values);
     const unit = this.part.fields.find((one) => one.name === field.field)?.unit ?? "";
-    this.scale = { label: scaleLabel(this.settings, `${field.field}${field.width > 1 ? ", length" : ""}`, unit), map: this.map, low: least, high: greatest };
+    this.scale = { label: scaleLabel(this.settings, field.field, unit, field.width > 1), map: this.map, low: least, high: greatest };
     for (const sheet of this.sheets) {
       this.paint(sheet, least, greatest);
       if (!(sheet.mesh.material as ShaderMaterial).transparent) this.over(sheet, least, greatest);

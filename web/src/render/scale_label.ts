@@ -1,8 +1,8 @@
-// The words beside a colour bar.
+// What a colour bar is labelled with.
 import type { ViewerSettings } from "../client/rest";
 
-/** What stands beside a colour bar: the scene's legend or else `name`, and the unit; pure numbers have none. */
-export function scaleLabel({ legend }: ViewerSettings, name: string, unit: string): string {
-  const shown = legend || name;
+/** What stands beside the colour bar of a field: the scene's legend or else the field's name, and the unit; pure numbers have none. */
+export function scaleLabel({ color_by, legend }: ViewerSettings, field: string, unit: string, isLength = false): string {
+  const shown = legend && field === color_by ? legend : `${field}${isLength ? ", length" : ""}`;
   return unit && unit !== "1" ? `${shown} (${unit})` : shown;
 }
