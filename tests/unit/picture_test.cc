@@ -264,6 +264,19 @@ TEST(Picture, CaptionAndColourBarStayInTheirCorners) {
   EXPECT_EQ(changed(list, 0, 250, 0, 300), 0);
 }
 
+TEST(Picture, RoundingAtTheEndOfAColourBarIsZero) {
+  PictureRenderer renderer(400, 300);
+  const auto ends = [&](float low) {
+    DrawList list;
+    list.points.emplace_back();
+    list.points[0].positions = {0, 0, 0}, list.points[0].scalar = {1};
+    list.points[0].scalar_min = low, list.points[0].scalar_max = 1, list.points[0].scalar_label = "share";
+    return renderer.render_rgba(list);
+  };
+  EXPECT_EQ(ends(-7e-14f), ends(0));
+  EXPECT_NE(ends(-7e-3f), ends(0)) << "control";
+}
+
 TEST(Picture, DemosAreWrittenForPeopleToLookAt) {
   const std::filesystem::path folder = std::filesystem::path(TRUESTEP_BINARY).parent_path() / "pictures";
   std::filesystem::create_directories(folder);

@@ -115,7 +115,9 @@ void draw_legend(Canvas canvas, const Style& style, const std::vector<LegendRow>
   }
 }
 
-std::string number(float x) {
+/// An end of a range: three digits, and 0 below a digit of the larger one, as rounding leaves it.
+std::string end_of(float x, float largest) {
+  if (std::abs(x) < 5e-4f * largest) x = 0;
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.3g", static_cast<double>(x));
   return text.data();
@@ -139,8 +141,9 @@ void draw_bar(Canvas canvas, const Style& style, const DrawPoints& set) {
             edge ? 0.6f : 1.0f);
     }
   write(canvas, style, set.scalar_label, left, top - 0.8 * small, small);
-  write(canvas, style, number(low), left, text_base, small);
-  const std::string most = number(high);
+  const float largest = std::max(std::abs(low), std::abs(high));
+  write(canvas, style, end_of(low, largest), left, text_base, small);
+  const std::string most = end_of(high, largest);
   write(canvas, style, most, right - text_width(most, small), text_base, small);
 }
 
