@@ -37,6 +37,17 @@ CylinderBodyDef log_along_z() {
   return log;
 }
 
+/// A rod that swings across the log: two round surfaces, whose normal turns with neither of the bodies.
+template <class Rod>
+Rigid3dDef rod_across_log() {
+  Rod rod;
+  rod.radius = 0.1, rod.half_length = 0.5, rod.axis = {0, 0, 1}, rod.angle = std::numbers::pi / 2;
+  rod.position = {0, 0.1, 0}, rod.angular_velocity = {0, 0, 0.1};
+  Rigid3dDef d;
+  d.bodies = {log_along_z(), rod};
+  return d;
+}
+
 class Rigid3dRocking : public ::testing::TestWithParam<Rigid3dDef::Precision> {};
 
 // A board of half thickness h and radius of gyration k swings on a log of radius R at w^2 = g (R - h) / (k^2
@@ -60,25 +71,14 @@ TEST_P(Rigid3dRocking, ABoardOnABallKeepsItsSwing) {
   EXPECT_NEAR(growth(d, 1, GetParam()), 1, 0.03);
 }
 
-// Two round surfaces: the normal turns with neither of the bodies.
 TEST_P(Rigid3dRocking, ACapsuleAcrossALogKeepsItsSwing) {
-  Rigid3dDef d;
-  CapsuleBodyDef rod;
-  rod.radius = 0.1, rod.half_length = 0.5, rod.axis = {0, 0, 1}, rod.angle = std::numbers::pi / 2;
-  rod.position = {0, 0.1, 0}, rod.angular_velocity = {0, 0, 0.1};
-  d.bodies = {log_along_z(), rod};
-  EXPECT_NEAR(growth(d, 1, GetParam()), 1, 0.03);
+  EXPECT_NEAR(growth(rod_across_log<CapsuleBodyDef>(), 1, GetParam()), 1, 0.03);
 }
 
-// Contacts of cylinders that turn are found where they are now, since a rim that rolls passes its contact
-// (contacts_foreseen.cc): the control, which shows what lag does to the same rod with flat ends.
+// The control, a fault that is left (docs/standing.md): cylinders that turn are touched where they are now,
+// and this one swings 9.1 times as far after eight seconds.
 TEST_P(Rigid3dRocking, ControlACylinderAcrossALogIsFed) {
-  Rigid3dDef d;
-  CylinderBodyDef rod;
-  rod.radius = 0.1, rod.half_length = 0.5, rod.axis = {0, 0, 1}, rod.angle = std::numbers::pi / 2;
-  rod.position = {0, 0.1, 0}, rod.angular_velocity = {0, 0, 0.1};
-  d.bodies = {log_along_z(), rod};
-  EXPECT_GT(growth(d, 1, GetParam()), 1.5);
+  EXPECT_GT(growth(rod_across_log<CylinderBodyDef>(), 1, GetParam()), 5);
 }
 
 INSTANTIATE_TEST_SUITE_P(Precisions, Rigid3dRocking,

@@ -129,14 +129,14 @@ void ContactList::narrow_phase(const State& s, std::span<const BodyKind> kinds, 
           continue;
         }
         if (balls_at_one_place(ka.solid, at_a, kb.solid, at_b)) part_anywhere(at_a.position, c);
-        if (later.ahead > 0) bring_back(c, later, ka, kb);
+        if (later.ahead > 0) bring_back(c, later);
       } else {
         several.clear();
         collide(ka.solid, at_a, kb.solid, at_b, margin, several);
         for (const Manifold& m : several) {
           Contact& c = out.emplace_back();
           c.a = a, c.b = b, c.manifold = m;
-          if (later.ahead > 0) bring_back(c, later, ka, kb);
+          if (later.ahead > 0) bring_back(c, later);
         }
       }
     }

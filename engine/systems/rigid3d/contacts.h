@@ -67,7 +67,7 @@ class ContactList {
   };
   void look_ahead(const State& s, std::span<const BodyKind> kinds, const BodyPair& pair, double ahead,
                   Outlook& out) const;
-  static void bring_back(Contact& c, const Outlook& o, const BodyKind& a, const BodyKind& b);
+  static void bring_back(Contact& c, const Outlook& o);
   bool wake(State& s, std::span<const BodyKind> kinds);
   void match(const State& s);
   void match_pair(const State& s, std::span<Contact* const> contacts, size_t first, size_t end);

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "engine/systems/rigid3d/contacts.h"
-#include "engine/systems/rigid3d/turned_surface.h"
 
 namespace truestep::rigid3d {
 namespace {
@@ -57,14 +56,11 @@ void ContactList::look_ahead(const State& s, std::span<const BodyKind> kinds, co
   out.b = place_after(bodies_[pair.b].at, out.of_b, out.ahead);
 }
 
-void ContactList::bring_back(Contact& c, const Outlook& o, const BodyKind& a, const BodyKind& b) {
+void ContactList::bring_back(Contact& c, const Outlook& o) {
   const Vec3& n = c.manifold.normal;
   for (int p = 0; p < c.manifold.count; ++p) {
     ContactPoint& point = c.manifold.points[p];
-    double parts = parting_speed(point.position, n, o.a, o.of_a, o.b, o.of_b);
-    if (a.turned_round) parts += passes(a, c.manifold.part_a, o.a, o.of_a.spin, point.position, n);
-    if (b.turned_round) parts -= passes(b, c.manifold.part_b, o.b, o.of_b.spin, point.position, n);
-    point.separation -= o.ahead * parts;
+    point.separation -= o.ahead * parting_speed(point.position, n, o.a, o.of_a, o.b, o.of_b);
     point.position -= o.of_a.velocity * o.ahead;
   }
   c.apart = (o.of_b.velocity - o.of_a.velocity) * o.ahead;
