@@ -1,4 +1,4 @@
-// The heavy network headers, compiled once.
+// The heavy network headers and what else nearly every file includes, compiled once.
 #pragma once
 #include <algorithm>
 #include <array>
