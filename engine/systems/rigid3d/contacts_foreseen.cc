@@ -39,16 +39,24 @@ void ContactList::look_ahead(const State& s, std::span<const BodyKind> kinds, co
   const BodyKind &a = kinds[kind[pair.a]], &b = kinds[kind[pair.b]];
   const double size =
       a.moved_by_forces() ? (b.moved_by_forces() ? std::min(a.reach, b.reach) : a.reach) : b.reach;
-  // A ball looks the same however it has turned.
+  // A ball looks the same however it has turned, a cylinder about its own axis.
   const auto motion = [&](const BodyKind& k, uint32_t i) {
-    return SpaceMotion{load3(v, i), k.reach == k.inner ? Vec3{} : load3(w, i)};
+    SpaceMotion m{load3(v, i), k.reach == k.inner ? Vec3{} : load3(w, i)};
+    if (k.solid.kind == SolidKind::cylinder) {
+      const Vec3 own = axis(bodies_[i].at.rotation, 1);
+      m.spin = m.spin - own * dot(own, m.spin);
+    }
+    return m;
   };
   out.of_a = motion(a, pair.a), out.of_b = motion(b, pair.b);
   const double way2 = std::max({norm2(out.of_a.spin), norm2(out.of_b.spin),
                                 norm2(out.of_b.velocity - out.of_a.velocity) / (size * size)});
   out.ahead = 0;
-  // The rim of a cylinder that rolls passes its contact.
-  if ((a.turned_round && out.of_a.spin != Vec3{}) || (b.turned_round && out.of_b.spin != Vec3{})) return;
+  // The rim of a wheel that is part of a body passes its contact.
+  const auto wheeled = [](const BodyKind& k) {
+    return k.turned_round && k.solid.kind != SolidKind::cylinder;
+  };
+  if ((wheeled(a) && out.of_a.spin != Vec3{}) || (wheeled(b) && out.of_b.spin != Vec3{})) return;
   if (!(way2 * ahead * ahead > kSeenMotion * kSeenMotion)) return;
   if (way2 * ahead * ahead > kMostMotion * kMostMotion) return;
   out.ahead = ahead;

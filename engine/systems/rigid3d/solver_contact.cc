@@ -43,10 +43,13 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
     }
     if (ka.turned_round || kb.turned_round) {
       const Vec3 turn_a = load3(w, c.a), turn_b = load3(w, c.b), &n = c.manifold.normal;
+      // Points are where b will be.
+      Transform at_b = now[c.b].at;
+      at_b.position = xb;
       for (int p = 0; p < c.manifold.count; ++p) {
         const Vec3& x = c.manifold.points[p].position;
         const double a = passes(ka, c.manifold.part_a, now[c.a].at, turn_a, x, n);
-        in.kept[p].set(lane, T(a - passes(kb, c.manifold.part_b, now[c.b].at, turn_b, x, n)));
+        in.kept[p].set(lane, T(a - passes(kb, c.manifold.part_b, at_b, turn_b, x, n)));
       }
     }
     if (slot_[c.a] != kNoBody) {
