@@ -71,7 +71,7 @@ struct ContactPack {
   W stiffness0, stiffness1, coupling;  // K of the two normals, 1/kg
   W held;                              // the coupling, slightly reduced where K has no inverse
   Point point[2];
-  uint32_t rolls, bounces;
+  uint32_t rolls, bounces, crowded;
   // Written only in small steps with deep overlaps.
   struct Before {
     W taken;  // 1 in lanes whose push is taken back
@@ -152,9 +152,10 @@ class Solver {
   void choose_sprung(const Pairs& pairs);
   void kick(JointPass pass, T h);
   void find_islands();
-  /// Marks the lanes of islands with a deep contact, and stores impulses and velocities.
-  void start_parting(T push_out_speed);
-  void small_step(const SolverSettings& settings, const ThreadArena& arena);
+  /// Marks the lanes of islands with a deep contact, finds crowds, and stores impulses and
+  /// velocities.
+  void start_parting(const Model& model, T push_out_speed);
+  void small_step(const Model& model, const SolverSettings& settings, const ThreadArena& arena);
   void store_bodies(State& state, double dt, const ThreadArena& arena) const;
   void store_joints(const Model& model, State& state, Hands& hands, const SolverSettings& settings) const;
 
@@ -168,8 +169,8 @@ class Solver {
   std::atomic<bool> deep_ = false;  // some contact overlaps deeply
   Aligned<T> start_;                // rows before the pushes, where some contact overlaps deeply
   std::vector<uint32_t> island_;    // roots of the rows' islands, computed when a step needs them
-  bool knows_islands_ = false;
-  std::vector<uint8_t> parts_;
+  bool knows_islands_ = false, crowded_ = false;
+  std::vector<uint8_t> parts_, inside_;  // inside_: of every row, pairs in which it is inside the other
   Aligned<ContactPack<T>> contacts_;
   Aligned<HingePack<T>> hinges_;
   std::vector<uint32_t> contact_colours_, hinge_colours_;  // first pack of every colour, and the end
