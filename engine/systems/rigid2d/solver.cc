@@ -55,7 +55,7 @@ void Solver<T>::place_bodies(const Model& model, const State& state, const Pairs
   const auto still = static_cast<uint32_t>(movers_.size());
   for (uint32_t& s : slot_) s = s == kNoPoint ? still : s;
 
-  rows_.assign(8 * (movers_.size() + 1), 0);
+  rows_.assign(8 * (movers_.size() + 1), 0), flight_.resize(rows_.size());
   push_.assign(8 * (movers_.size() + 1), 0);
   start_.resize(rows_.size()), island_.resize(movers_.size() + 1), parts_.resize(movers_.size() + 1);
   const double* v = state.f64(columns::velocity).data();
@@ -215,9 +215,10 @@ void Solver<T>::small_step(const Model& model, const SolverSettings& settings, c
   const uint32_t moved = moved_;
   arena.for_blocks(movers_.size(), kBodiesPerTask, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      const T* p = push_.data() + 8 * i;
       T* r = rows + 8 * i;
-      r[0] = (r[0] + p[0]) * p[3], r[1] = (r[1] + p[1]) * p[3], r[2] = (r[2] + p[2]) * p[4];
+      if (bounces_) std::copy_n(r, 3, flight_.data() + 8 * i + 4);
+      act(push_.data() + 8 * i, r);
+      if (bounces_) std::copy_n(r, 3, flight_.data() + 8 * i);
     }
   });
   // Before warm starting: impacts use the actual velocities of the bodies.
@@ -252,9 +253,11 @@ void Solver<T>::small_step(const Model& model, const SolverSettings& settings, c
     for (size_t i = begin; i < end; ++i) {
       T* r = rows + 8 * i;
       r[4] += h * r[0], r[5] += h * r[1], r[6] += h * r[2];
-      if (bounces_) {
-        for (int k = 0; k < 3; ++k) r[4 + k] += toi_correction_[8 * i + static_cast<size_t>(k)];
-      }
+      if (!bounces_) continue;
+      const T *f = flight_.data() + 8 * i, *toi = toi_correction_.data() + 8 * i;
+      // Up to a bounce and after it a body flies freely, also where only that one step has contacts.
+      const T late = i < moved && std::equal(f, f + 3, r) ? T(0.5) * h : T(0);
+      for (int k = 0; k < 3; ++k) r[4 + k] += toi[k] - late * (r[k] - f[4 + k]);
     }
   });
 
@@ -298,6 +301,7 @@ void Solver<T>::solve(const Model& model, State& state, const Pairs& pairs, Hand
   }
   for (int i = 0; i < settings.steps; ++i) small_step(model, settings, arena);
   if (springs_) kick(JointPass::kick, h);
+  if (!bounces_) end_free_flights(state, settings, arena);
   store_bodies(state, settings.h * settings.steps, arena);
   store_joints(model, state, hands, settings);
 }
