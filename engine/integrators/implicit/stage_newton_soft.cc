@@ -14,8 +14,10 @@ namespace {
 constexpr double kStiffest = 1e7, kSofter = 3e6, kApproach = 1e-6;
 constexpr int kMostShifts = 30, kMostIterations = 25;  ///< the latter of one shift
 /// Shifts that leave more than this fraction of the error are too slow, and forces become stiffer for the
-/// next: up to the (omega h)^2 at which rounding of the matrix is still invisible.
-constexpr double kSlow = 0.25, kStiffer = 4, kStillAccurate = 1e9;
+/// next: up to the (omega h)^2 at which rounding of the matrix is still invisible, or to the share with which
+/// a flat rope under its load, where a share s leaves (1 - s) / (1 + 2 s) of the error, needs some twenty
+/// shifts.
+constexpr double kSlow = 0.25, kStiffer = 4, kStillAccurate = 1e9, kStiffestShare = 0.25;
 
 /// Softens the forces while it lives.
 class Softened {
@@ -65,12 +67,14 @@ StageNewton::Failure StageNewton::stiffen(double share, double target, const Sta
                                           std::span<double> u) {
   constexpr double kRoundings = 8 * std::numeric_limits<double>::epsilon(), kStretch = 1e-6;
   constexpr double kHidden = 8, kSettled = 0.2;  // multiples of the expected rounding
-  const double stiffest = std::min(1.0, share * (kStillAccurate / kSofter));
+  const double accurate = std::min(1.0, share * (kStillAccurate / kSofter));
+  double stiffest = std::max(kStiffestShare, accurate);
   Evaluation e{m_.input.workspace, m_.input.arena};
   double reach = 0;
   for (const double c : x_) reach = std::max(reach, std::abs(c));
   double last = std::numeric_limits<double>::infinity();
   for (int k = 0; k < kMostShifts; ++k) {
+    const double used = share;
     const auto lengths = softening_->shift({eq.t, x_, u, m_.state}, m_.state, share, e);
     if (lengths.off <= kRoundings * reach + kStretch * lengths.stretched) return nullptr;
     // Nearly flat sheets have tensions that grow without bound: shifts alone do not converge.
@@ -81,7 +85,15 @@ StageNewton::Failure StageNewton::stiffen(double share, double target, const Sta
     if (norm_ <= std::max(target, kSettled * report_.floor)) return nullptr;
     if (norm_ > report_.target) {
       first_ = std::numeric_limits<double>::infinity();
-      if (const Failure failure = iterate_to(report_.target, kMostIterations, eq, u)) return failure;
+      std::copy(u.begin(), u.end(), start_.begin());
+      if (const Failure failure = iterate_to(report_.target, kMostIterations, eq, u)) {
+        if (used <= accurate) return failure;
+        // Too stiff for these equations, which keep their tensions where they were solved last.
+        std::copy(start_.begin(), start_.end(), u.begin());
+        norm_ = evaluate(eq, u);
+        share = stiffest = accurate;
+        --k;
+      }
     } else {
       full_step_unasked(eq, u);
     }

@@ -94,28 +94,25 @@ bool passes(const Model& model, const State& s, const Hit& h, const flat::Contac
   return b.one_way && through(b, h.body_b, h.body_a, -contact.normal, pose_of(s, h.body_b));
 }
 
-/// Nothing then says where they could part.
-bool disks_at_one_place(const flat::Outline& a, const flat::Outline& b, const Pose& b_in_a) {
-  return a.corners == 1 && b.corners == 1 && flat::norm(b_in_a * b.center - a.center) <= 1e-12 * b.radius;
-}
-
-/// A direction of its own for every pair: along one for all, many disks would form a line that hardly parts.
-void part_anywhere(const Hit& h, Vec2 place, flat::Contact& contact) {
+/// Where a shape is seen by the other of a pair, `apart` m from it. Nothing says where shapes at exactly one
+/// place could part: they are seen a millionth of their size apart, in a direction of the pair's own. With
+/// one direction for all, many bodies would form a line that hardly parts.
+Pose seen_apart(const Hit& h, Pose b_in_a, double apart, double size) {
+  if (apart > 1e-12 * size) return b_in_a;
   const auto u = uniform4(0, h.a, h.b);
-  const Vec2 d{u[0] - 0.5, u[1] - 0.5};
-  const double l = flat::norm(d);
-  if (!(l > 0)) return;
-  const double along = flat::dot(contact.point[0].at - place, contact.normal);
-  contact.normal = 1 / l * d;
-  contact.point[0].at = place + along * contact.normal;
+  const Vec2 aside = flat::unit(Vec2{u[0] - 0.5, u[1] - 0.5});
+  b_in_a.p = b_in_a.p + 1e-6 * size * aside;
+  return b_in_a;
 }
 
 void touch_pair(const Model& model, const State& s, const Pairs& p, Hit& h, flat::Contact& contact) {
   const Pose &a = p.pose[h.body_a], &b = p.pose[h.body_b];
   const double margin = model.margin + flat::norm(p.ahead[h.body_b] - p.ahead[h.body_a]);
   const flat::Outline &of_a = model.shapes[h.a].outline, &of_b = model.shapes[h.b].outline;
-  if (!flat::touch(of_a, of_b, a.to(b), margin, contact)) return;
-  if (disks_at_one_place(of_a, of_b, a.to(b))) part_anywhere(h, of_a.center, contact);
+  const Pose b_in_a = a.to(b);
+  const double apart = flat::norm(b_in_a * of_b.center - of_a.center);
+  const Pose seen = seen_apart(h, b_in_a, apart, model.light[h.body_b].inner);
+  if (!flat::touch(of_a, of_b, seen, margin, contact)) return;
   contact.normal = a.q * contact.normal;
   for (uint32_t k = 0; k < contact.points; ++k) contact.point[k].at = a.q * contact.point[k].at;
   if (!passes(model, s, h, contact)) h.what = Hit::What::touching;

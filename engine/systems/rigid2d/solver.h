@@ -1,6 +1,7 @@
 // One step of the velocity solver: small steps with soft constraints (TGS-soft: Macklin et al. 2019, "Small
 // steps in physics simulation"; Catto 2024, "Solver2D"). Per small step h:
 //   v += h (g + F/m);  warm start;  solve with bias;  x += h v;  solve without bias;  bounces at the end.
+// What no constraint acts on moves by the mean of its velocities before and after: along its parabola.
 // Bodies are rows of eight numbers (v, w, 1/m, dx, dangle, 1/I) relative to the start of the step;
 // constraints are packed by colour, one per SIMD lane. Poses outside of the solver stay f64.
 #pragma once
@@ -71,7 +72,7 @@ struct ContactPack {
   W stiffness0, stiffness1, coupling;  // K of the two normals, 1/kg
   W held;                              // the coupling, slightly reduced where K has no inverse
   Point point[2];
-  uint32_t rolls, bounces;
+  uint32_t rolls, bounces, crowded;
   // Written only in small steps with deep overlaps.
   struct Before {
     W taken;  // 1 in lanes whose push is taken back
@@ -152,9 +153,16 @@ class Solver {
   void choose_sprung(const Pairs& pairs);
   void kick(JointPass pass, T h);
   void find_islands();
-  /// Marks the lanes of islands with a deep contact, and stores impulses and velocities.
-  void start_parting(T push_out_speed);
-  void small_step(const SolverSettings& settings, const ThreadArena& arena);
+  /// Marks the lanes of islands with a deep contact, finds crowds, and stores impulses and
+  /// velocities.
+  void start_parting(const Model& model, T push_out_speed);
+  void small_step(const Model& model, const SolverSettings& settings, const ThreadArena& arena);
+  /// Forces and damping of a small step on a velocity vx vy w.
+  static void act(const T* push, T* v) {
+    v[0] = (v[0] + push[0]) * push[3], v[1] = (v[1] + push[1]) * push[3], v[2] = (v[2] + push[2]) * push[4];
+  }
+  /// Puts bodies that no impulse reached where their parabola ends.
+  void end_free_flights(const State& state, const SolverSettings& settings, const ThreadArena& arena);
   void store_bodies(State& state, double dt, const ThreadArena& arena) const;
   void store_joints(const Model& model, State& state, Hands& hands, const SolverSettings& settings) const;
 
@@ -164,12 +172,13 @@ class Solver {
   Aligned<T> rows_;
   Aligned<T> push_;            // per row: change of vx vy w per small step, damping factors
   Aligned<T> toi_correction_;  // per row: shift and angle of bodies that hit within the small step
+  Aligned<T> flight_;          // per row, where some bounce: vx vy w as forces leave them, and before
   bool bounces_ = false;
   std::atomic<bool> deep_ = false;  // some contact overlaps deeply
   Aligned<T> start_;                // rows before the pushes, where some contact overlaps deeply
   std::vector<uint32_t> island_;    // roots of the rows' islands, computed when a step needs them
-  bool knows_islands_ = false;
-  std::vector<uint8_t> parts_;
+  bool knows_islands_ = false, crowded_ = false;
+  std::vector<uint8_t> parts_, inside_;  // inside_: of every row, pairs in which it is inside the other
   Aligned<ContactPack<T>> contacts_;
   Aligned<HingePack<T>> hinges_;
   std::vector<uint32_t> contact_colours_, hinge_colours_;  // first pack of every colour, and the end

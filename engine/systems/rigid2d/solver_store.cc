@@ -16,6 +16,29 @@ constexpr double kThickestLearnt = 1.0 / 400;
 
 }  // namespace
 
+// Small steps move bodies by the velocities at their ends. What nothing but its own forces acted on moves by
+// the mean of those at both ends, along its parabola: the sum of the small steps is too far along by half of
+// one in the change of velocity.
+template <class T>
+void Solver<T>::end_free_flights(const State& state, const SolverSettings& settings,
+                                 const ThreadArena& arena) {
+  const double* v = state.f64(columns::velocity).data();
+  const auto w = state.f64(columns::angular_velocity);
+  const T late = static_cast<T>(0.5 * settings.h);
+  arena.for_blocks(moved_, kBodiesPerTask, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      const size_t body = movers_[i];
+      const T before[3] = {static_cast<T>(v[3 * body]), static_cast<T>(v[3 * body + 1]),
+                           static_cast<T>(w[body])};
+      T free[3] = {before[0], before[1], before[2]};
+      for (int k = 0; k < settings.steps; ++k) act(push_.data() + 8 * i, free);
+      T* r = rows_.data() + 8 * i;
+      if (!std::equal(free, free + 3, r)) continue;
+      for (int e = 0; e < 3; ++e) r[4 + e] -= late * (r[e] - before[e]);
+    }
+  });
+}
+
 template <class T>
 void Solver<T>::store_bodies(State& state, double dt, const ThreadArena& arena) const {
   double* x = state.f64(columns::position).data();
@@ -144,6 +167,8 @@ void Solver<T>::store_contacts(const Model& model, const Pairs& pairs, const Pen
   }
 }
 
+template void Solver<float>::end_free_flights(const State&, const SolverSettings&, const ThreadArena&);
+template void Solver<double>::end_free_flights(const State&, const SolverSettings&, const ThreadArena&);
 template void Solver<float>::store_bodies(State&, double, const ThreadArena&) const;
 template void Solver<double>::store_bodies(State&, double, const ThreadArena&) const;
 template void Solver<float>::store_joints(const Model&, State&, Hands&, const SolverSettings&) const;
