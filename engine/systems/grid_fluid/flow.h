@@ -69,7 +69,7 @@ struct FlowFields {
   std::array<double, 3> impulse{};  ///< N s over density, given to obstacles by the fluid
   double turning = 0;               ///< N m s over density, angular, about their axes
   lattice::CutPoisson::Outcome solved;
-  double last_h = 0;  ///< s, length of the substep that `rate` is from; 0: none
+  double last_h = 0;  ///< s, of the substep before, for two-step methods and implicit viscosity; 0: none
 };
 
 class Flow {
@@ -102,7 +102,12 @@ class Flow {
   void fill_component(size_t c, double* u);
   /// Solves (1 - amount lap) x = change (m^2) in place for component c, walls included.
   void diffuse(size_t c, double amount, double* change);
-  void stage(FlowFields& f, double t, double h, const Weights& w, bool implicit);
+  /// How a stage steps viscosity.
+  enum class Viscous : uint8_t { explicit_, crank_nicolson, backward_euler };
+  /// Whether a wall moves past the fluid beside it as if it had just started.
+  bool walls_jump(const FlowFields& f, double t);
+  void step_centrally(FlowFields& f, double t, double h, Viscous viscous);
+  void stage(FlowFields& f, double t, double h, const Weights& w, Viscous viscous);
   void along_paths(FlowFields& f, double t, double h);
   void advect(size_t place, const mac::Sides& sides, const mac::ConstFields& u, double h, const double* from,
               double* to);
@@ -152,6 +157,10 @@ class Flow {
   void extend_pressure(FlowFields& f);
   /// Counts `amount` (m/s of the face's volume), given to its obstacle along component c, as torque.
   void note_turning(FlowFields& f, const Solids::Face& face, size_t c, double amount) const;
+  /// f(offset of face 0 of a line along axis a, row of lines) for all such lines between the sides, rows in
+  /// parallel.
+  template <class F>
+  void for_side(size_t a, F&& f) const;
   void open_sides(size_t c, double* u);
   void balance(FlowFields& f);
   double* array(size_t k) { return arrays_[k].data.data(); }
@@ -172,6 +181,7 @@ class Flow {
   std::array<std::vector<uint8_t>, 3> beside_border_;
   std::array<std::vector<double>, 3> force_;  ///< m/s^2, from the scene; kept if constant in time
   std::vector<double> source_;                ///< 1/s, of the scalar, likewise
+  std::vector<double> row_sums_;              ///< of the velocity through a side
   MovingSolids solids_;
   std::array<std::vector<Solids::Face>, 3> were_inside_;
 };
