@@ -69,7 +69,7 @@ struct FlowFields {
   std::array<double, 3> impulse{};  ///< N s over density, given to obstacles by the fluid
   double turning = 0;               ///< N m s over density, angular, about their axes
   lattice::CutPoisson::Outcome solved;
-  double last_h = 0;  ///< s, of the substep before, for two-step methods and implicit viscosity; 0: none
+  double last_h = 0;  ///< s, length of the substep that `rate` is from; 0: none
 };
 
 class Flow {
@@ -102,12 +102,7 @@ class Flow {
   void fill_component(size_t c, double* u);
   /// Solves (1 - amount lap) x = change (m^2) in place for component c, walls included.
   void diffuse(size_t c, double amount, double* change);
-  /// How a stage steps viscosity.
-  enum class Viscous : uint8_t { explicit_, crank_nicolson, backward_euler };
-  /// Whether a wall moves past the fluid beside it as if it had just started.
-  bool walls_jump(const FlowFields& f, double t);
-  void step_centrally(FlowFields& f, double t, double h, Viscous viscous);
-  void stage(FlowFields& f, double t, double h, const Weights& w, Viscous viscous);
+  void stage(FlowFields& f, double t, double h, const Weights& w, bool implicit);
   void along_paths(FlowFields& f, double t, double h);
   void advect(size_t place, const mac::Sides& sides, const mac::ConstFields& u, double h, const double* from,
               double* to);

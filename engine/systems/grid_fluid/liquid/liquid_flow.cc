@@ -55,6 +55,32 @@ void LiquidFlow::bind(const FlowModel& m, size_t rows, const ThreadArena& arena)
   room_.measure(*solids_, solids_.obstacles(), arena);
 }
 
+// Beside a wall that holds the liquid the parabola of kernels/mac/ghosts.h continues the velocity to the
+// wall. Where the wall's layer is thinner than a cell there is no such profile: affine particles would find a
+// slope of twice the velocity per half cell, carry it inwards, and spread it there as velocity. The layer
+// that grows along a cell of wall is 5 / sqrt(|u| dx / viscosity) cells thick (Blasius 1908); beyond one cell
+// the parabola counts in proportion to what is left of it.
+void LiquidFlow::fill_velocity(size_t c, double* u) {
+  fill_sides(c, u);
+  const mac::MacGrid& g = model_->grid;
+  for (size_t a = 0; a < g.dimensions; ++a) {
+    if (a == c) continue;
+    const auto s = static_cast<ptrdiff_t>(g.stride(a));
+    const double resolved = 25 * model_->def.viscosity / g.spacing[a];
+    for (size_t end = 0; end < 2; ++end) {
+      if (sides_[c][a][end].mirror != mac::Mirror::given) continue;
+      const size_t first = mac::kGhosts + (end == 0 ? 0 : g.cells[a] - 1);
+      const ptrdiff_t inwards = end == 0 ? s : -s;
+      mac::for_lines(g, a, *arena_, [=](size_t line) {
+        double* cell = u + line + first * static_cast<size_t>(s);
+        const double speed = std::abs(cell[0]), share = speed > resolved ? resolved / speed : 1;
+        const double parabola = (cell[inwards] - 6 * cell[0]) / 3;
+        cell[-inwards] = share == 1 ? parabola : cell[0] + share * (parabola - cell[0]);
+      });
+    }
+  }
+}
+
 void LiquidFlow::place_obstacles(double t) {
   if (solids_.place(t)) room_.measure(*solids_, solids_.obstacles(), *arena_);
 }

@@ -60,6 +60,7 @@ class LiquidFlow {
   void continue_outwards();
   /// Places obstacles for time t (s).
   void place_obstacles(double t);
+  void fill_velocity(size_t c, double* u);
   void fill_sides(size_t c, double* u) { mac::fill_ghosts(model_->grid, c, sides_[c], u, *arena_); }
   double* particle(Array& from, size_t p) const { return from.data() + width_ * p; }
   /// f(offset, low cell's offset, side) for the faces of a component; side: the sign of the inward direction

@@ -22,7 +22,7 @@ void LiquidFlow::settle_faces(double t, double h) {
       u[at] = mass[at] > 0 ? u[at] / mass[at] : 0;
     });
     mac::extrapolate(g, c, 2, u, known, work_.data(), fresh_.data(), *arena_);
-    fill_sides(c, u);
+    fill_velocity(c, u);
     mac::copy_all(g, u, before_[c].data(), *arena_);
     const Program& program = model_->texts.force[c];
     std::vector<double>& force = force_[c];
@@ -202,7 +202,7 @@ void LiquidFlow::continue_outwards() {
   for (size_t c = 0; c < g.dimensions; ++c) {
     for_faces(c, [&](size_t at, size_t, int) { u_[c][at] = known_[c][at] ? u_[c][at] : 0; });
     mac::extrapolate(g, c, layers, u_[c].data(), known_[c].data(), work_.data(), fresh_.data(), *arena_);
-    fill_sides(c, u_[c].data());
+    fill_velocity(c, u_[c].data());
   }
 }
 
