@@ -11,18 +11,18 @@ void zero(size_t n, double* x, const ThreadArena& arena) {
 }
 }  // namespace
 
-void CutPoisson::wrap(const Level& l, double* x) const {
+void CutPoisson::wrap(const Level& l, double* x, const ThreadArena& arena) const {
+  constexpr size_t kLines = 1024;
   for (size_t a = 0; a < grid_.dimensions; ++a) {
     if (!grid_.periodic[a]) continue;
-    const size_t first = a == 0 ? 1 : 0, second = a == 2 ? 1 : 2;
-    for (size_t q = 0; q < l.n[second]; ++q) {
-      for (size_t p = 0; p < l.n[first]; ++p) {
-        double* line =
-            x + l.base + p * l.stride(first) + (second < grid_.dimensions ? q * l.stride(second) : 0);
-        line[-static_cast<ptrdiff_t>(l.stride(a))] = line[(l.n[a] - 1) * l.stride(a)];
-        line[l.n[a] * l.stride(a)] = line[0];
+    const size_t first = a == 0 ? 1 : 0, second = a == 2 ? 1 : 2, s = l.stride(a), n = l.n[first];
+    arena.for_blocks(n * l.n[second], kLines, [&](size_t begin, size_t end) {
+      for (size_t r = begin; r < end; ++r) {
+        double* line = x + l.base + r % n * l.stride(first) + r / n * l.stride(second);
+        line[-static_cast<ptrdiff_t>(s)] = line[(l.n[a] - 1) * s];
+        line[l.n[a] * s] = line[0];
       }
-    }
+    });
   }
 }
 
@@ -52,8 +52,10 @@ void CutPoisson::relax_row(const Level& l, size_t colour, From from, const doubl
 void CutPoisson::relax(const Level& l, size_t first, From from, const double* b, double* x,
                        const ThreadArena& arena) const {
   const size_t last_axis = grid_.dimensions - 1, layers = l.n[last_axis];
-  constexpr size_t kLayers = 16;
-  const size_t block = std::max(kLayers, 4 * kBlockRows / (l.n[0] * (last_axis == 2 ? l.n[1] : 1)));
+  constexpr size_t kLayers = 8;
+  const size_t most = std::max(kLayers, 4 * kBlockRows / (l.n[0] * (last_axis == 2 ? l.n[1] : 1)));
+  // As even as they come: a coarse level has few blocks.
+  const size_t blocks = (layers + most - 1) / most, block = (layers + blocks - 1) / blocks;
   const auto layer = [&](size_t colour, From start, size_t p) {
     if (last_axis == 1) return relax_row(l, colour, start, b, x, p, 0);
     for (size_t j = 0; j < l.n[1]; ++j) relax_row(l, colour, start, b, x, j, p);
@@ -62,14 +64,14 @@ void CutPoisson::relax(const Level& l, size_t first, From from, const double* b,
   const bool wraps = grid_.periodic[0] || grid_.periodic[1] || grid_.periodic[2];
   // Along a periodic axis of an odd number of cells both ends are of one colour and read each other.
   if (wraps && from == From::zero) zero(l.size(), x, arena), from = From::values;
-  if (from == From::values) wrap(l, x);
+  if (from == From::values) wrap(l, x, arena);
   arena.for_blocks(layers, block, [&](size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
       layer(first, from, p);
       if (!wraps && p > begin + 1) layer(second, From::values, p - 1);
     }
   });
-  wrap(l, x);
+  wrap(l, x, arena);
   arena.for_blocks(layers, block, [&](size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
       if (wraps || p == begin || p + 1 == end) layer(second, From::values, p);
@@ -79,7 +81,7 @@ void CutPoisson::relax(const Level& l, size_t first, From from, const double* b,
 
 void CutPoisson::residual(const Level& l, const double* b, double* x, double* r,
                           const ThreadArena& arena) const {
-  wrap(l, x);
+  wrap(l, x, arena);
   rows(l, arena, [&](size_t at, size_t, size_t) {
     const size_t n = l.n[0];
     if (b) {
@@ -103,7 +105,7 @@ void CutPoisson::residual(const Level& l, const double* b, double* x, double* r,
 }
 
 void CutPoisson::restrict_to(const Level& fine, Level& coarse, const ThreadArena& arena) const {
-  rows(coarse, arena, [&](size_t at, size_t j, size_t q) {
+  rows(coarse, arena, kFineRows, [&](size_t at, size_t j, size_t q) {
     double* to = coarse.b.data() + at;
     std::fill_n(to, coarse.n[0], 0.0);
     for (const auto& [fq, wq] : fine.to_coarser[2].down[q]) {

@@ -6,6 +6,7 @@
 // much as the fine ones together.
 #pragma once
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "engine/base/cache_line.h"
@@ -72,7 +73,7 @@ class CutPoisson {
   /// Adds the next coarser level; false if there is none.
   bool coarsen();
   void fill_coarser(const Level& fine, Level& coarse, const ThreadArena& arena) const;
-  void wrap(const Level& l, double* x) const;
+  void wrap(const Level& l, double* x, const ThreadArena& arena) const;
   /// Relaxes the cells of both colours, starting with `first`; from 0 the values of x do not matter.
   enum class From : uint8_t { zero, values };
   void relax(const Level& l, size_t first, From from, const double* b, double* x,
@@ -89,8 +90,14 @@ class CutPoisson {
   /// Of part(begin, end) over fixed blocks of [0, n), in their order.
   template <class F>
   double total(size_t n, const ThreadArena& arena, F&& part);
+  /// `weight`: cost of a cell in a pass over a level, relative to one that only touches it.
   template <class F>
-  void rows(const Level& l, const ThreadArena& arena, F&& f) const;
+  void rows(const Level& l, const ThreadArena& arena, size_t weight, F&& f) const;
+  template <class F>
+  void rows(const Level& l, const ThreadArena& arena, F&& f) const {
+    rows(l, arena, 1, std::forward<F>(f));
+  }
+  static constexpr size_t kFineRows = 8;  ///< of a coarse cell that reads all its fine ones
 
   mac::MacGrid grid_;
   std::array<std::array<mac::Mirror, 2>, 3> mirrors_;
@@ -104,8 +111,8 @@ class CutPoisson {
 
 /// f(offset of the row's first cell, its j, its l) for every row of cells along x, in parallel.
 template <class F>
-void CutPoisson::rows(const Level& l, const ThreadArena& arena, F&& f) const {
-  const size_t block = std::max<size_t>(1, kBlockRows / l.n[0]);
+void CutPoisson::rows(const Level& l, const ThreadArena& arena, size_t weight, F&& f) const {
+  const size_t block = std::max<size_t>(1, kBlockRows / (weight * l.n[0]));
   arena.for_blocks(l.n[1] * l.n[2], block, [&](size_t begin, size_t end) {
     for (size_t r = begin; r < end; ++r) f(l.at(0, r % l.n[1], r / l.n[1]), r % l.n[1], r / l.n[1]);
   });

@@ -167,7 +167,7 @@ void CutPoisson::fill_coarser(const Level& fine, Level& coarse, const ThreadAren
     const size_t first = fine.halved[a] ? 2 * i : i;
     return std::array<size_t, 2>{first, std::min(first + (fine.halved[a] ? 2 : 1), fine.n[a])};
   };
-  rows(coarse, arena, [&](size_t at, size_t j, size_t q) {
+  rows(coarse, arena, kFineRows, [&](size_t at, size_t j, size_t q) {
     for (size_t i = 0; i < coarse.n[0]; ++i) {
       const std::array<size_t, 3> p{i, j, q};
       const std::array<std::array<size_t, 2>, 3> span{children(0, i), children(1, j), children(2, q)};

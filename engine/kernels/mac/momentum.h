@@ -25,6 +25,17 @@ void for_rows(const MacGrid& g, size_t place, const ThreadArena& arena, F&& f) {
   });
 }
 
+/// f(offset) for the start of every line along axis a, those through ghosts included, in parallel.
+template <class F>
+void for_lines(const MacGrid& g, size_t a, const ThreadArena& arena, F&& f) {
+  constexpr size_t kLines = 512;
+  const size_t first = a == 0 ? 1 : 0, second = a == 2 ? 1 : 2;
+  const size_t n = g.padded(first), lines = n * g.padded(second);
+  arena.for_blocks(lines, kLines, [&](size_t begin, size_t end) {
+    for (size_t l = begin; l < end; ++l) f(l % n * g.stride(first) + l / n * g.stride(second));
+  });
+}
+
 /// Largest of 0 and f(offset of the row's first value, number of values) over the rows of `place`.
 template <class F>
 double largest_of_rows(const MacGrid& g, size_t place, const ThreadArena& arena, F&& f) {

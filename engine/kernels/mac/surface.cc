@@ -24,7 +24,7 @@ void surface_faces(const MacGrid& g, size_t c, const uint8_t* liquid, const doub
 void extrapolate(const MacGrid& g, size_t c, int layers, double* u, uint8_t* known, double* found,
                  uint8_t* fresh, const ThreadArena& arena) {
   for (int layer = 0; layer < layers; ++layer) {
-    wrap_periodic(g, u), wrap_periodic(g, known);
+    wrap_periodic(g, u, arena), wrap_periodic(g, known, arena);
     for_rows(g, c, arena, [&](size_t at, size_t, size_t, size_t n) {
       for (size_t i = at; i < at + n; ++i) {
         fresh[i] = 0;
@@ -47,18 +47,15 @@ void extrapolate(const MacGrid& g, size_t c, int layers, double* u, uint8_t* kno
   }
 }
 
-void fold_periodic(const MacGrid& g, double* u) {
+void fold_periodic(const MacGrid& g, double* u, const ThreadArena& arena) {
   for (size_t a = 0; a < g.dimensions; ++a) {
     if (!g.periodic[a]) continue;
-    const size_t first = a == 0 ? 1 : 0, second = a == 2 ? 1 : 2;
     const size_t s = g.stride(a), n = g.cells[a];
-    for (size_t q = 0; q < g.padded(second); ++q) {
-      for (size_t p = 0; p < g.padded(first); ++p) {
-        double* line = u + p * g.stride(first) + q * g.stride(second);
-        for (size_t m = 0; m < kGhosts; ++m) line[(n + m) * s] += line[m * s];
-        for (size_t m = 0; m <= kGhosts; ++m) line[(kGhosts + m) * s] += line[(kGhosts + n + m) * s];
-      }
-    }
+    for_lines(g, a, arena, [=](size_t at) {
+      double* line = u + at;
+      for (size_t m = 0; m < kGhosts; ++m) line[(n + m) * s] += line[m * s];
+      for (size_t m = 0; m <= kGhosts; ++m) line[(kGhosts + m) * s] += line[(kGhosts + n + m) * s];
+    });
   }
 }
 

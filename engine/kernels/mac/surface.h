@@ -43,22 +43,19 @@ void extrapolate(const MacGrid& grid, size_t component, int layers, double* u, u
 
 /// Copies values to the other end of periodic axes.
 template <class T>
-void wrap_periodic(const MacGrid& g, T* u) {
+void wrap_periodic(const MacGrid& g, T* u, const ThreadArena& arena) {
   for (size_t a = 0; a < g.dimensions; ++a) {
     if (!g.periodic[a]) continue;
-    const size_t first = a == 0 ? 1 : 0, second = a == 2 ? 1 : 2;
     const size_t s = g.stride(a), n = g.cells[a];
-    for (size_t q = 0; q < g.padded(second); ++q) {
-      for (size_t p = 0; p < g.padded(first); ++p) {
-        T* line = u + p * g.stride(first) + q * g.stride(second);
-        for (size_t m = 0; m < kGhosts; ++m) line[m * s] = line[(n + m) * s];
-        for (size_t m = 0; m <= kGhosts; ++m) line[(kGhosts + n + m) * s] = line[(kGhosts + m) * s];
-      }
-    }
+    for_lines(g, a, arena, [=](size_t at) {
+      T* line = u + at;
+      for (size_t m = 0; m < kGhosts; ++m) line[m * s] = line[(n + m) * s];
+      for (size_t m = 0; m <= kGhosts; ++m) line[(kGhosts + n + m) * s] = line[(kGhosts + m) * s];
+    });
   }
 }
 
 /// Adds what was spread beyond the ends of periodic axes to the values it belongs to.
-void fold_periodic(const MacGrid& grid, double* u);
+void fold_periodic(const MacGrid& grid, double* u, const ThreadArena& arena);
 
 }  // namespace truestep::mac

@@ -50,6 +50,19 @@ void Flow::bind(const FlowModel& m, const ThreadArena& arena) {
   sides_time_ = -1;
 }
 
+template <class F>
+void Flow::for_side(size_t a, F&& f) const {
+  const mac::MacGrid& g = model_->grid;
+  const size_t first = a == 0 ? 1 : 0, second = a == 2 ? 1 : 2;
+  const size_t block = std::max<size_t>(1, kBlockRows / g.cells[first]);
+  arena_->for_blocks(g.cells[second], block, [&](size_t begin, size_t last) {
+    for (size_t q = begin; q < last; ++q) {
+      const size_t row = g.base() + (second < g.dimensions ? q * g.stride(second) : 0);
+      for (size_t p = 0; p < g.cells[first]; ++p) f(row + p * g.stride(first), q);
+    }
+  });
+}
+
 void Flow::sides_at(double t) {
   if (sides_time_ == t || (sides_time_ >= 0 && !model_->texts.sides_move)) return;
   sides_time_ = t, side_rate_ = 0;
@@ -117,16 +130,11 @@ bool Flow::implicit(double viscosity, double h) const {
 // The last face before an outflow is advected unchanged.
 void Flow::open_sides(size_t c, double* u) {
   const mac::MacGrid& g = model_->grid;
-  const size_t first = c == 0 ? 1 : 0, second = c == 2 ? 1 : 2;
+  const size_t s = g.stride(c);
   for (size_t end = 0; end < 2; ++end) {
     if (model_->kinds[c][end] != SideKind::outflow) continue;
     const size_t side = end == 0 ? 0 : g.cells[c], inside = end == 0 ? 1 : g.cells[c] - 1;
-    for (size_t q = 0; q < g.cells[second]; ++q) {
-      for (size_t p = 0; p < g.cells[first]; ++p) {
-        const size_t at = g.base() + p * g.stride(first) + (second < g.dimensions ? q * g.stride(second) : 0);
-        u[at + side * g.stride(c)] = u[at + inside * g.stride(c)];
-      }
-    }
+    for_side(c, [&](size_t at, size_t) { u[at + side * s] = u[at + inside * s]; });
   }
 }
 
@@ -157,20 +165,17 @@ void Flow::add_force(FlowFields& f, double t, size_t c, double factor, double* t
 
 // Transforms have mirror images beyond walls where the differences have parabolas, whose friction is larger:
 // a solve by them divides modes of the wall by too little, by up to m = 4/3 (in corners 5/3), which long
-// steps would amplify. With the difference on the right of two more solves, weighed by 1 and 1 / m, modes
-// lack between 0 and 0.004 of their change (in corners 0.03): never less than 0, so that steps of any length
-// are stable, and nothing where the walls are not felt.
+// steps would amplify and short ones would not resolve. With the difference on the right of two more solves,
+// weighed by 1 and 1 / m, modes lack between 0 and 0.004 of their change (in corners 0.03): never less than
+// 0, so that steps of any length are stable, and nothing where the walls are not felt.
 void Flow::diffuse(size_t c, double amount, double* change) {
   const mac::MacGrid& g = model_->grid;
   const double walls = static_cast<double>(g.dimensions) - 1;  // that meet in a corner and are parallel to c
-  double r = 0;
   bool any = false;
   for (size_t a = 0; a < g.dimensions; ++a) {
-    r = std::max(r, amount / (g.spacing[a] * g.spacing[a]));
     for (size_t end = 0; end < 2 && a != c; ++end) any = any || sides_[c][a][end].mirror == Mirror::given;
   }
-  // Up to here one solve is stable.
-  if (!any || r <= 0.75 / walls) return viscous_[c]->solve(1, amount, change, *arena_);
+  if (!any) return viscous_[c]->solve(1, amount, change, *arena_);
   double *once = array(9), *twice = array(c);
   mac::for_rows(g, c, *arena_, [&](size_t at, size_t, size_t, size_t n) {
     std::copy_n(change + at, n, once + at), std::copy_n(change + at, n, twice + at);
@@ -249,27 +254,28 @@ void Flow::balance(FlowFields& f) {
   const mac::MacGrid& g = model_->grid;
   if (model_->open) return;
   double net = 0, area = 0;
-  for (int pass = 0; pass < 2; ++pass) {
-    const double add = pass == 1 && area > 0 ? net / area : 0;
-    if (pass == 1 && add == 0) return;
+  const auto for_inflows = [&](auto&& visit) {
     for (size_t a = 0; a < g.dimensions; ++a) {
-      const size_t first = a == 0 ? 1 : 0, second = a == 2 ? 1 : 2;
-      const double face = g.cell_volume() / g.spacing[a];
       for (size_t end = 0; end < 2; ++end) {
-        if (model_->kinds[a][end] != SideKind::inflow) continue;
-        const double outwards = end == 0 ? -1 : 1;
-        for (size_t q = 0; q < g.cells[second]; ++q) {
-          for (size_t p = 0; p < g.cells[first]; ++p) {
-            double& v =
-                f.u[a][g.base() + p * g.stride(first) + (second < g.dimensions ? q * g.stride(second) : 0) +
-                       (end == 0 ? 0 : g.cells[a] * g.stride(a))];
-            if (pass == 0) net -= outwards * v * face, area += face;
-            v += outwards * add;
-          }
-        }
+        if (model_->kinds[a][end] == SideKind::inflow) visit(a, end == 0 ? 0 : g.cells[a] * g.stride(a), end);
       }
     }
-  }
+  };
+  for_inflows([&](size_t a, size_t side, size_t end) {
+    // Every row's sum, then theirs, in their order.
+    const double face = g.cell_volume() / g.spacing[a], outwards = end == 0 ? -1 : 1;
+    const size_t first = a == 0 ? 1 : 0, second = a == 2 ? 1 : 2;
+    row_sums_.assign(g.cells[second], 0);
+    for_side(a, [&](size_t at, size_t q) { row_sums_[q] += f.u[a][at + side]; });
+    for (const double sum : row_sums_) net -= outwards * face * sum;
+    area += face * static_cast<double>(g.cells[first] * g.cells[second]);
+  });
+  const double add = area > 0 ? net / area : 0;
+  if (add == 0) return;
+  for_inflows([&](size_t a, size_t side, size_t end) {
+    const double change = end == 0 ? -add : add;
+    for_side(a, [&](size_t at, size_t) { f.u[a][at + side] += change; });
+  });
 }
 
 void Flow::project(FlowFields& f, double t, double h) {

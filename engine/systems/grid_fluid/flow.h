@@ -152,6 +152,10 @@ class Flow {
   void extend_pressure(FlowFields& f);
   /// Counts `amount` (m/s of the face's volume), given to its obstacle along component c, as torque.
   void note_turning(FlowFields& f, const Solids::Face& face, size_t c, double amount) const;
+  /// f(offset of face 0 of a line along axis a, row of lines) for all such lines between the sides, rows in
+  /// parallel.
+  template <class F>
+  void for_side(size_t a, F&& f) const;
   void open_sides(size_t c, double* u);
   void balance(FlowFields& f);
   double* array(size_t k) { return arrays_[k].data.data(); }
@@ -172,6 +176,7 @@ class Flow {
   std::array<std::vector<uint8_t>, 3> beside_border_;
   std::array<std::vector<double>, 3> force_;  ///< m/s^2, from the scene; kept if constant in time
   std::vector<double> source_;                ///< 1/s, of the scalar, likewise
+  std::vector<double> row_sums_;              ///< of the velocity through a side
   MovingSolids solids_;
   std::array<std::vector<Solids::Face>, 3> were_inside_;
 };

@@ -16,6 +16,7 @@ class MovingSolids {
   bool place(double t);
 
   const Solids* operator->() const { return solids_; }
+  const Solids& operator*() const { return *solids_; }
   const std::vector<ObstacleDef>& obstacles() const { return places_.obstacles; }
   /// m/s, of an obstacle's material at a point (m), and component c of it at the centre of a face.
   Vec3 velocity(uint32_t obstacle, const Vec3& at) const;

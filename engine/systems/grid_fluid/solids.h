@@ -42,6 +42,8 @@ struct Solids {
   void set_aside();
   bool any() const { return !open[0].empty(); }
   bool is_inside(size_t c, size_t at) const { return solid_[c][at] != 0; }
+  /// Whether a cell lies in an obstacle's bounding box, widened by two cells.
+  bool is_near(size_t at) const { return near_[at] != 0; }
 
   std::array<Array, 3> open;                ///< open fraction of each face, 0 to 1
   std::array<Array, 3> fluid;               ///< fluid fraction of the volume around each face

@@ -24,7 +24,8 @@ void LiquidFlow::bind(const FlowModel& m, size_t rows, const ThreadArena& arena)
   affine_ = m.def.advection == GridFluidDef::Advection::apic;
   width_ = 2 * d + (affine_ ? d * d : 0);
   now_.assign(rows * width_, 0), sorted_.assign(rows * width_, 0);
-  row_.assign(rows, 0), rows_sorted_.assign(rows, 0), cell_.assign(rows, 0), by_layer_.assign(rows, 0);
+  row_.assign(rows, 0), rows_sorted_.assign(rows, 0), cell_.assign(rows, 0);
+  layer_.assign(rows, 0), by_layer_.assign(rows, 0);
   // Blocks of particles that are counted by themselves.
   constexpr size_t kMostBlocks = 64;
   layer_ends_.assign(std::clamp<size_t>(rows / kParticles, 1, kMostBlocks) * g.cells[d - 1], 0);
@@ -46,50 +47,42 @@ void LiquidFlow::bind(const FlowModel& m, size_t rows, const ThreadArena& arena)
     for (size_t end = 0; end < 2; ++end) cell_sides_[a][end].mirror = mirrors[a][end];
   }
   liquid_.assign(n, 0), fresh_.assign(n, 0), excess_.resize(g.cells[1] * g.cells[2]);
-  for (Array* a : {&room_, &depth_, &work_}) a->assign(n, 0);
+  for (Array* a : {&depth_, &work_}) a->assign(n, 0);
   solver_.emplace(g, mirrors);
   solids_.bind(m);
   if (m.def.viscosity > 0) viscosity_.bind(m, solids_);
-  measure_room();
+  room_.bind(g, static_cast<size_t>(m.def.particles_per_axis), arena);
+  room_.measure(*solids_, solids_.obstacles(), arena);
 }
 
-// Sum of weights in each cell if particles fill all space outside obstacles.
-void LiquidFlow::measure_room() {
+// Beside a wall that holds the liquid the parabola of kernels/mac/ghosts.h continues the velocity to the
+// wall. Where the wall's layer is thinner than a cell there is no such profile: affine particles would find a
+// slope of twice the velocity per half cell, carry it inwards, and spread it there as velocity. The layer
+// that grows along a cell of wall is 5 / sqrt(|u| dx / viscosity) cells thick (Blasius 1908); beyond one cell
+// the parabola counts in proportion to what is left of it.
+void LiquidFlow::fill_velocity(size_t c, double* u) {
+  fill_sides(c, u);
   const mac::MacGrid& g = model_->grid;
-  const auto per = static_cast<size_t>(model_->def.particles_per_axis);
-  const bool space = g.dimensions == 3;
-  std::fill(room_.begin(), room_.end(), 0.0);
-  const auto at = [&](size_t i) { return (static_cast<double>(i) + 0.5) / static_cast<double>(per); };
-  for (size_t k = 0; k < (space ? per * g.cells[2] : 1); ++k) {
-    for (size_t j = 0; j < per * g.cells[1]; ++j) {
-      for (size_t i = 0; i < per * g.cells[0]; ++i) {
-        const double x[] = {at(i), at(j), at(k)};
-        if (model_->solids.any()) {
-          const Vec3 place{g.origin[0] + g.spacing[0] * x[0], g.origin[1] + g.spacing[1] * x[1],
-                           space ? g.origin[2] + g.spacing[2] * x[2] : 0};
-          if (distance_to(solids_.obstacles(), place, g.dimensions) <= 0) continue;
-        }
-        if (space) {
-          mac::scatter<3>(g, mac::around_particle<3>(g, kCentre, x), room_.data());
-        } else {
-          mac::scatter<2>(g, mac::around_particle<2>(g, kCentre, x), room_.data());
-        }
-      }
+  for (size_t a = 0; a < g.dimensions; ++a) {
+    if (a == c) continue;
+    const auto s = static_cast<ptrdiff_t>(g.stride(a));
+    const double resolved = 25 * model_->def.viscosity / g.spacing[a];
+    for (size_t end = 0; end < 2; ++end) {
+      if (sides_[c][a][end].mirror != mac::Mirror::given) continue;
+      const size_t first = mac::kGhosts + (end == 0 ? 0 : g.cells[a] - 1);
+      const ptrdiff_t inwards = end == 0 ? s : -s;
+      mac::for_lines(g, a, *arena_, [=](size_t line) {
+        double* cell = u + line + first * static_cast<size_t>(s);
+        const double speed = std::abs(cell[0]), share = speed > resolved ? resolved / speed : 1;
+        const double parabola = (cell[inwards] - 6 * cell[0]) / 3;
+        cell[-inwards] = share == 1 ? parabola : cell[0] + share * (parabola - cell[0]);
+      });
     }
   }
-  mac::fold_periodic(g, room_.data());
-  // There are none beyond the box.
-  std::copy(room_.begin(), room_.end(), work_.begin());
-  std::fill(room_.begin(), room_.end(), 0.0);
-  mac::for_rows(g, kCentre, *arena_,
-                [&](size_t at, size_t, size_t, size_t n) { std::copy_n(&work_[at], n, &room_[at]); });
-  mac::wrap_periodic(g, room_.data());
-  whole_ = 1;
-  for (size_t a = 0; a < g.dimensions; ++a) whole_ *= static_cast<double>(per);
 }
 
 void LiquidFlow::place_obstacles(double t) {
-  if (solids_.place(t)) measure_room();
+  if (solids_.place(t)) room_.measure(*solids_, solids_.obstacles(), *arena_);
 }
 
 void LiquidFlow::load(const LiquidFields& f) {
@@ -157,11 +150,12 @@ void LiquidFlow::sort() {
     std::fill_n(count, layers, 0u);
     for (size_t p = begin; p < end; ++p) {
       const double* x = particle(now_, p);
+      const auto place = [&](size_t a) { return std::min(static_cast<size_t>(x[a]), g.cells[a] - 1); };
       size_t cell = 0;
-      for (size_t a = D; a-- > 0;)
-        cell = cell * g.cells[a] + std::min(static_cast<size_t>(x[a]), g.cells[a] - 1);
-      cell_[p] = static_cast<uint32_t>(cell);
-      ++count[cell / layer];
+      for (size_t a = D - 1; a-- > 0;) cell = cell * g.cells[a] + place(a);
+      const size_t l = place(D - 1);
+      cell_[p] = static_cast<uint32_t>(cell), layer_[p] = static_cast<uint32_t>(l);
+      ++count[l];
     }
   });
   // Where each block's particles of a layer start.
@@ -178,13 +172,13 @@ void LiquidFlow::sort() {
   first_.back() = sum;
   arena_->for_blocks(rows_, block, [&](size_t begin, size_t end) {
     uint32_t* next = layer_ends_.data() + begin / block * layers;
-    for (size_t p = begin; p < end; ++p) by_layer_[next[cell_[p] / layer]++] = static_cast<uint32_t>(p);
+    for (size_t p = begin; p < end; ++p) by_layer_[next[layer_[p]]++] = static_cast<uint32_t>(p);
   });
   arena_->for_blocks(layers, 1, [&](size_t l, size_t) {
     const size_t begin = first_[l * layer], end = first_[(l + 1) * layer];
     thread_local std::vector<uint32_t> next;
     next.assign(layer, 0);
-    for (size_t m = begin; m < end; ++m) ++next[cell_[by_layer_[m]] - l * layer];
+    for (size_t m = begin; m < end; ++m) ++next[cell_[by_layer_[m]]];
     auto at = static_cast<uint32_t>(begin);
     for (size_t c = 0; c < layer; ++c) {
       // The layer's own first place is set already; the neighbours read it.
@@ -193,7 +187,7 @@ void LiquidFlow::sort() {
       next[c] = at, at += count;
     }
     for (size_t m = begin; m < end; ++m) {
-      const size_t p = by_layer_[m], to = next[cell_[p] - l * layer]++;
+      const size_t p = by_layer_[m], to = next[cell_[p]]++;
       std::copy_n(particle(now_, p), width_, particle(sorted_, to));
       rows_sorted_[to] = row_[p];
     }
@@ -226,8 +220,10 @@ void LiquidFlow::spread(LiquidFields& f) {
       }
     });
   }
-  for (size_t c = 0; c < D; ++c) mac::fold_periodic(g, mass_[c].data()), mac::fold_periodic(g, u_[c].data());
-  mac::fold_periodic(g, f.fill);
+  for (size_t c = 0; c < D; ++c) {
+    mac::fold_periodic(g, mass_[c].data(), *arena_), mac::fold_periodic(g, u_[c].data(), *arena_);
+  }
+  mac::fold_periodic(g, f.fill, *arena_);
 }
 
 void LiquidFlow::clear_of_obstacles(double* x, double* v) const {

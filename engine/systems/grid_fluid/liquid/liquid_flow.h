@@ -13,6 +13,7 @@
 #include "engine/lattice/cut_poisson.h"
 #include "engine/systems/grid_fluid/flow.h"
 #include "engine/systems/grid_fluid/liquid/face_viscosity.h"
+#include "engine/systems/grid_fluid/liquid/room.h"
 
 namespace truestep::grid_fluid {
 
@@ -57,9 +58,9 @@ class LiquidFlow {
   void take_back_compression(LiquidFields& f, LiquidReport& report);
   void accelerate_beside(size_t c);
   void continue_outwards();
-  void measure_room();
   /// Places obstacles for time t (s).
   void place_obstacles(double t);
+  void fill_velocity(size_t c, double* u);
   void fill_sides(size_t c, double* u) { mac::fill_ghosts(model_->grid, c, sides_[c], u, *arena_); }
   double* particle(Array& from, size_t p) const { return from.data() + width_ * p; }
   /// f(offset, low cell's offset, side) for the faces of a component; side: the sign of the inward direction
@@ -75,17 +76,18 @@ class LiquidFlow {
   std::array<mac::Sides, 3> sides_;  ///< faces on the box's sides keep their values
   mac::Sides cell_sides_;
   Array now_, sorted_;                                       ///< particles, in any order and sorted by cell
-  std::vector<uint32_t> row_, rows_sorted_, cell_, first_;   ///< first_: of each cell, then the end
+  std::vector<uint32_t> row_, rows_sorted_, first_;          ///< first_: of each cell, then the end
+  std::vector<uint32_t> layer_, cell_;                       ///< of a particle: layer of cells, cell in it
   std::vector<uint32_t> by_layer_, layer_ends_;              ///< scratch of `sort`
   std::array<Array, 3> u_, before_, mass_, factor_, shift_;  ///< on faces
   std::array<std::vector<uint8_t>, 3> known_;                ///< faces that have a velocity
   std::vector<uint8_t> liquid_, fresh_;
-  Array room_, depth_, work_;  ///< room: sum of weights of liquid at rest in a cell
+  Array depth_, work_;
+  Room room_;
   struct Excess {
     double sum = 0, most = 0, cells = 0;
   };
   std::vector<Excess> excess_;  ///< of the fill of a row of cells
-  double whole_ = 1;            ///< the same far from sides and obstacles
   std::array<std::vector<double>, 3> force_;
   std::optional<lattice::CutPoisson> solver_;
   FaceViscosity viscosity_;

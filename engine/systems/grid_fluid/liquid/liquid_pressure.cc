@@ -22,7 +22,7 @@ void LiquidFlow::settle_faces(double t, double h) {
       u[at] = mass[at] > 0 ? u[at] / mass[at] : 0;
     });
     mac::extrapolate(g, c, 2, u, known, work_.data(), fresh_.data(), *arena_);
-    fill_sides(c, u);
+    fill_velocity(c, u);
     mac::copy_all(g, u, before_[c].data(), *arena_);
     const Program& program = model_->texts.force[c];
     std::vector<double>& force = force_[c];
@@ -38,14 +38,15 @@ void LiquidFlow::find_surface(LiquidFields& f) {
   const mac::MacGrid& g = model_->grid;
   // A cell almost filled by an obstacle says little about the liquid around it.
   constexpr double kLeastRoom = 0.2;
+  const double *room = room_.data(), least = kLeastRoom * room_.whole();
   mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
     for (size_t i = at; i < at + n; ++i) {
-      f.fill[i] = f.fill[i] / std::max(room_[i], kLeastRoom * whole_);
+      f.fill[i] = f.fill[i] / std::max(room[i], least);
       depth_[i] = mac::depth_of_fill(f.fill[i]);
       liquid_[i] = depth_[i] > 0;
     }
   });
-  mac::wrap_periodic(g, depth_.data()), mac::wrap_periodic(g, liquid_.data());
+  mac::wrap_periodic(g, depth_.data(), *arena_), mac::wrap_periodic(g, liquid_.data(), *arena_);
   for (size_t c = 0; c < g.dimensions; ++c)
     mac::surface_faces(g, c, liquid_.data(), depth_.data(), factor_[c].data(), *arena_);
   if (solids_->any()) {
@@ -53,10 +54,10 @@ void LiquidFlow::find_surface(LiquidFields& f) {
       // Between the matrix and the pressure differences: open fractions of faces belong in the matrix alone.
       const double* open = solids_->open[c].data();
       for_faces(c, [&](size_t at, size_t, int) { shift_[c][at] = factor_[c][at] * open[at]; });
-      mac::wrap_periodic(g, shift_[c].data());
+      mac::wrap_periodic(g, shift_[c].data(), *arena_);
     }
   }
-  for (size_t c = 0; c < g.dimensions; ++c) mac::wrap_periodic(g, factor_[c].data());
+  for (size_t c = 0; c < g.dimensions; ++c) mac::wrap_periodic(g, factor_[c].data(), *arena_);
   const auto& open = solids_->any() ? shift_ : factor_;
   solver_->set({open[0].data(), open[1].data(), open[2].data()}, liquid_.data(), *arena_);
 }
@@ -70,7 +71,7 @@ void LiquidFlow::apply_viscosity(double h, LiquidReport& report) {
     const auto out = viscosity_.solve(c, liquid_.data(), depth_.data(), h * model_->def.viscosity,
                                       model_->def.tolerance, u_[c].data(), *arena_);
     report.viscosity_iterations = std::max(report.viscosity_iterations, out.iterations);
-    mac::wrap_periodic(g, u_[c].data());
+    mac::wrap_periodic(g, u_[c].data(), *arena_);
   }
 }
 
@@ -85,7 +86,7 @@ void LiquidFlow::project(LiquidFields& f, double h, LiquidReport& report) {
       const bool away = u_[c][at] * side > 0 && mass_[c][at] > 0;
       if (liquid_[at] || liquid_[low] || !away) u_[c][at] = 0;
     });
-    mac::wrap_periodic(g, u_[c].data());
+    mac::wrap_periodic(g, u_[c].data(), *arena_);
   }
   // Flow through a face: liquid through its open fraction, the obstacle through the rest.
   std::array<const double*, 3> passing{};
@@ -96,7 +97,7 @@ void LiquidFlow::project(LiquidFields& f, double h, LiquidReport& report) {
     for_faces(c, [&](size_t at, size_t, int) { shift_[c][at] = open[at] * u_[c][at]; });
     for (const Solids::Face& face : solids_->shut[c])
       shift_[c][face.at] += moves ? (1 - open[face.at]) * solids_.velocity(face, c) : 0;
-    mac::wrap_periodic(g, shift_[c].data());
+    mac::wrap_periodic(g, shift_[c].data(), *arena_);
     passing[c] = shift_[c].data();
   }
   mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
@@ -151,6 +152,7 @@ void LiquidFlow::accelerate_beside(size_t c) {
 void LiquidFlow::take_back_compression(LiquidFields& f, LiquidReport& report) {
   const mac::MacGrid& g = model_->grid;
   double* psi = work_.data();
+  const double* room = room_.data();
   double sum = 0, most = 0, cells = 0;
   // A cell next to the surface is naturally less than full; inside, gaps are closed again.
   mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
@@ -158,7 +160,7 @@ void LiquidFlow::take_back_compression(LiquidFields& f, LiquidReport& report) {
       bool inside = liquid_[i];
       for (size_t a = 0; a < g.dimensions && inside; ++a) {
         for (const size_t m : {i - g.stride(a), i + g.stride(a)})
-          inside = inside && (liquid_[m] || room_[m] == 0);
+          inside = inside && (liquid_[m] || room[m] == 0);
       }
       constexpr double kMost = 0.5;
       const double excess = f.fill[i] - 1;
@@ -200,7 +202,7 @@ void LiquidFlow::continue_outwards() {
   for (size_t c = 0; c < g.dimensions; ++c) {
     for_faces(c, [&](size_t at, size_t, int) { u_[c][at] = known_[c][at] ? u_[c][at] : 0; });
     mac::extrapolate(g, c, layers, u_[c].data(), known_[c].data(), work_.data(), fresh_.data(), *arena_);
-    fill_sides(c, u_[c].data());
+    fill_velocity(c, u_[c].data());
   }
 }
 
