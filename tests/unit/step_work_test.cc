@@ -167,6 +167,19 @@ TEST(StepWork, AdaptiveMethodsTakeAboutTheWorkThatIsCounted) {
   }
 }
 
+// A net that begins at rest says nothing about the steps that it takes once it moves: one too large for a
+// trial used to be priced as one internal step, a thirtieth of what a net of 100 x 100 points takes.
+TEST(StepWork, WhatIsTooLargeToTryIsPricedAsSeveralInternalSteps) {
+  const Net small(40, 40, 1), large(180, 180, 1);
+  const Integrator& method = *find_integrator("tr_bdf2");
+  const auto work = [&](const Net& net, const std::vector<double>& y) {
+    return implicit_step_work(method, net, net.operations(), 1e-3, y.data(), {}).value();
+  };
+  EXPECT_GE(work(large, std::vector<double>(large.size())).factorisations, 10);
+  // The control: a small one at rest is tried, and takes a step or two.
+  EXPECT_LE(work(small, std::vector<double>(small.size())).factorisations, 5);
+}
+
 TEST(StepWork, ExplicitMethodsHaveNone) {
   const Net f(2, 2, 1);
   const std::vector<double> y(4, 0.5);

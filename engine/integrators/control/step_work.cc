@@ -74,6 +74,9 @@ double internal_steps(const RightHandSide& f, double h, const double* y, const T
 constexpr double kLater = 1.6, kSettled = 20;
 /// Longest estimated time of a trial, and the fewest internal steps that are informative.
 constexpr double kTrialSeconds = 0.15, kFewest = 2;
+/// Internal steps in a step of a scene whose internal steps are too long to try: nets of 60 x 60 and 100 x
+/// 100 points that begin at rest take 15 to 30 of tr_bdf2 once they move, smooth problems a few.
+constexpr double kUntried = 10;
 
 /// Ends a run after some internal steps.
 class Stop final : public StepWatcher {
@@ -161,7 +164,11 @@ std::optional<StepWork> implicit_step_work(const Integrator& method, const Right
   // The number of internal steps depends on the solution.
   if (method.stepping != Integrator::Stepping::adaptive) return w;
   const double most = kTrialSeconds / std::max(w.seconds() / steps, 1e-6);
-  if (most < kFewest) return w;
+  if (most < kFewest) {
+    const double more = std::max(1.0, kUntried / steps);
+    for (double* n : {&w.rates, &w.jacobians, &w.factorisations, &w.solves}) *n *= more;
+    return w;
+  }
   if (const auto trial = try_steps(method, f, h, y, tolerance, static_cast<size_t>(most))) {
     const double later = trial->reached < kSettled ? kLater : 1;
     const auto whole = [&](uint64_t n) { return later * static_cast<double>(n) / trial->done; };
