@@ -80,6 +80,11 @@ void separations(const ContactPack<T>& c, const Ends<T>& e, Wide<T> out[2]) {
 /// of it: walls and towers lean where positions are corrected separately from velocities.
 inline constexpr double kGentlePush = 1.0 / 32;
 
+/// Share of a depth that a small step recovers, at least, where its push is taken back: 12/s with the
+/// defaults, as in space. The softness of a body with many contacts, which keeps heaps at rest, leaves a
+/// quarter of that, and what had fallen into a heap stayed in it for seconds.
+inline constexpr double kPartingShare = 0.05;
+
 /// Negative in lanes that overlap so deeply that a push would be faster than this, and not because of their
 /// load: penetration caused by a load is sustained by an equally fast push.
 template <class T>
@@ -146,7 +151,11 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
   const W zero = W::zero(), one = W::all(1);
   Ends<T> e(rows, c.a, c.b);
   W vx, vy, most_push = W::all(push_out_speed);
-  if (kPass == Pass::bias && start) most_push = push_left(c, e, start, push_out_speed);
+  W rate = c.bias_rate;
+  if (kPass == Pass::bias && start) {
+    most_push = push_left(c, e, start, push_out_speed);
+    rate = select(c.before.taken > zero, max(rate, W::all(T(kPartingShare) * inverse_h)), rate);
+  }
 
   // Friction first: the normals have the last word. The tangent is the normal turned left.
   W load = zero;
@@ -179,7 +188,7 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
     W bias = s * W::all(inverse_h);
     g[i] = p.normal_mass;
     if constexpr (kPass == Pass::bias) {
-      bias = select(apart, bias, max(c.bias_rate * s, -most_push));
+      bias = select(apart, bias, max(rate * s, -most_push));
       g[i] = select(apart, g[i], g[i] * c.mass_scale);
     } else {
       bias = select(apart, bias, zero);
