@@ -19,7 +19,7 @@ export interface Expectation {
 
 /** What a scene says about how it is shown; lengths in m, fov in rad. */
 export interface ViewerSettings {
-  camera?: { eye?: number[]; target?: number[]; fov?: number };
+  camera?: { eye?: number[]; target?: number[]; up?: number[]; fov?: number };
   color_by?: string;
   /** What the colours show; without it the field's name. */
   legend?: string;

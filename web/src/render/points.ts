@@ -6,6 +6,7 @@ import {
   Mesh, Points, ShaderMaterial, type IUniform, type Object3D,
 } from "three";
 import { rampGlsl, rampUniform, shadeGlsl } from "./shading";
+import { lightUniforms } from "./upright";
 
 const kQuadLimit = 12000;
 
@@ -82,6 +83,7 @@ export class PointCloud {
 
   constructor(radius: number, color: Color, viewHeight: IUniform<number>) {
     this.uniforms = {
+      ...lightUniforms,
       radius: { value: radius }, color: { value: color }, viewHeight,
       valueScale: { value: 1 }, valueStart: { value: 0 }, byValue: { value: false }, stops: rampUniform,
     };

@@ -20,6 +20,7 @@ import { ShapeGroup, reachOfShape } from "./shape_group";
 import { isGround } from "./shapes";
 import { Strings } from "./strings";
 import { SystemView, type Has, type Visibility } from "./system_view";
+import { heightOf, setUpright, upOf, upward } from "./upright";
 
 const kCheckEvery = 200; // ms between two checks whether the scene has outgrown its frame
 const kSmall = 4000; // rows whose names follow them with every frame
@@ -86,6 +87,7 @@ export class Stage {
     this.topology = undefined;
     this.shapes.set([], 1);
     this.setMarks(undefined);
+    setUpright(upOf(info.gravity, settings.camera?.up));
     this.framing.clear(settings.camera);
     setRamp(settings.color_map ?? "viridis");
     this.show.range = settings.range;
@@ -267,8 +269,9 @@ export class Stage {
     this.framing.begin(now);
     const plane = this.topology?.shapes.find(isGround);
     const radius = now.ball().radius;
-    this.floor = plane ? (plane.position[1] ?? 0) : floorUnder(Math.min(now.along(1)[0], lowest), lowest < Infinity, radius);
-    this.ground.object.visible = ((this.info.pulled && !this.topology?.systems.every(({ plot }) => plot.length > 0)) || plane !== undefined) && !this.facing();
+    this.floor = plane ? heightOf(plane.position[0] ?? 0, plane.position[1] ?? 0, plane.position[2] ?? 0) : floorUnder(Math.min(now.bottom(upward.toArray()), lowest), lowest < Infinity, radius);
+    // A grid has its own ground, and troughs of a height surface lie below any other.
+    this.ground.object.visible = !this.onlyGrids && ((this.info.pulled && !this.topology?.systems.every(({ plot }) => plot.length > 0)) || plane !== undefined) && !this.facing();
     this.fitGround();
     this.fitAxes();
   }
@@ -285,10 +288,10 @@ export class Stage {
     this.bounds = new Sphere(new Vector3().fromArray(center), Math.max(radius, 0.05));
     const plane = this.topology?.shapes.some(isGround);
     // Anything that swings below the guessed floor lowers it.
-    const [low] = this.framing.seen.along(1);
+    const low = this.framing.seen.bottom(upward.toArray());
     if (!plane && low < this.floor) this.floor = low - 0.02 * radius;
     // Objects far above the ground cast their shadow outside the light's view; include the floor below them.
-    this.ground.fit(this.bounds.clone().expandByPoint(new Vector3(center[0], this.floor, center[2])), this.floor);
+    this.ground.fit(this.bounds.clone().expandByPoint(this.bounds.center.clone().addScaledVector(upward, this.floor - heightOf(...center))), this.floor);
   }
 
   private fitAxes(): void {
