@@ -141,7 +141,7 @@ test("scenes have chapters and are found by their words", () => {
 });
 
 test("a scene says whether gravity pulls and how long it lasts", () => {
-  assert.deepEqual(infoOf({ gravity: [0, 0, 0], time: { dt: 0.01, duration: 3 }, systems: [] }), { pulled: false, gravity: [0, 0, 0], duration: 3, dt: 0.01 });
+  assert.deepEqual(infoOf({ gravity: [0, 0, 0], time: { dt: 0.01, duration: 3 }, systems: [] }), { pulled: false, gravity: [0, 0, 0], observables: [], duration: 3, dt: 0.01 });
   assert.ok(infoOf({ systems: [] }).pulled && infoOf(undefined).pulled);
 });
 
@@ -210,4 +210,13 @@ test("up is the axis against gravity, or the one that a scene's own camera names
   assert.deepEqual(upOf([0, 0, 0], [0, 0, 1]), [0, 0, 1]);
   // Along no axis, upwards, or none at all: y.
   for (const gravity of [[3, -9, 3], [5, -8, 0], [0, 9.81, 0], [0, 0, 0], undefined]) assert.deepEqual(upOf(gravity), [0, 1, 0]);
+});
+
+test("a plot begins with what the scene lists, unless that is its energy", () => {
+  const names = ["energy.kinetic", "energy.total", "flow.drag", "flow.lift", "flow.iterations"];
+  const units = new Map([["flow.drag", "N"], ["flow.lift", "N"], ["flow.iterations", "1"]]);
+  assert.deepEqual(chooseAtFirst(names, ["flow.lift", "flow.drag", "flow.iterations"], units).names, ["flow.lift", "flow.drag"]);
+  assert.equal(chooseAtFirst(names, ["flow.lift", "energy.total"], units).title, "Energy");
+  assert.equal(chooseAtFirst(names, ["unknown"], units).title, "Energy");
+  assert.equal(chooseAtFirst(names).title, "Energy");
 });

@@ -155,6 +155,11 @@ export class Service {
     await this.call("POST", this.path(id, "/reset"), {});
   }
 
+  /** Goes to a time of the run, exactly. */
+  async seek(id: string, time: number): Promise<void> {
+    await this.call("POST", this.path(id, "/seek"), { time });
+  }
+
   async step(id: string, steps: number): Promise<void> {
     await this.call("POST", this.path(id, "/step"), { steps });
   }

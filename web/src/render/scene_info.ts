@@ -6,6 +6,8 @@ export interface SceneInfo {
   pulled: boolean;
   /** m/s2, of the whole scene. */
   gravity: number[];
+  /** Observables that the scene lists. */
+  observables: string[];
   duration: number | undefined;
   dt: number | undefined;
 }
@@ -17,5 +19,6 @@ const number = (value: unknown): number | undefined => (typeof value === "number
 export function infoOf(scene: Scene | undefined): SceneInfo {
   const time = (scene?.time as Json | undefined) ?? {};
   const gravity = Array.isArray(scene?.gravity) ? scene.gravity.map(Number) : [0, -9.81, 0];
-  return { pulled: gravity.some((g) => g !== 0), gravity, duration: number(time.duration), dt: number(time.dt) };
+  const observables = Array.isArray(scene?.observables) ? scene.observables.filter((name) => typeof name === "string") : [];
+  return { pulled: gravity.some((g) => g !== 0), gravity, observables, duration: number(time.duration), dt: number(time.dt) };
 }
