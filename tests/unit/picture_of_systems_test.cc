@@ -42,7 +42,7 @@ TEST(PictureOfSystems, ColouredSystemsAreNamed) {
   const DrawList list = pictured(two_of(kFast, R"("color_by": "speed")"));
   ASSERT_EQ(list.labels.size(), 2u);
   EXPECT_EQ(list.labels[0].text, "slow ones");
-  EXPECT_EQ(list.labels[0].at.y, 1);
+  EXPECT_EQ(list.labels[0].at.y, 1);  // over the middle of both, as high as the higher
   EXPECT_EQ(list.labels[1].text, "fast");
   // A system alone needs no name, and colours of their own have a legend.
   EXPECT_TRUE(pictured(two_of("", R"("color_by": "speed")")).labels.empty());

@@ -40,19 +40,23 @@ std::vector<double> common_range(const World& world, const Frame& frame, const s
   return colored > 1 && low <= high ? std::vector<double>{low, high} : std::vector<double>{};
 }
 
-std::optional<Vec3> top_of(const DrawPoints& set, const Vec3& up) {
-  std::optional<Vec3> best;
+std::optional<Vec3> name_place(const DrawPoints& set, const Vec3& up) {
+  Vec3 sum;
+  double top = -HUGE_VAL, count = 0;
   for (size_t i = 0; i + 2 < set.positions.size(); i += 3) {
     const Vec3 p{set.positions[i], set.positions[i + 1], set.positions[i + 2]};
-    const double height = dot(p, up);
-    if (std::isfinite(height) && (!best || height > dot(*best, up))) best = p;
+    if (!std::isfinite(p.x + p.y + p.z)) continue;
+    sum = sum + p, ++count;
+    top = std::max(top, dot(p, up));
   }
-  return best;
+  if (count == 0) return std::nullopt;
+  const Vec3 middle = sum * (1 / count);
+  return middle + up * (top - dot(middle, up));
 }
 
 void add_names(DrawList& list, const std::vector<NamedSystem>& systems) {
   if (systems.size() < 2 || systems.size() > kNames) return;
-  for (const NamedSystem& s : systems) list.labels.push_back({s.name, s.top, DrawLabel::Side::above, {}});
+  for (const NamedSystem& s : systems) list.labels.push_back({s.name, s.place, DrawLabel::Side::above, {}});
 }
 
 }  // namespace truestep

@@ -23,11 +23,11 @@ std::vector<double> common_range(const World& world, const Frame& frame, const s
 /// A system as a picture names it.
 struct NamedSystem {
   std::string name;
-  Vec3 top;  ///< m; the highest of its points
+  Vec3 place;  ///< m; above the middle of its points
 };
 
-/// The highest finite point of `set`; empty without any.
-std::optional<Vec3> top_of(const DrawPoints& set, const Vec3& up);
+/// The middle of the finite points of `set`, at the height of the highest; empty without any.
+std::optional<Vec3> name_place(const DrawPoints& set, const Vec3& up);
 
 /// Names above two to eight systems; none above others.
 void add_names(DrawList& list, const std::vector<NamedSystem>& systems);

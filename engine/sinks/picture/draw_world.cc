@@ -329,8 +329,8 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
     const bool visible = points.radius > 0 || !points.lines.empty() || !points.triangles.empty();
     if (main && visible && !colored && list.shapes.size() == before && drawing.plot.empty())
       systems.push_back({spaced(world.parts()[p].id), own_color(world, frame, p).value_or(*points.color)});
-    if (const auto top = top_of(points, list.up); main && visible && colored && top)
-      colored_systems.push_back({spaced(world.parts()[p].id), *top});
+    if (const auto place = name_place(points, list.up); main && visible && colored && place)
+      colored_systems.push_back({spaced(world.parts()[p].id), *place});
     list.points.push_back(std::move(points));
   }
   add_strings(list, world, frame);

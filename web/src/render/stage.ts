@@ -191,6 +191,7 @@ export class Stage {
 
   /** Draws `frame` with the next picture; the promise resolves when that picture has been drawn. */
   present(frame: DecodedFrame): Promise<void> {
+    this.show.highest = this.pointViews().reduce((most, view) => Math.max(most, view.highest), 0);
     for (const view of this.views.values()) {
       // Values of a system's lines travel as a part of their own.
       const fields = frame.fields.filter((field) => field.system === view.id || (this.parts.get(field.system)?.elements === "lines" && this.parts.get(field.system)?.system === view.id));
