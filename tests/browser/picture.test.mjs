@@ -174,8 +174,8 @@ test("springs are coloured by their values, and the legend says what they mean",
 });
 
 test("one colour bar explains the colours of all systems", async () => {
-  // Two clouds of one point each, at 1 and 4 m/s: only the fast one is at the yellow end.
-  const one = (id, x, speed) => ({ type: "nbody", id, positions: [[x, 0, 0]], velocities: [[0, 0, speed]], masses: [0], radius: 0.4 });
+  // Two balls at 1 and 4 m/s: only the fast one is at the yellow end.
+  const one = (id, x, speed) => ({ type: "rigid3d", id, sleeping: false, bodies: [{ type: "sphere", radius: 0.4, position: [x, 0, 0], velocity: [0, 0, speed] }] });
   const yellow = async (systems) => {
     await open(page, url, { ...weightless, viewer: { color_by: "speed", camera: { eye: [0, 0, 9], target: [0, 0, 0] } }, systems });
     await page.waitForTimeout(500);

@@ -1,7 +1,7 @@
 // The picture: camera, ground, shapes and systems. The painter says when it is drawn.
 import { PerspectiveCamera, Scene, Sphere, Vector3, type IUniform } from "three";
 import type { ViewerSettings } from "../client/rest";
-import type { DecodedFrame } from "../client/decode";
+import type { DecodedFrame, FieldArray } from "../client/decode";
 import type { Marks, Part, Shape, SystemTopology, Topology } from "../client/gen/truestep/v1/stream_pb";
 import { Extent } from "./extent";
 import { Framing, type Inset, type Side } from "./framing";
@@ -191,12 +191,19 @@ export class Stage {
 
   /** Draws `frame` with the next picture; the promise resolves when that picture has been drawn. */
   present(frame: DecodedFrame): Promise<void> {
-    this.show.highest = this.pointViews().reduce((most, view) => Math.max(most, view.highest), 0);
-    for (const view of this.views.values()) {
+    const fieldsOf = (view: SystemView | GridView): FieldArray[] =>
       // Values of a system's lines travel as a part of their own.
-      const fields = frame.fields.filter((field) => field.system === view.id || (this.parts.get(field.system)?.elements === "lines" && this.parts.get(field.system)?.system === view.id));
+      frame.fields.filter((field) => field.system === view.id || (this.parts.get(field.system)?.elements === "lines" && this.parts.get(field.system)?.system === view.id));
+    const update = (view: SystemView | GridView): void => {
+      const fields = fieldsOf(view);
       if (fields.length > 0) view.update(fields, this.show);
-    }
+    };
+    const highest = (): number => this.pointViews().reduce((most, view) => Math.max(most, view.highest), 0);
+    const before = (this.show.highest = highest());
+    for (const view of this.views.values()) update(view);
+    // One colour bar explains all systems: what is not the highest takes its colours from what is.
+    this.show.highest = highest();
+    if (this.show.highest > before) for (const view of this.pointViews()) if (view.highest > 0 && view.highest < this.show.highest) update(view);
     this.strings.update((id) => {
       const view = this.views.get(id);
       return view instanceof SystemView ? view : undefined;
