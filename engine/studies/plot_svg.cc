@@ -93,13 +93,16 @@ class Axis {
 std::string marker(size_t shape, double x, double y, const char* colour) {
   const std::string fill = std::string("\" fill=\"") + colour + "\"/>";
   const auto at = [&](double dx, double dy) { return text_of(x + dx) + ',' + text_of(y + dy) + ' '; };
-  switch (shape % 4) {
+  // Their number and that of the colours have no common divisor: the first seventy series differ.
+  switch (shape % 5) {
     case 0:
       return "<circle cx=\"" + text_of(x) + "\" cy=\"" + text_of(y) + "\" r=\"3.6" + fill;
     case 1:
       return "<polygon points=\"" + at(-3.3, -3.3) + at(3.3, -3.3) + at(3.3, 3.3) + at(-3.3, 3.3) + fill;
     case 2:
       return "<polygon points=\"" + at(0, -4.4) + at(4.2, 3.2) + at(-4.2, 3.2) + fill;
+    case 3:
+      return "<polygon points=\"" + at(0, 4.4) + at(4.2, -3.2) + at(-4.2, -3.2) + fill;
     default:
       return "<polygon points=\"" + at(0, -4.8) + at(4.8, 0) + at(0, 4.8) + at(-4.8, 0) + fill;
   }

@@ -173,6 +173,19 @@ test("springs are coloured by their values, and the legend says what they mean",
   assert.ok(yellow > 100 && violet > 100, `${yellow} places of the stretched spring, ${violet} of the other`);
 });
 
+test("one colour bar explains the colours of all systems", async () => {
+  // Two balls at 1 and 4 m/s: only the fast one is at the yellow end.
+  const one = (id, x, speed) => ({ type: "rigid3d", id, sleeping: false, bodies: [{ type: "sphere", radius: 0.4, position: [x, 0, 0], velocity: [0, 0, speed] }] });
+  const yellow = async (systems) => {
+    await open(page, url, { ...weightless, viewer: { color_by: "speed", camera: { eye: [0, 0, 9], target: [0, 0, 0] } }, systems });
+    await page.waitForTimeout(500);
+    return (await pixels(page, whole)).where((r, g, b) => r > 110 && g > 100 && b < 0.6 * r);
+  };
+  const both = await yellow([one("slow", -1.5, 1), one("fast", 1.5, 4)]);
+  assert.ok(both.length > 300 && both.every(([x]) => x > 640), `${both.length} places`);
+  assert.ok((await yellow([one("slow", -1.5, 1)])).some(([x]) => x < 640 + 60), "control: alone, it is the fastest");
+});
+
 test("systems are named where they are, and strings of joints are drawn", async () => {
   await page.goto(`${url}/?gallery=damping_kinds`);
   await until(page, async () => (await page.$$('.labels [data-kind="name"]')).length === 3, "three names");

@@ -277,6 +277,23 @@ TEST(Picture, RoundingAtTheEndOfAColourBarIsZero) {
   EXPECT_NE(ends(-7e-3f), ends(0)) << "control";
 }
 
+TEST(Picture, EndsOfAColourBarHaveTheDigitsOfTheLarger) {
+  PictureRenderer renderer(400, 300);
+  const auto ends = [&](float low, float high) {
+    DrawList list;
+    list.points.emplace_back();
+    list.points[0].positions = {0, 0, 0}, list.points[0].scalar = {high};
+    list.points[0].scalar_min = low, list.points[0].scalar_max = high,
+    list.points[0].scalar_label = "density";
+    return renderer.render_rgba(list);
+  };
+  // 3010 and 0, not 3.01e+03 and 0.00117.
+  EXPECT_EQ(ends(0, 3012), ends(0, 3010));
+  EXPECT_EQ(ends(0.00117f, 2.06f), ends(0, 2.06f));
+  EXPECT_NE(ends(0, 3012), ends(0, 3020)) << "control";
+  EXPECT_NE(ends(0.0117f, 2.06f), ends(0, 2.06f)) << "control";
+}
+
 TEST(Picture, DemosAreWrittenForPeopleToLookAt) {
   const std::filesystem::path folder = std::filesystem::path(TRUESTEP_BINARY).parent_path() / "pictures";
   std::filesystem::create_directories(folder);

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { arrows, axisOf, chapterOf, chooseAtFirst, colorStops, endsOf, evenStreamlines, Extent, gapsIn, infoOf, levelLine, matches, packScene, particleSurface, placeOf, readShared, relative, scaleLabel, scaleOf, speedAtFirst, speedsFor, streamline, writeShared } from "../build/view.mjs";
+import { arrows, axisOf, chapterOf, chooseAtFirst, colorStops, endsOf, evenStreamlines, Extent, gapsIn, infoOf, levelLine, matches, packScene, particleSurface, placeOf, readShared, relative, scaleLabel, scaleOf, speedAtFirst, speedsFor, streamline, fieldsOf, upOf, writeShared } from "../build/view.mjs";
 
 const front = { right: [1, 0, 0], above: [0, 1, 0], back: [0, 0, 1] };
 
@@ -141,7 +141,7 @@ test("scenes have chapters and are found by their words", () => {
 });
 
 test("a scene says whether gravity pulls and how long it lasts", () => {
-  assert.deepEqual(infoOf({ gravity: [0, 0, 0], time: { dt: 0.01, duration: 3 }, systems: [] }), { pulled: false, duration: 3, dt: 0.01 });
+  assert.deepEqual(infoOf({ gravity: [0, 0, 0], time: { dt: 0.01, duration: 3 }, systems: [] }), { pulled: false, gravity: [0, 0, 0], observables: [], duration: 3, dt: 0.01 });
   assert.ok(infoOf({ systems: [] }).pulled && infoOf(undefined).pulled);
 });
 
@@ -192,4 +192,31 @@ test("a colour bar has the scene's legend or the field's name, and a unit", () =
   assert.equal(scaleLabel(scene("pressure", "overpressure"), "pressure", "Pa"), "overpressure (Pa)");
   assert.equal(scaleLabel(scene("speed", "speed of the spray"), "velocity", "m/s", true), "velocity, length (m/s)");
   assert.equal(scaleLabel({}, "speed", "m/s"), "speed (m/s)");
+});
+
+test("a grid is shown by the field that its scene names, from the first frame on", () => {
+  const part = (id, lattice, ...fields) => ({ id, system: id, elements: "", lattice, fields: fields.map((name) => ({ name, unit: "", meaning: "value" })) });
+  const hello = { parts: [part("flow", {}, "velocity", "vorticity"), part("unseen", {}, "pressure", "vorticity")] };
+  const asked = (colorBy, topology) => fieldsOf({ colorBy, bySpeed: true }, hello, topology);
+  assert.deepEqual(asked("vorticity", undefined), ["vorticity"]);
+  assert.deepEqual(asked("", { systems: [{ system: "flow", visuals: [], pointRadius: 0, color: [] }] }), ["velocity"]);
+});
+
+test("up is the axis against gravity, or the one that a scene's own camera names", () => {
+  assert.deepEqual(upOf([0, -9.81, 0]), [0, 1, 0]);
+  assert.deepEqual(upOf([0, 0, -9.81]), [0, 0, 1]);
+  // A camera that says y says its default.
+  assert.deepEqual(upOf([0, 0, -9.81], [0, 1, 0]), [0, 0, 1]);
+  assert.deepEqual(upOf([0, 0, 0], [0, 0, 1]), [0, 0, 1]);
+  // Along no axis, upwards, or none at all: y.
+  for (const gravity of [[3, -9, 3], [5, -8, 0], [0, 9.81, 0], [0, 0, 0], undefined]) assert.deepEqual(upOf(gravity), [0, 1, 0]);
+});
+
+test("a plot begins with what the scene lists, unless that is its energy", () => {
+  const names = ["energy.kinetic", "energy.total", "flow.drag", "flow.lift", "flow.iterations"];
+  const units = new Map([["flow.drag", "N"], ["flow.lift", "N"], ["flow.iterations", "1"]]);
+  assert.deepEqual(chooseAtFirst(names, ["flow.lift", "flow.drag", "flow.iterations"], units).names, ["flow.lift", "flow.drag"]);
+  assert.equal(chooseAtFirst(names, ["flow.lift", "energy.total"], units).title, "Energy");
+  assert.equal(chooseAtFirst(names, ["unknown"], units).title, "Energy");
+  assert.equal(chooseAtFirst(names).title, "Energy");
 });

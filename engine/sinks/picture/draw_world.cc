@@ -14,6 +14,7 @@
 #include "engine/sinks/picture/draw_liquid.h"
 #include "engine/sinks/picture/draw_plot.h"
 #include "engine/sinks/picture/draw_strings.h"
+#include "engine/sinks/picture/draw_systems.h"
 
 namespace truestep {
 
@@ -26,24 +27,6 @@ constexpr size_t kNet = 1500;        // from this many lines on they form a net 
 constexpr size_t kMarked = 128;      // points
 constexpr double kGridFill = 0.8;    // for a field's picture: caption and colour bar are below it
 constexpr double kFlatFov = 12;      // degrees: a planar scene shows its faces, not its sides
-
-// Magnitude of each row: the length of a vector, or the value of a scalar field.
-std::vector<float> magnitudes(const std::vector<float>& values, uint32_t width) {
-  std::vector<float> out(values.size() / width);
-  for (size_t i = 0; i < out.size(); ++i) {
-    float sum = 0;
-    for (uint32_t c = 0; c < width; ++c) sum += values[i * width + c] * values[i * width + c];
-    out[i] = width == 1 ? values[i] : std::sqrt(sum);
-  }
-  return out;
-}
-
-// The field that colours a part. "speed" is understood for everything that has velocities.
-std::optional<size_t> color_field(const PartInfo& part, const std::string& color_by) {
-  if (color_by.empty()) return std::nullopt;
-  if (const auto f = part.find(color_by)) return f;
-  return color_by == "speed" ? part.find(Meaning::velocity) : std::nullopt;
-}
 
 /// Values of the lines drawn by a part, if its system has a part for them.
 struct LineValues {
@@ -125,9 +108,12 @@ std::string spaced(std::string id) {
   return id;
 }
 
-// Pictures are upright: up is the axis opposite to gravity; y when there is no gravity or it is slanted.
-Vec3 up_of(const Vec3& gravity) {
-  const Vec3 up = normalized(-gravity, {0, 1, 0});
+// Pictures are upright: up is the axis that the scene's camera names, if not its default y, else the one
+// opposite to gravity; y when there is no gravity or it is slanted.
+Vec3 up_of(const SceneHeader& header) {
+  const auto& camera = header.viewer.camera;
+  const Vec3 own = camera ? normalized(camera->up, {0, 1, 0}) : Vec3{0, 1, 0};
+  const Vec3 up = std::abs(own.y) < 0.9 ? own : normalized(-header.gravity, {0, 1, 0});
   for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 0, 1}}) {
     if (std::abs(dot(up, axis)) > 0.9) return axis * (dot(up, axis) > 0 ? 1.0 : -1.0);
   }
@@ -304,13 +290,15 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
   ViewerParams viewer = header.viewer;
   if (look.color_by && *look.color_by != viewer.color_by)
     viewer.color_by = *look.color_by, viewer.range.clear(), viewer.legend.clear();
-  list.up = up_of(header.gravity);
+  if (viewer.range.empty()) viewer.range = common_range(world, frame, viewer.color_by);
+  list.up = up_of(header);
   if (look.theme == PictureLook::Theme::dark)
     list.background_top = {0.09f, 0.105f, 0.13f}, list.background_bottom = {0.145f, 0.165f, 0.20f};
   bool has_plane = false;
   PlotBox plot;
   std::vector<PlotAxis> axes;
   std::vector<LegendRow> systems;
+  std::vector<NamedSystem> colored_systems;
   const std::vector<size_t> places = palette_places(world);
   for (size_t p = 0; p < world.parts().size(); ++p) {
     const PartInfo& info = world.parts()[p].info();
@@ -341,6 +329,8 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
     const bool visible = points.radius > 0 || !points.lines.empty() || !points.triangles.empty();
     if (main && visible && !colored && list.shapes.size() == before && drawing.plot.empty())
       systems.push_back({spaced(world.parts()[p].id), own_color(world, frame, p).value_or(*points.color)});
+    if (const auto place = name_place(points, list.up); main && visible && colored && place)
+      colored_systems.push_back({spaced(world.parts()[p].id), *place});
     list.points.push_back(std::move(points));
   }
   add_strings(list, world, frame);
@@ -375,6 +365,7 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
   if (lies_in_plane(world, frame)) flatten(list);
   // Names are outside a plot's frame: an automatic camera leaves room for them.
   if (!list.labels.empty() && list.camera) frame_as(list, *std::exchange(list.camera, std::nullopt));
+  add_names(list, colored_systems);
   char time[48];
   // Planets take years, atoms picoseconds.
   const bool usual = frame.time == 0 || (frame.time >= 0.001 && frame.time < 1e5);

@@ -115,12 +115,22 @@ void draw_legend(Canvas canvas, const Style& style, const std::vector<LegendRow>
   }
 }
 
-/// An end of a range: three digits, and 0 below a digit of the larger one, as rounding leaves it.
-std::string end_of(float x, float largest) {
-  if (std::abs(x) < 5e-4f * largest) x = 0;
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.3g", static_cast<double>(x));
-  return text.data();
+/// An end of a range with three digits of the larger one, below which there is only rounding.
+std::string end_of(double x, double largest) {
+  if (!(largest > 0) || !std::isfinite(largest)) return x == 0 ? "0" : std::to_string(x);
+  const int power = static_cast<int>(std::floor(std::log10(largest) + 1e-9));
+  const double digit = std::pow(10.0, power - 2), rounded = std::round(x / digit) * digit;
+  if (rounded == 0) return "0";
+  std::array<char, 64> text{};
+  const bool usual = power >= -3 && power < 6;
+  std::snprintf(text.data(), text.size(), usual ? "%.*f" : "%.*g", usual ? std::max(0, 2 - power) : 3,
+                rounded);
+  std::string out = text.data();
+  if (usual && out.find('.') != std::string::npos) {
+    out.erase(out.find_last_not_of('0') + 1);
+    if (out.back() == '.') out.pop_back();
+  }
+  return out;
 }
 
 void draw_bar(Canvas canvas, const Style& style, const DrawPoints& set) {
@@ -141,7 +151,7 @@ void draw_bar(Canvas canvas, const Style& style, const DrawPoints& set) {
             edge ? 0.6f : 1.0f);
     }
   write(canvas, style, set.scalar_label, left, top - 0.8 * small, small);
-  const float largest = std::max(std::abs(low), std::abs(high));
+  const double largest = std::max(std::abs(low), std::abs(high));
   write(canvas, style, end_of(low, largest), left, text_base, small);
   const std::string most = end_of(high, largest);
   write(canvas, style, most, right - text_width(most, small), text_base, small);

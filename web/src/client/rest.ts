@@ -19,7 +19,7 @@ export interface Expectation {
 
 /** What a scene says about how it is shown; lengths in m, fov in rad. */
 export interface ViewerSettings {
-  camera?: { eye?: number[]; target?: number[]; fov?: number };
+  camera?: { eye?: number[]; target?: number[]; up?: number[]; fov?: number };
   color_by?: string;
   /** What the colours show; without it the field's name. */
   legend?: string;
@@ -153,6 +153,11 @@ export class Service {
 
   async reset(id: string): Promise<void> {
     await this.call("POST", this.path(id, "/reset"), {});
+  }
+
+  /** Goes to a time of the run, exactly. */
+  async seek(id: string, time: number): Promise<void> {
+    await this.call("POST", this.path(id, "/seek"), { time });
   }
 
   async step(id: string, steps: number): Promise<void> {

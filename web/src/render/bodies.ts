@@ -9,6 +9,7 @@ import { floats, uints } from "../client/decode";
 import { Motion, type Visual, type SystemTopology } from "../client/gen/truestep/v1/stream_pb";
 import type { Extent } from "./extent";
 import { bodyFragment, bodyVertex, paletteColor, rampUniform } from "./shading";
+import { lightUniforms, upward } from "./upright";
 
 const kMany = 400; // instances of a round shape, drawn with fewer triangles beyond
 const kDarkest = 0.055; // linear
@@ -137,7 +138,7 @@ export class Bodies {
   frame(out: Extent): number {
     const one = new Box3();
     let lowest = Infinity;
-    for (const batch of this.batches) for (let k = 0; k < batch.rows.length; ++k) lowest = Math.min(lowest, boundsOf(batch, k, one).min.y);
+    for (const batch of this.batches) for (let k = 0; k < batch.rows.length; ++k) lowest = Math.min(lowest, lowestOf(boundsOf(batch, k, one)));
     const moving = out.ball();
     const size = out.empty ? Infinity : moving.radius;
     const middle = new Vector3().fromArray(moving.center);
@@ -148,7 +149,8 @@ export class Bodies {
         boundsOf(batch, k, one);
         const far = middle.distanceTo(one.getCenter(new Vector3())) + 0.5 * one.getSize(new Vector3()).length();
         if (size === Infinity || far < kWide * size) addBox(out, one);
-        wide ||= one.max.x - one.min.x > size && one.max.z - one.min.z > size;
+        const sides = one.getSize(new Vector3()).toArray();
+        wide ||= sides.every((side, axis) => side > size || upward.getComponent(axis) !== 0);
       }
       batch.mesh.material.uniforms.receives!.value = wide;
       if (wide) batch.mesh.layers.disable(1);
@@ -191,6 +193,11 @@ function partOf(visual: Visual, topology: SystemTopology): Part {
     radius = kind === "box" ? Math.hypot(a, b, c) : kind === "cylinder" ? Math.hypot(a, b) : half[1];
   }
   return { visual, kind, at: [x, y, z], turn: [qx, qy, qz, qw], size, low, high, radius: radius + Math.hypot(x, y, z) };
+}
+
+/** The height of the lowest corner. */
+function lowestOf({ min, max }: Box3): number {
+  return [0, 1, 2].reduce((sum, axis) => sum + Math.min(min.getComponent(axis) * upward.getComponent(axis), max.getComponent(axis) * upward.getComponent(axis)), 0);
 }
 
 function addBox(out: Extent, { min, max }: Box3): void {
@@ -282,7 +289,7 @@ function makeBatch(key: string, rows: Uint32Array, parts: Part[], topology: Syst
   geometry.setAttribute("center", center).setAttribute("turn", turn).setAttribute("value", value);
   const glass = role === "sensor";
   const material = new ShaderMaterial({
-    uniforms: { ...floor, stops: rampUniform, byValue: { value: false }, receives: { value: false }, opacity: { value: glass ? 0.25 : 1 }, stripes: { value: kind === "sphere" } },
+    uniforms: { ...floor, ...lightUniforms, stops: rampUniform, byValue: { value: false }, receives: { value: false }, opacity: { value: glass ? 0.25 : 1 }, stripes: { value: kind === "sphere" } },
     vertexShader: bodyVertex,
     fragmentShader: bodyFragment,
     defines: kind === "capsule" ? { CAPSULE: "" } : {},

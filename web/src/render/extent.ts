@@ -89,13 +89,24 @@ export class Extent {
     return [low, high];
   }
 
-  /** The highest point. */
-  top(): [number, number, number] {
-    let best: [number, number, number] = [0, -Infinity, 0];
+  /** The farthest point along a unit vector. */
+  top(up: Vec): [number, number, number] {
+    let best: [number, number, number] = [0, 0, 0];
+    let most = -Infinity;
     this.forEach((x, y, z, r) => {
-      if (y + r > best[1]) best = [x, y + r, z];
+      const far = dot(up, [x, y, z]) + r;
+      if (far <= most) return;
+      most = far;
+      best = [x + r * up[0], y + r * up[1], z + r * up[2]];
     });
     return best;
+  }
+
+  /** The least distance along a unit vector. */
+  bottom(up: Vec): number {
+    let low = Infinity;
+    this.forEach((x, y, z, r) => (low = Math.min(low, dot(up, [x, y, z]) - r)));
+    return low;
   }
 
   /** Centre of the box around everything, and half its diagonal. */

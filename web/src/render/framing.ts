@@ -4,6 +4,7 @@
 import { MOUSE, Vector3, type PerspectiveCamera } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Extent, type Frustum } from "./extent";
+import { turned, upward } from "./upright";
 
 const kFill = 0.9; // share of the free part that the scene may take
 const kLabelled = 0.82; // with ticks and names around it
@@ -29,10 +30,11 @@ export interface Inset {
   bottom: number;
 }
 
-const sides: Record<Exclude<Side, "scene">, Vector3> = { front: new Vector3(0, 0, 1), side: new Vector3(1, 0, 0), top: new Vector3(0, 1, 0.001) };
+/** Towards the camera, where y is up. */
+const sides: Record<Exclude<Side, "scene">, [number, number, number]> = { front: [0, 0, 1], side: [1, 0, 0], top: [0, 1, 0.001] };
 
 export class Framing {
-  readonly controls: OrbitControls;
+  controls: OrbitControls;
   readonly seen = new Extent();
   /** The user has turned the camera and keeps it until asking for the scene's view again. */
   held = false;
@@ -53,14 +55,20 @@ export class Framing {
     private readonly canvas: HTMLCanvasElement,
     private readonly changed: () => void,
   ) {
-    this.controls = new OrbitControls(camera, canvas);
-    Object.assign(this.controls, { enableDamping: true, dampingFactor: 0.12, zoomToCursor: true, maxPolarAngle: Math.PI * 0.55 });
-    this.controls.mouseButtons = { LEFT: MOUSE.ROTATE, MIDDLE: MOUSE.DOLLY, RIGHT: MOUSE.PAN };
-    this.controls.listenToKeyEvents(canvas);
-    this.controls.addEventListener("change", changed);
-    this.controls.addEventListener("start", () => this.take());
+    this.controls = this.controlled();
     canvas.addEventListener("keydown", (event) => event.key.startsWith("Arrow") && this.take());
     this.put([3, 2, 4], [0, 0.8, 0]);
+  }
+
+  /** Controls that turn about what is up now: they keep the direction that they were made with. */
+  private controlled(): OrbitControls {
+    const controls = new OrbitControls(this.camera, this.canvas);
+    Object.assign(controls, { enableDamping: true, dampingFactor: 0.12, zoomToCursor: true, maxPolarAngle: Math.PI * 0.55 });
+    controls.mouseButtons = { LEFT: MOUSE.ROTATE, MIDDLE: MOUSE.DOLLY, RIGHT: MOUSE.PAN };
+    controls.listenToKeyEvents(this.canvas);
+    controls.addEventListener("change", this.changed);
+    controls.addEventListener("start", () => this.take());
+    return controls;
   }
 
   /** Forgets the last scene. `pose` is the scene's own camera; `facing` the side from which a flat scene is viewed. */
@@ -75,6 +83,11 @@ export class Framing {
     this.authored.clear();
     this.first = 0;
     this.camera.fov = pose?.fov ? (pose.fov * 180) / Math.PI : 40;
+    if (!this.camera.up.equals(upward)) {
+      this.camera.up.copy(upward);
+      this.controls.dispose();
+      this.controls = this.controlled();
+    }
     const { eye, target } = pose ?? {};
     if (!eye || !target) return;
     // The scene's author knew how far it will reach: the middle of that frame stays in the picture.
@@ -219,8 +232,8 @@ export class Framing {
   /** Points the camera so that everything seen, times `room`, is in the free part. */
   private aim(room: number, smooth: boolean): void {
     const { eye, target } = this.pose ?? {};
-    const own = eye && target ? new Vector3().fromArray(eye).sub(new Vector3().fromArray(target)) : (this.facing?.clone() ?? new Vector3(0.55, 0.38, 0.75));
-    const direction = this.side === "scene" ? own : sides[this.side].clone();
+    const own = eye && target ? new Vector3().fromArray(eye).sub(new Vector3().fromArray(target)) : (this.facing?.clone() ?? turned(0.55, 0.38, 0.75));
+    const direction = this.side === "scene" ? own : turned(...sides[this.side]);
     const { right, above, back } = this.axes(direction);
     const [kx, ky] = this.tangents(this.fill / room);
     const all = new Extent();
@@ -251,8 +264,8 @@ export class Framing {
 
   private axes(back: Vector3): { right: Vector3; above: Vector3; back: Vector3 } {
     back.normalize();
-    const right = new Vector3(0, 1, 0).cross(back);
-    if (right.lengthSq() < 1e-10) right.set(1, 0, 0);
+    const right = upward.clone().cross(back);
+    if (right.lengthSq() < 1e-10) right.copy(turned(1, 0, 0));
     right.normalize();
     return { right, above: back.clone().cross(right), back };
   }

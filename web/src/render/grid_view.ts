@@ -2,6 +2,7 @@
 // in space a slice, or a few translucent ones.
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, DynamicDrawUsage, Group, Mesh, ShaderMaterial, type IUniform } from "three";
 import type { FieldArray } from "../client/decode";
+import { shownField } from "../client/parts";
 import type { Lattice, Part } from "../client/gen/truestep/v1/stream_pb";
 import type { ViewerSettings } from "../client/rest";
 import { colorTable, type ColorMap } from "./color_map";
@@ -12,6 +13,7 @@ import { scaleLabel } from "./scale_label";
 import { scenery, shadeGlsl } from "./shading";
 import { evenStreamlines } from "./streamlines";
 import type { Has, Visibility } from "./system_view";
+import { lightUniforms } from "./upright";
 
 const kColors = 256;
 const ink = new Color("#14171f");
@@ -128,7 +130,8 @@ export class GridView {
   }
 
   update(fields: FieldArray[], show: Visibility): void {
-    const field = fields.find((one) => one.field === show.colorBy) ?? fields.find((one) => one.field === this.part.fields[0]?.name);
+    const shown = shownField(this.part, show.colorBy);
+    const field = fields.find((one) => one.field === shown);
     if (!field) return;
     this.field = field;
     this.take(field);
@@ -198,7 +201,7 @@ export class GridView {
     const { nu, nv, axes, rows } = sheet;
     const { contours = 0, streamlines: lines = 0, height = 0 } = this.settings;
     const width = this.field!.width;
-    if (contours <= 0 && width < 2) return;
+    if (contours <= 0 && width < 2) return sheet.over?.set([]);
     const plane = { nx: nu, ny: nv };
     const ends: number[] = [];
     const lift = 1e-3 * Math.hypot(nu * this.spacing(axes[0]), nv * this.spacing(axes[1]));
@@ -327,7 +330,7 @@ export class GridView {
     geometry.setIndex(new BufferAttribute(triangles, 1));
     const lit = (this.settings.height ?? 0) !== 0;
     const material = new ShaderMaterial({
-      uniforms: { lit: { value: lit }, translucent: { value: translucent } }, vertexShader: vertex, fragmentShader: fragment, side: DoubleSide,
+      uniforms: { ...lightUniforms, lit: { value: lit }, translucent: { value: translucent } }, vertexShader: vertex, fragmentShader: fragment, side: DoubleSide,
       transparent: translucent, depthWrite: !translucent,
     });
     const mesh = new Mesh(geometry, material);

@@ -6,27 +6,29 @@ import {
   CircleGeometry, DataTexture, LinearFilter, LinearMipmapLinearFilter, Matrix4, Mesh, OrthographicCamera, ShaderMaterial,
   Vector3, WebGLRenderTarget, type IUniform, type Scene, type Sphere, type WebGLRenderer,
 } from "three";
-import { keyDirection, scenery } from "./shading";
+import { scenery } from "./shading";
+import { heightOf, keyDirection, turnUp, turned, upward } from "./upright";
 
 const kMapSize = 512;
 
 const vertex = /* glsl */ `
 uniform mat4 toLight;
-out vec3 vWorld;
+uniform vec3 middle, across, along;
+out vec2 vAway, vPlace;
 out vec2 vLight;
 void main() {
   vec4 w = modelMatrix * vec4(position, 1.0);
-  vWorld = w.xyz;
+  vPlace = vec2(dot(w.xyz, across), dot(w.xyz, along));
+  vAway = vPlace - vec2(dot(middle, across), dot(middle, along));
   vLight = (toLight * w).xy * 0.5 + 0.5;
   gl_Position = projectionMatrix * (viewMatrix * w);
 }`;
 
 const fragment = /* glsl */ `
 uniform sampler2D coverage;
-uniform vec3 background, floorColor, lineColor, middle;
+uniform vec3 background, floorColor, lineColor;
 uniform float fade, cell, shadow;
-in vec3 vWorld;
-in vec2 vLight;
+in vec2 vAway, vPlace, vLight;
 float grid(vec2 p, float size) {
   vec2 q = p / size;
   vec2 w = fwidth(q);
@@ -34,10 +36,9 @@ float grid(vec2 p, float size) {
   return (1.0 - min(min(d.x, d.y), 1.0)) * clamp(1.0 - 2.0 * max(w.x, w.y), 0.0, 1.0);
 }
 void main() {
-  vec2 p = vWorld.xz - middle.xz;
-  float near = exp(-dot(p, p) / (fade * fade));
+  float near = exp(-dot(vAway, vAway) / (fade * fade));
   vec3 c = mix(background, floorColor, near);
-  float lines = max(0.35 * grid(vWorld.xz, cell), grid(vWorld.xz, cell * 5.0));
+  float lines = max(0.35 * grid(vPlace, cell), grid(vPlace, cell * 5.0));
   c = mix(c, lineColor, 0.75 * lines * near);
   if (shadow > 0.0 && all(greaterThan(vLight, vec2(0.0))) && all(lessThan(vLight, vec2(1.0)))) {
     float covered = 0.0;
@@ -77,7 +78,7 @@ export class Ground {
     this.uniforms = {
       coverage: { value: this.target.texture }, toLight: { value: new Matrix4() }, background: { value: scenery.background },
       floorColor: { value: scenery.ground }, lineColor: { value: scenery.lines },
-      middle: { value: new Vector3() }, fade: { value: 6 }, cell: { value: 0.2 }, shadow: { value: 0 },
+      middle: { value: new Vector3() }, across: { value: new Vector3(1, 0, 0) }, along: { value: new Vector3(0, 0, 1) }, fade: { value: 6 }, cell: { value: 0.2 }, shadow: { value: 0 },
     };
     const geometry = new CircleGeometry(1, 64).rotateX(-Math.PI / 2);
     this.object = new Mesh(geometry, new ShaderMaterial({ uniforms: this.uniforms, vertexShader: vertex, fragmentShader: fragment }));
@@ -85,17 +86,21 @@ export class Ground {
     this.object.renderOrder = -1;
   }
 
-  /** Puts the ground at height `y` and sizes disc, grid and light for a scene inside `bounds`. */
-  fit(bounds: Sphere, y: number): void {
+  /** Puts the ground at this height and sizes disc, grid and light for a scene inside `bounds`. */
+  fit(bounds: Sphere, height: number): void {
     const { center, radius } = bounds;
     const fade = Math.max(2.2 * radius, 1e-3);
-    this.object.position.set(center.x, y, center.z);
+    this.object.position.copy(center).addScaledVector(upward, height - heightOf(center.x, center.y, center.z));
+    this.object.quaternion.copy(turnUp);
+    this.uniforms.across!.value.copy(turned(1, 0, 0));
+    this.uniforms.along!.value.copy(turned(0, 0, 1));
     this.object.scale.setScalar(2.6 * fade);
     this.uniforms.fade!.value = fade;
     this.uniforms.cell!.value = 10 ** Math.floor(Math.log10(radius)) * 0.2;
     this.uniforms.middle!.value.copy(center);
     const reach = 1.3 * radius;
     this.light.position.copy(center).addScaledVector(keyDirection, 4 * radius);
+    this.light.up.copy(upward);
     this.light.lookAt(center);
     Object.assign(this.light, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0.01 * radius, far: 8 * radius });
     this.light.updateProjectionMatrix();

@@ -2,6 +2,7 @@
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, Mesh, ShaderMaterial, type IUniform } from "three";
 import { particleSurface } from "./particle_surface";
 import { litVertexGlsl, rampGlsl, rampUniform, shadeGlsl } from "./shading";
+import { lightUniforms } from "./upright";
 
 const kCell = 0.75; // width of the lattice's cells, in spacings
 const kMany = 30000; // from this many particles on, cells are one spacing wide
@@ -35,7 +36,7 @@ export class Liquid {
     private readonly spacing: number,
     color: Color,
   ) {
-    this.uniforms = { color: { value: color }, byValue: { value: false }, valueScale: { value: 1 }, valueStart: { value: 0 }, stops: rampUniform };
+    this.uniforms = { ...lightUniforms, color: { value: color }, byValue: { value: false }, valueScale: { value: 1 }, valueStart: { value: 0 }, stops: rampUniform };
     const material = new ShaderMaterial({ uniforms: this.uniforms, vertexShader: vertex, fragmentShader: fragment, side: DoubleSide });
     this.object = new Mesh(new BufferGeometry(), material);
     this.object.frustumCulled = false;

@@ -2,6 +2,7 @@
 import { Extent } from "./extent";
 import type { Label } from "./labels";
 import type { SystemView } from "./system_view";
+import { upward } from "./upright";
 
 const kNames = 8;
 
@@ -16,7 +17,7 @@ export function namesOf(views: SystemView[]): Label[] {
     const reach = new Extent();
     view.reachOf(reach);
     if (reach.empty) continue;
-    labels.push({ text: view.id.replaceAll("_", " "), at: reach.top(), kind: "name", color: `#${color.getHexString()}` });
+    labels.push({ text: view.id.replaceAll("_", " "), at: reach.top(upward.toArray()), kind: "name", color: `#${color.getHexString()}` });
   }
   return labels;
 }

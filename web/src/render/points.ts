@@ -6,6 +6,7 @@ import {
   Mesh, Points, ShaderMaterial, type IUniform, type Object3D,
 } from "three";
 import { rampGlsl, rampUniform, shadeGlsl } from "./shading";
+import { lightUniforms } from "./upright";
 
 const kQuadLimit = 12000;
 
@@ -82,13 +83,14 @@ export class PointCloud {
 
   constructor(radius: number, color: Color, viewHeight: IUniform<number>) {
     this.uniforms = {
+      ...lightUniforms,
       radius: { value: radius }, color: { value: color }, viewHeight,
       valueScale: { value: 1 }, valueStart: { value: 0 }, byValue: { value: false }, stops: rampUniform,
     };
   }
 
   /** Takes `count` positions and, if the server sends it, a value per point to colour by. */
-  update(positions: Float32Array, count: number, values: Float32Array | undefined, range?: number[]): void {
+  update(positions: Float32Array, count: number, values: Float32Array | undefined, range?: number[], highest = 0): void {
     if (count > this.capacity || !this.object) this.allocate(Math.max(16, Math.ceil(count * 1.25)));
     (this.center.array as Float32Array).set(positions.subarray(0, 3 * count));
     upload(this.center, 3 * count);
@@ -100,7 +102,7 @@ export class PointCloud {
       for (let k = 0; k < count; ++k) if (values[k]! > top) top = values[k]!;
       // Follow the fastest point up at once and down slowly, so that colours do not flicker.
       this.top = Number.isFinite(top) ? Math.max(top, this.top * 0.99) : this.top;
-      const [low = 0, high = this.top] = range ?? [];
+      const [low = 0, high = Math.max(this.top, highest)] = range ?? [];
       this.uniforms.valueScale!.value = high > low ? 1 / (high - low) : 0;
       this.uniforms.valueStart!.value = low;
       this.shown = [low, high];
@@ -110,6 +112,11 @@ export class PointCloud {
     const geometry = (this.object as Mesh).geometry as InstancedBufferGeometry;
     if (this.quads) geometry.instanceCount = count;
     else geometry.setDrawRange(0, count);
+  }
+
+  /** The highest of its own values, which falls slowly. */
+  get highest(): number {
+    return this.shown ? this.top : 0;
   }
 
   /** Lowest and highest value of the colours. */

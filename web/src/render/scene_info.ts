@@ -4,6 +4,10 @@ import type { Scene } from "../client/rest";
 export interface SceneInfo {
   /** There is gravity, and therefore a floor, unless everything is a plot. */
   pulled: boolean;
+  /** m/s2, of the whole scene. */
+  gravity: number[];
+  /** Observables that the scene lists. */
+  observables: string[];
   duration: number | undefined;
   dt: number | undefined;
 }
@@ -14,6 +18,7 @@ const number = (value: unknown): number | undefined => (typeof value === "number
 /** What is known about `scene` (the session's own, with defaults); defaults without it. */
 export function infoOf(scene: Scene | undefined): SceneInfo {
   const time = (scene?.time as Json | undefined) ?? {};
-  const gravity = Array.isArray(scene?.gravity) ? (scene.gravity as unknown[]) : [0, -9.81, 0];
-  return { pulled: gravity.some((g) => g !== 0), duration: number(time.duration), dt: number(time.dt) };
+  const gravity = Array.isArray(scene?.gravity) ? scene.gravity.map(Number) : [0, -9.81, 0];
+  const observables = Array.isArray(scene?.observables) ? scene.observables.filter((name) => typeof name === "string") : [];
+  return { pulled: gravity.some((g) => g !== 0), gravity, observables, duration: number(time.duration), dt: number(time.dt) };
 }

@@ -4,8 +4,6 @@ import { Color, Vector3, type IUniform } from "three";
 import { colorTable, type ColorMap } from "./color_map";
 import { paletteHex } from "./color_stops";
 
-export const keyDirection = new Vector3(0.42, 0.8, 0.43).normalize();
-
 export type Theme = "dark" | "light";
 
 /** Colours of everything around the scene; all of them change in place with the theme. */
@@ -27,11 +25,11 @@ export function setTheme(theme: Theme): void {
 setTheme("dark");
 
 export const shadeGlsl = /* glsl */ `
-const vec3 kKey = vec3(${keyDirection.toArray().map((c) => c.toFixed(4)).join(",")});
+uniform vec3 upward, keyLight;
 vec3 shade(vec3 albedo, vec3 n, vec3 toEye) {
-  vec3 sky = mix(vec3(0.13, 0.12, 0.14), vec3(0.34, 0.39, 0.47), 0.5 + 0.5 * n.y);
-  float key = max(dot(n, kKey), 0.0);
-  float gloss = pow(max(dot(n, normalize(kKey + toEye)), 0.0), 36.0);
+  vec3 sky = mix(vec3(0.13, 0.12, 0.14), vec3(0.34, 0.39, 0.47), 0.5 + 0.5 * dot(n, upward));
+  float key = max(dot(n, keyLight), 0.0);
+  float gloss = pow(max(dot(n, normalize(keyLight + toEye)), 0.0), 36.0);
   float rim = pow(1.0 - max(dot(n, toEye), 0.0), 3.0);
   return albedo * (sky + vec3(0.80, 0.75, 0.68) * key) + vec3(0.10) * gloss + sky * rim * 0.12;
 }
@@ -127,7 +125,7 @@ void main() {
   }
   if (!byValue && vValue > 0.5) albedo = mix(albedo, vec3(dot(albedo, vec3(0.21, 0.72, 0.07))), 0.4) * 0.6;
   vec3 c = shade(albedo, n, toEye);
-  if (receives && n.y > 0.2) {
+  if (receives && dot(n, upward) > 0.2) {
     vec2 at = (toLight * vec4(vWorld, 1.0)).xy * 0.5 + 0.5;
     if (all(greaterThan(at, vec2(0.0))) && all(lessThan(at, vec2(1.0)))) {
       float covered = 0.0;

@@ -6,6 +6,7 @@ import {
 } from "three";
 import type { Shape } from "../client/gen/truestep/v1/stream_pb";
 import { shadeGlsl } from "./shading";
+import { heightOf, lightUniforms } from "./upright";
 
 const vertex = /* glsl */ `
 out vec3 vNormal, vWorld;
@@ -34,7 +35,7 @@ const edgeColor = new Color("#7f8fa6");
 /** True for a horizontal plane facing up, which is replaced by the viewer's ground. */
 export function isGround(shape: Shape): boolean {
   const normal = planeNormal(shape);
-  return shape.kind === "plane" && normal.y > 0.999;
+  return shape.kind === "plane" && heightOf(normal.x, normal.y, normal.z) > 0.999;
 }
 
 function planeNormal(shape: Shape): Vector3 {
@@ -70,7 +71,7 @@ export function makeShape(shape: Shape, extent: number): Object3D | undefined {
   if (!geometry) return undefined;
   const open = shape.container || shape.kind === "plane";
   const material = new ShaderMaterial({
-    uniforms: { color: { value: new Color(open ? "#7d93b3" : "#8a96a8") }, opacity: { value: open ? 0.1 : 1 } },
+    uniforms: { ...lightUniforms, color: { value: new Color(open ? "#7d93b3" : "#8a96a8") }, opacity: { value: open ? 0.1 : 1 } },
     vertexShader: vertex,
     fragmentShader: fragment,
     transparent: open,

@@ -1,7 +1,7 @@
 // The picture: camera, ground, shapes and systems. The painter says when it is drawn.
 import { PerspectiveCamera, Scene, Sphere, Vector3, type IUniform } from "three";
 import type { ViewerSettings } from "../client/rest";
-import type { DecodedFrame } from "../client/decode";
+import type { DecodedFrame, FieldArray } from "../client/decode";
 import type { Marks, Part, Shape, SystemTopology, Topology } from "../client/gen/truestep/v1/stream_pb";
 import { Extent } from "./extent";
 import { Framing, type Inset, type Side } from "./framing";
@@ -20,6 +20,7 @@ import { ShapeGroup, reachOfShape } from "./shape_group";
 import { isGround } from "./shapes";
 import { Strings } from "./strings";
 import { SystemView, type Has, type Visibility } from "./system_view";
+import { heightOf, setUpright, upOf, upward } from "./upright";
 
 const kCheckEvery = 200; // ms between two checks whether the scene has outgrown its frame
 const kSmall = 4000; // rows whose names follow them with every frame
@@ -86,6 +87,7 @@ export class Stage {
     this.topology = undefined;
     this.shapes.set([], 1);
     this.setMarks(undefined);
+    setUpright(upOf(info.gravity, settings.camera?.up));
     this.framing.clear(settings.camera);
     setRamp(settings.color_map ?? "viridis");
     this.show.range = settings.range;
@@ -189,11 +191,19 @@ export class Stage {
 
   /** Draws `frame` with the next picture; the promise resolves when that picture has been drawn. */
   present(frame: DecodedFrame): Promise<void> {
-    for (const view of this.views.values()) {
+    const fieldsOf = (view: SystemView | GridView): FieldArray[] =>
       // Values of a system's lines travel as a part of their own.
-      const fields = frame.fields.filter((field) => field.system === view.id || (this.parts.get(field.system)?.elements === "lines" && this.parts.get(field.system)?.system === view.id));
+      frame.fields.filter((field) => field.system === view.id || (this.parts.get(field.system)?.elements === "lines" && this.parts.get(field.system)?.system === view.id));
+    const update = (view: SystemView | GridView): void => {
+      const fields = fieldsOf(view);
       if (fields.length > 0) view.update(fields, this.show);
-    }
+    };
+    const highest = (): number => this.pointViews().reduce((most, view) => Math.max(most, view.highest), 0);
+    const before = (this.show.highest = highest());
+    for (const view of this.views.values()) update(view);
+    // One colour bar explains all systems: what is not the highest takes its colours from what is.
+    this.show.highest = highest();
+    if (this.show.highest > before) for (const view of this.pointViews()) if (view.highest > 0 && view.highest < this.show.highest) update(view);
     this.strings.update((id) => {
       const view = this.views.get(id);
       return view instanceof SystemView ? view : undefined;
@@ -267,8 +277,9 @@ export class Stage {
     this.framing.begin(now);
     const plane = this.topology?.shapes.find(isGround);
     const radius = now.ball().radius;
-    this.floor = plane ? (plane.position[1] ?? 0) : floorUnder(Math.min(now.along(1)[0], lowest), lowest < Infinity, radius);
-    this.ground.object.visible = ((this.info.pulled && !this.topology?.systems.every(({ plot }) => plot.length > 0)) || plane !== undefined) && !this.facing();
+    this.floor = plane ? heightOf(plane.position[0] ?? 0, plane.position[1] ?? 0, plane.position[2] ?? 0) : floorUnder(Math.min(now.bottom(upward.toArray()), lowest), lowest < Infinity, radius);
+    // A grid has its own ground, and troughs of a height surface lie below any other.
+    this.ground.object.visible = !this.onlyGrids && ((this.info.pulled && !this.topology?.systems.every(({ plot }) => plot.length > 0)) || plane !== undefined) && !this.facing();
     this.fitGround();
     this.fitAxes();
   }
@@ -285,10 +296,10 @@ export class Stage {
     this.bounds = new Sphere(new Vector3().fromArray(center), Math.max(radius, 0.05));
     const plane = this.topology?.shapes.some(isGround);
     // Anything that swings below the guessed floor lowers it.
-    const [low] = this.framing.seen.along(1);
+    const low = this.framing.seen.bottom(upward.toArray());
     if (!plane && low < this.floor) this.floor = low - 0.02 * radius;
     // Objects far above the ground cast their shadow outside the light's view; include the floor below them.
-    this.ground.fit(this.bounds.clone().expandByPoint(new Vector3(center[0], this.floor, center[2])), this.floor);
+    this.ground.fit(this.bounds.clone().expandByPoint(this.bounds.center.clone().addScaledVector(upward, this.floor - heightOf(...center))), this.floor);
   }
 
   private fitAxes(): void {

@@ -2,6 +2,7 @@
 // sum of the adjacent triangles' area vectors, n_i = sum (b - a) x (c - a), normalised in the shader.
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, DynamicDrawUsage, Mesh, ShaderMaterial } from "three";
 import { litVertexGlsl, shadeGlsl } from "./shading";
+import { lightUniforms } from "./upright";
 
 const vertex = litVertexGlsl();
 
@@ -33,7 +34,7 @@ export class Surface {
     geometry.setAttribute("position", positions);
     geometry.setAttribute("normal", this.normal);
     geometry.setIndex(new BufferAttribute(triangles, 1));
-    const material = new ShaderMaterial({ uniforms: { color: { value: color } }, vertexShader: vertex, fragmentShader: fragment, side: DoubleSide });
+    const material = new ShaderMaterial({ uniforms: { ...lightUniforms, color: { value: color } }, vertexShader: vertex, fragmentShader: fragment, side: DoubleSide });
     this.object = new Mesh(geometry, material);
     this.object.frustumCulled = false;
   }

@@ -25,6 +25,8 @@ export interface Visibility {
   colorBy: string;
   /** Lowest and highest value of the colours, if given by the scene. */
   range?: number[];
+  /** Without a range: the highest value on the screen, so that one colour bar explains all systems. */
+  highest?: number;
 }
 
 /** Which switches have an effect. */
@@ -56,6 +58,7 @@ export class SystemView {
   private kept: number[] = [];
   private drawn = new Uint32Array(0);
   private bodyRange: [number, number] | undefined;
+  private bodyTop: number | undefined;
   private readonly triangles: Uint32Array;
   private readonly color: Color | undefined;
   private readonly names: Names;
@@ -114,7 +117,7 @@ export class SystemView {
     this.carry(fields, show);
     this.colorLines(fields, show);
     this.shades = show.bySpeed && (show.colorBy || !this.color) ? values(mine(fields, this.id), show.colorBy, this.names) : undefined;
-    this.points?.update(this.positions, this.count, this.shades, show.range);
+    this.points?.update(this.positions, this.count, this.shades, show.range, show.highest);
     if (this.points?.object && !this.points.object.parent) {
       this.points.object.layers.enable(1);
       this.group.add(this.points.object);
@@ -178,9 +181,10 @@ export class SystemView {
     if (!this.bodies || !turn || this.count < this.bodies.rows || turn.count < this.bodies.rows) return;
     const speed = show.bySpeed && show.colorBy ? values(mine(fields, this.id), show.colorBy, this.names) : undefined;
     const asleep = fields.find((field) => field.system === this.id && field.field === this.names.asleep)?.data;
-    const top = speed?.reduce((most, v) => Math.max(most, v), 1e-6) ?? 1;
-    this.bodyRange = speed ? [0, top] : undefined;
-    this.bodies.update(this.positions, turn.data, speed ?? asleep, 1 / top, speed !== undefined);
+    this.bodyTop = speed?.reduce((most, v) => Math.max(most, v), 1e-6);
+    const [low, high] = rangeOf(show, this.bodyTop ?? 1);
+    this.bodyRange = speed ? [low, high] : undefined;
+    this.bodies.update(this.positions, turn.data, speed?.map((v) => v - low) ?? asleep, high > low ? 1 / (high - low) : 0, speed !== undefined);
   }
 
   private fill(): Color {
@@ -267,6 +271,11 @@ export class SystemView {
     return this.lineScale ?? this.points?.range ?? this.bodyRange;
   }
 
+  /** The highest of its own values that colours show. */
+  get highest(): number {
+    return Math.max(this.points?.highest ?? 0, this.bodyTop ?? 0);
+  }
+
   /** New arrays, with lines and triangles over them; a topology with invalid rows is not drawn. */
   private grow(count: number): void {
     this.positions = new Float32Array(3 * count);
@@ -291,6 +300,11 @@ interface Names {
   orientation: string | undefined;
   asleep: string | undefined;
   velocity: string | undefined;
+}
+
+/** Lowest and highest value of the colours of what has `top` as its own highest. */
+function rangeOf({ range, highest = 0 }: Visibility, top: number): [number, number] {
+  return range?.length === 2 ? (range as [number, number]) : [0, Math.max(top, highest)];
 }
 
 const mine = (fields: FieldArray[], id: string): FieldArray[] => fields.filter((field) => field.system === id);

@@ -20,11 +20,12 @@ import { markScene, showGallery } from "./gallery";
 import { Interaction } from "./interact";
 import { Page } from "./page";
 import { Plot } from "./plot";
-import { clearProblems, showProblem } from "./problems";
+import { clearProblems, dismissProblems, showProblem } from "./problems";
 import { Readout } from "./readout";
 import { installShortcuts } from "./shortcuts";
 import { SpeedChoice } from "./speed_choice";
 import { speedAtFirst } from "./speeds";
+import { Timeline } from "./timeline";
 
 const kHistory = 1500; // points of a plot's past
 const kAddress = 1200; // ms between two updates of the address
@@ -41,6 +42,7 @@ export class App {
   private readonly interaction: Interaction;
   private readonly speed = new SpeedChoice();
   private readonly compact = new Compact();
+  private readonly timeline = new Timeline((time) => this.act((id) => this.seek(id, time)), (text) => this.page.hint(text));
   private stream: Stream | undefined;
   private id: string | undefined;
   /** True for a session that this page created and therefore ends when it opens the next one. */
@@ -153,7 +155,6 @@ export class App {
     for (const { system, detail } of session.warnings ?? []) this.warn(`system "${system}": ${detail}`);
   }
 
-  /** Closes what was on the screen. */
   private leave(): void {
     this.stream?.close();
     if (this.id !== undefined && this.own) void this.service.deleteSession(this.id).catch(() => undefined);
@@ -174,7 +175,8 @@ export class App {
     this.following(false);
     showScale(undefined);
     this.stage.show.colorBy = session.viewer?.color_by ?? "";
-    this.plot.clear();
+    this.timeline.offer(this.info.duration, this.info.dt);
+    this.plot.clear(this.info.observables);
     this.plot.onGap = () => this.fillPlot(session.id);
     this.fillPlot(session.id);
     this.readout.clear();
@@ -195,7 +197,11 @@ export class App {
       if (this.stream === stream) handler(value);
     };
     this.page.connection("connecting");
-    stream.on("state", mine((state) => this.page.connection(state)));
+    stream.on("state", mine((state) => {
+      this.page.connection(state);
+      if (state === "open") dismissProblems("unreachable");
+      if (state === "closed") this.playback(undefined);
+    }));
     stream.on("hello", mine((hello) => {
       const parts = partsOf(hello);
       this.compact.greet(hello);
@@ -225,9 +231,7 @@ export class App {
     if (this.id === id) this.unstable(session?.instability ?? { detail });
   }
 
-  private warn(detail: string): void {
-    showProblem({ title: "Warning", status: 0, code: "warning", detail }, "warning");
-  }
+  private readonly warn = (detail: string): void => showProblem({ title: "Warning", status: 0, code: "warning", detail }, "warning");
 
   private unstable(instability: Instability): void {
     showProblem({ title: "The simulation became unstable", status: 0, code: "instability", ...instability });
@@ -241,6 +245,7 @@ export class App {
         await this.stage.present(frame);
         showScale(this.stage.colorScale);
         this.time = frame.time;
+        this.timeline.shown(frame.time);
         this.end();
         if (this.measured++ < kMarks) performance.mark(this.measured === 1 ? "first-picture" : "picture");
         this.interaction.follow();
@@ -310,7 +315,7 @@ export class App {
       reset: () => this.act(async (id) => {
         await this.service.reset(id);
         this.ended = false;
-        this.plot.clear();
+        this.plot.clear(this.info.observables);
         this.interaction.clear();
       }),
       look: (side) => this.look(side),
@@ -349,7 +354,21 @@ export class App {
 
   private act(action: (id: string) => Promise<void>): void {
     const { id } = this;
-    if (id !== undefined) void this.attempt(() => action(id));
+    if (id === undefined) return;
+    void this.attempt(() => (this.stream?.state === "closed" ? this.revive() : action(id)));
+  }
+
+  private async seek(id: string, time: number): Promise<void> {
+    this.ended = false;
+    await this.service.seek(id, time);
+  }
+
+  /** Makes a session again that has ended under the page, where it was, and plays it. */
+  private async revive(): Promise<void> {
+    if (!this.scene) throw new ProblemError({ title: "The session has ended", status: 0, code: "session_ended", detail: "choose a scene again" });
+    this.own = false;
+    await this.create(this.scene, this.galleryName, { time: this.time, ...(this.stage.framing.held ? this.stage.framing.view : {}) });
+    await this.service.play(this.id!, this.speed.value);
   }
 
   private async attempt(action: () => Promise<void>): Promise<void> {
@@ -373,8 +392,7 @@ export class App {
     button.querySelector("use")?.setAttribute("href", this.playing ? "#i-pause" : "#i-play");
     button.setAttribute("aria-label", this.playing ? "Pause" : "Play");
     button.title = this.playing ? "Pause (Space)" : "Play (Space)";
-    if (!state || state.speed <= 0) return;
-    if (!state.playing) return;
+    if (!state?.playing || state.speed <= 0) return;
     const hint = this.speed.playing(state.speed, state.achievedSpeed, this.info.dt);
     if (hint) this.page.hint(hint);
   }

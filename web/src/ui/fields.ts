@@ -1,5 +1,5 @@
 // The fields that the viewer requests from a stream.
-import { meaning, partsOf } from "../client/parts";
+import { meaning, partsOf, shownField } from "../client/parts";
 import type { Hello, Topology } from "../client/gen/truestep/v1/stream_pb";
 
 /** What points and lines are coloured by, and whether the colours are on the screen. */
@@ -9,19 +9,21 @@ export interface Coloring {
 }
 
 /**
- * Positions; for rows with bodies also orientations and sleep states; and for points the field by which the scene
+ * What the colours of grids show; positions; for rows with bodies also orientations and sleep states; and for points the field by which the scene
  * colours them, or their speed if they have no colour of their own.
  */
 export function fieldsOf({ colorBy, bySpeed }: Coloring, hello: Hello, topology: Topology | undefined): string[] {
   const parts = partsOf(hello);
   const wanted = new Set<string>();
   const want = (name: string | undefined): void => void (name && wanted.add(name));
+  // Before the topology is known: the first frame has what the colours of grids show.
+  const grids = topology ? topology.systems.map(({ system }) => parts.get(system)) : [...parts.values()];
+  for (const part of grids) if (part?.lattice) want(shownField(part, colorBy));
   for (const drawn of topology?.systems ?? []) {
     const part = parts.get(drawn.system);
     const has = (name: string): string | undefined => (name && part?.fields.some((field) => field.name === name) ? name : undefined);
     const bodies = drawn.visuals.length > 0;
     want(meaning(part, "position"));
-    if (part?.lattice) want(has(colorBy) ?? part.fields[0]?.name);
     if (bodies) for (const what of ["orientation", "asleep"]) want(meaning(part, what));
     const colored = (drawn.pointRadius > 0 && (colorBy || drawn.color.length === 0)) || (bodies && colorBy);
     if (bySpeed && colored) want(has(colorBy) ?? has("speed") ?? meaning(part, "velocity"));

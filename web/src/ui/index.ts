@@ -1,4 +1,5 @@
 // What the viewer computes without a page, for tests in Node.
+export { upOf } from "../render/upright";
 export { axisOf, placeOf } from "../render/axis_ticks";
 export { Extent } from "../render/extent";
 export { particleSurface } from "../render/particle_surface";
@@ -10,4 +11,5 @@ export * as colorStops from "../render/color_stops";
 export { packScene, readShared, writeShared } from "./address";
 export { chapterOf, matches } from "./gallery";
 export { chooseAtFirst, endsOf, gapsIn, relative, scaleOf } from "./plot_model";
+export { fieldsOf } from "./fields";
 export { speedAtFirst, speedsFor } from "./speeds";

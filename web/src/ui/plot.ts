@@ -28,6 +28,7 @@ export class Plot {
   private readonly columns = new Map<string, Column>();
   private readonly units = new Map<string, string>();
   private chosen: string[] = [];
+  private listed: readonly string[] = [];
   private title = "Observables";
   private touched = false;
   private readonly hidden = new Set<string>();
@@ -46,7 +47,9 @@ export class Plot {
     });
   }
 
-  clear(): void {
+  /** Forgets the last run; `listed` are the observables that the scene names. */
+  clear(listed: readonly string[]): void {
+    this.listed = listed;
     this.plot?.destroy();
     this.plot = undefined;
     this.times = [];
@@ -137,7 +140,7 @@ export class Plot {
   }
 
   private choose(): void {
-    const { title, names } = chooseAtFirst([...this.columns.keys()]);
+    const { title, names } = chooseAtFirst([...this.columns.keys()], this.listed, this.units);
     this.title = title;
     this.chosen = names.slice(0, kSeries);
     this.build();

@@ -6,9 +6,20 @@ export interface Choice {
   names: string[];
 }
 
-/** One system: its kinetic, potential and total energy. Several: the energy of each, to compare them. */
-export function chooseAtFirst(names: readonly string[]): Choice {
+/** At most this many lines are chosen at first where they have one unit. */
+const kFirst = 4;
+
+/**
+ * What a scene lists as its observables, if no energy is among them: what has the unit of the first. Otherwise, of one
+ * system its kinetic, potential and total energy; of several the energy of each, to compare them.
+ */
+export function chooseAtFirst(names: readonly string[], listed: readonly string[] = [], units: ReadonlyMap<string, string> = new Map()): Choice {
   const of = (pattern: RegExp): string[] => names.filter((name) => pattern.test(name));
+  const wanted = listed.filter((name) => names.includes(name));
+  const [lead] = wanted;
+  if (lead !== undefined && !listed.some((name) => /energy/.test(name))) {
+    return { title: "Observables", names: wanted.filter((name) => units.get(name) === units.get(lead)).slice(0, kFirst) };
+  }
   const totals = of(/^.+\.energy\.total$/);
   if (totals.length > 1) return { title: "Total energy", names: totals };
   const kinetic = of(/^.+\.energy\.kinetic$/);

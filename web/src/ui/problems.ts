@@ -56,6 +56,11 @@ export function showProblem(problem: Problem, tone: "error" | "warning" = "error
   list.append(card);
 }
 
+/** Takes back cards of a problem that is over. */
+export function dismissProblems(code: string): void {
+  for (const card of [...byId("problems").children]) if ((card as HTMLElement).dataset.key?.startsWith(`${code} `)) card.remove();
+}
+
 export function clearProblems(): void {
   byId("problems").replaceChildren();
 }

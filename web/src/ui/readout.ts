@@ -57,12 +57,15 @@ export class Readout {
   }
 
   private set(time: number, step: number, seq: number, dropped: number): void {
-    this.time.textContent = `${time === 0 || (time >= 1e-3 && time < 1e6) ? time.toFixed(3) : time.toPrecision(4)} s`;
+    this.time.textContent = timeText(time);
     this.step.textContent = group(step);
     this.frame.textContent = group(seq);
     this.dropped.textContent = group(dropped);
   }
 }
+
+/** A time of a run, s. */
+export const timeText = (time: number): string => `${time === 0 || (time >= 1e-3 && time < 1e6) ? time.toFixed(3) : time.toPrecision(4)} s`;
 
 /** Groups thousands with a narrow space. */
 const group = (value: number): string => String(value).replace(/\B(?=(\d{3})+$)/g, "\u202f");

@@ -18,6 +18,6 @@ export function showScale(scale: Scale | undefined): void {
   const [label, ramp, low, high] = [...bar.children] as [HTMLElement, HTMLElement, HTMLElement, HTMLElement];
   label.textContent = scale.label;
   ramp.style.background = cssGradient(scale.map);
-  low.textContent = ends[0];
-  high.textContent = ends[1];
+  low.textContent = ends[0].replace("-", "−");
+  high.textContent = ends[1].replace("-", "−");
 }

@@ -36,7 +36,7 @@ export class SpeedChoice {
     if (!this.speeds.includes(speed)) this.offer(dt, speed);
     this.list.value = String(speed);
     const late = achieved > 0 && achieved < 0.9 * speed;
-    const comesTo = `${Number(achieved.toPrecision(2))}x`;
+    const comesTo = speedText(Number(achieved.toPrecision(2)));
     this.list.title = late ? `The service is at its limit: it reaches ${comesTo}` : "";
     const hint = late && !this.late ? `the service is at its limit: ${comesTo}` : undefined;
     this.late = late;
