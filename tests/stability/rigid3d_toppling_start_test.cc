@@ -1,8 +1,6 @@
 // Scenes that start with bodies that topple: no initial load holds them, and none may throw them.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 #include "tests/support/rigid3d_run.h"
 
 namespace truestep {
@@ -19,7 +17,7 @@ Rigid3dDef ball_on_capsule(double beside, Rigid3dDef::Precision precision) {
   CapsuleBodyDef capsule;
   capsule.radius = 0.15, capsule.half_length = 0.1, capsule.density = 100;
   capsule.position = {0.03, 0.85, 0};
-  BoxBodyDef under = box({0.2, 0.3, 0.3}, {-0.046, 0.3, 0});
+  BoxBodyDef under = box({0.2, 0.3, 0.3}, {-0.0457, 0.3, 0});
   under.density = 160;
   SphereBodyDef above = ball(0.4, {0.03 + beside, 1.5, 0});
   Rigid3dDef d;
@@ -30,19 +28,17 @@ Rigid3dDef ball_on_capsule(double beside, Rigid3dDef::Precision precision) {
 
 class Rigid3dTopplingStart : public ::testing::TestWithParam<Rigid3dDef::Precision> {};
 
-// The tip of the capsule is under its centre but for rounding: the moment of the ball, divided by that lever,
-// was taken for a load. The ball weighs 268 kg and falls by up to a metre, 2.6 kJ; contacts that start loaded
-// give back what their springs hold, a thousandth of that.
+// The tip of the capsule is under its centre but for rounding, on one side or the other: the moment of the
+// ball divided by that lever, taken for a load, threw everything away at once. Falling adds no energy: what
+// is left is what single precision rounds.
 TEST_P(Rigid3dTopplingStart, ACapsuleUnderAHeavyBallIsNotThrown) {
-  for (const double beside : {0.0, 0.001, 0.01, 0.04}) {
+  for (const double beside : {-0.04, -0.01, 0.0, 0.01, 0.04}) {
     RigidRun run(ball_on_capsule(beside, GetParam()));
     const double start = run.observed("energy.total");
-    double most = start;
     for (int k = 0; k < 120; ++k) {
       run.run(1);
-      most = std::max(most, run.observed("energy.total"));
+      ASSERT_LE(run.observed("energy.total"), start * (1 + 1e-6)) << beside;
     }
-    EXPECT_LT(most - start, 2.6) << beside;
   }
 }
 
