@@ -2,7 +2,8 @@
 //   sum N_p c_p = W,   sum N_p c_p (x_p, y_p) = M,
 // where c is the cosine of the angle between a point's normal and the vertical, (x, y) the point's horizontal
 // position, W the load and M its moments. Points that would have to pull are removed one at a time. Where no
-// such forces exist, as under a body that topples, the result is close to satisfying both equations.
+// such forces exist, as under a body that topples, it is borne as if its load were at the next place within
+// the bounds of the points: the moments that are left turn the body.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -34,8 +35,15 @@ inline void solve_stiffened(const double K[6], const double b[3], double u[3]) {
 
 /// Sets the forces of the points for a load (N) and its moments (N m).
 inline void share_load(std::span<BearingPoint> points, double load, double moment_x, double moment_y) {
-  double reach = 0;
-  for (const BearingPoint& p : points) reach = std::max({reach, std::abs(p.x), std::abs(p.y)});
+  double reach = 0, low_x = HUGE_VAL, high_x = -HUGE_VAL, low_y = HUGE_VAL, high_y = -HUGE_VAL;
+  for (const BearingPoint& p : points) {
+    reach = std::max({reach, std::abs(p.x), std::abs(p.y)});
+    low_x = std::min(low_x, p.x), high_x = std::max(high_x, p.x);
+    low_y = std::min(low_y, p.y), high_y = std::max(high_y, p.y);
+  }
+  if (points.empty()) return;
+  moment_x = std::clamp(moment_x, load * low_x, load * high_x);
+  moment_y = std::clamp(moment_y, load * low_y, load * high_y);
   const double per_reach = reach > 0 ? 1 / reach : 0;
   for (size_t left = points.size(); left > 0;) {
     double K[6] = {};

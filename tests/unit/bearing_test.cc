@@ -65,5 +65,15 @@ TEST(Bearing, WhatTopplesHangsOnItsEdge) {
   EXPECT_GT(x, 0);
 }
 
+// Under the tip of a capsule whose centre is above it but for rounding. As a fraction of that lever any
+// moment is enormous, and must not become a force: it turns the body.
+TEST(Bearing, ATipBearsItsLoadAndNoMoment) {
+  for (const double lever : {1e-18, 1e-9, 1e-3}) {
+    std::vector<BearingPoint> tip{{lever, -lever}};
+    share_load(tip, 3, 1, 2);
+    EXPECT_NEAR(tip[0].force, 3, 1e-6) << lever;
+  }
+}
+
 }  // namespace
 }  // namespace truestep

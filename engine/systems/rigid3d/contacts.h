@@ -17,6 +17,7 @@ struct Contact {
   uint32_t a = 0, b = 0;  ///< rows, a < b
   Manifold manifold;      ///< of the poses at which it was found, about the centre of a as it is now
   Vec3 apart;             ///< m by which b has moved relative to a in those poses
+  double ahead = 0;       ///< s until those poses
   double impulse[Manifold::kMost] = {};  ///< N s, of one substep
   double penetration_offset = 0;         ///< m between the surfaces without load
   double uneven[Manifold::kMost] = {};   ///< m by which a point's offset exceeds that

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engine/systems/rigid3d/contacts.h"
+#include "engine/systems/rigid3d/turned_surface.h"
 
 namespace truestep::rigid3d {
 namespace {
@@ -10,6 +11,15 @@ namespace {
 /// rad, or sizes of the smaller body: contacts of bodies that move farther are found where they are now.
 /// Where the motion was followed up to there instead, 14 of 500 wheels (wheel_3d of the campaign) sank.
 constexpr double kMostMotion = 0.05;
+
+/// Largest ratio of the speed of a cylinder's surface to that of its middle past the other body: 1 if it
+/// rolls. Where cylinders that spin on the spot were followed too, one of 500 (spin_3d of the campaign)
+/// wandered off.
+constexpr double kRolls = 2;
+
+bool hidden_rim(const BodyKind& k, const SpaceMotion& m) {
+  return k.turned_round && k.solid.kind != SolidKind::cylinder && m.spin != Vec3{};
+}
 
 }  // namespace
 
@@ -39,24 +49,25 @@ void ContactList::look_ahead(const State& s, std::span<const BodyKind> kinds, co
   const BodyKind &a = kinds[kind[pair.a]], &b = kinds[kind[pair.b]];
   const double size =
       a.moved_by_forces() ? (b.moved_by_forces() ? std::min(a.reach, b.reach) : a.reach) : b.reach;
-  // A ball looks the same however it has turned, a cylinder about its own axis.
   const auto motion = [&](const BodyKind& k, uint32_t i) {
-    SpaceMotion m{load3(v, i), k.reach == k.inner ? Vec3{} : load3(w, i)};
-    if (k.solid.kind == SolidKind::cylinder) {
-      const Vec3 own = axis(bodies_[i].at.rotation, 1);
-      m.spin = m.spin - own * dot(own, m.spin);
-    }
-    return m;
+    return SpaceMotion{load3(v, i), seen_spin(k, bodies_[i].at.rotation, load3(w, i))};
   };
   out.of_a = motion(a, pair.a), out.of_b = motion(b, pair.b);
-  const double way2 = std::max({norm2(out.of_a.spin), norm2(out.of_b.spin),
-                                norm2(out.of_b.velocity - out.of_a.velocity) / (size * size)});
-  out.ahead = 0;
-  // The rim of a wheel that is part of a body passes its contact.
-  const auto wheeled = [](const BodyKind& k) {
-    return k.turned_round && k.solid.kind != SolidKind::cylinder;
+  // The spin of a body's axis goes round with the body.
+  const auto turn2 = [&](const BodyKind& k, uint32_t i) {
+    return k.reach == k.inner ? 0 : norm2(load3(w, i));
   };
-  if ((wheeled(a) && out.of_a.spin != Vec3{}) || (wheeled(b) && out.of_b.spin != Vec3{})) return;
+  const double way2 = std::max(
+      {turn2(a, pair.a), turn2(b, pair.b), norm2(out.of_b.velocity - out.of_a.velocity) / (size * size)});
+  out.ahead = 0;
+  // The rims of cylinders in a compound pass their contacts about axes of their own.
+  if (hidden_rim(a, out.of_a) || hidden_rim(b, out.of_b)) return;
+  const double past2 = kRolls * kRolls * norm2(out.of_b.velocity - out.of_a.velocity);
+  const auto rolls = [&](const BodyKind& k, uint32_t i) {
+    const double speed = own_spin(k, bodies_[i].at.rotation, load3(w, i)) * k.solid.size.x;
+    return !(speed * speed > past2);
+  };
+  if (!rolls(a, pair.a) || !rolls(b, pair.b)) return;
   if (!(way2 * ahead * ahead > kSeenMotion * kSeenMotion)) return;
   if (way2 * ahead * ahead > kMostMotion * kMostMotion) return;
   out.ahead = ahead;
@@ -71,7 +82,7 @@ void ContactList::bring_back(Contact& c, const Outlook& o) {
     point.separation -= o.ahead * parting_speed(point.position, n, o.a, o.of_a, o.b, o.of_b);
     point.position -= o.of_a.velocity * o.ahead;
   }
-  c.apart = (o.of_b.velocity - o.of_a.velocity) * o.ahead;
+  c.apart = (o.of_b.velocity - o.of_a.velocity) * o.ahead, c.ahead = o.ahead;
 }
 
 }  // namespace truestep::rigid3d

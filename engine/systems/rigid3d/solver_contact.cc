@@ -14,6 +14,12 @@ Vec3 get3(const Wide<T> in[3], int lane) {
   return {in[0][lane], in[1][lane], in[2][lane]};
 }
 
+/// The pose at x that a contact found ahead (s) has seen.
+Transform turned(const BodyKind& kind, const Rotation& now, const Vec3& spin, double ahead, const Vec3& x) {
+  if (!(ahead > 0)) return {now, x};
+  return place_after({now, x}, {{}, seen_spin(kind, now, spin)}, ahead);
+}
+
 }  // namespace
 
 template <class T>
@@ -43,12 +49,11 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
     }
     if (ka.turned_round || kb.turned_round) {
       const Vec3 turn_a = load3(w, c.a), turn_b = load3(w, c.b), &n = c.manifold.normal;
-      // Points are where b will be.
-      Transform at_b = now[c.b].at;
-      at_b.position = xb;
+      const Transform at_a = turned(ka, now[c.a].at.rotation, turn_a, c.ahead, xa),
+                      at_b = turned(kb, now[c.b].at.rotation, turn_b, c.ahead, xb);
       for (int p = 0; p < c.manifold.count; ++p) {
         const Vec3& x = c.manifold.points[p].position;
-        const double a = passes(ka, c.manifold.part_a, now[c.a].at, turn_a, x, n);
+        const double a = passes(ka, c.manifold.part_a, at_a, turn_a, x, n);
         in.kept[p].set(lane, T(a - passes(kb, c.manifold.part_b, at_b, turn_b, x, n)));
       }
     }

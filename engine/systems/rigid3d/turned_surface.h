@@ -16,6 +16,18 @@ inline const Solid* cylinder_of(const Solid& s, uint32_t part, Transform& at) {
   return &p.solid;
 }
 
+/// rad/s of a cylinder about its own axis; 0 for other bodies.
+inline double own_spin(const BodyKind& kind, const Rotation& at, const Vec3& spin) {
+  return kind.solid.kind == SolidKind::cylinder ? dot(axis(at, 1), spin) : 0;
+}
+
+/// The part of a body's spin that changes the place of its surface: a ball looks the same however it has
+/// turned, and a cylinder after turns about its own axis.
+inline Vec3 seen_spin(const BodyKind& kind, const Rotation& at, const Vec3& spin) {
+  if (kind.reach == kind.inner) return {};
+  return spin - axis(at, 1) * own_spin(kind, at, spin);
+}
+
 /// m/s along n at x: speed of a cylinder's material there due to rotation about its own axis.
 inline double passes(const BodyKind& kind, uint32_t part, Transform at, const Vec3& spin, const Vec3& x,
                      const Vec3& n) {
