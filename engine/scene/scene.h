@@ -71,6 +71,7 @@ struct ViewerParams {
   Liquid liquid = Liquid::balls;
   int64_t contours = 0;
   int64_t streamlines = 0;
+  bool labels = true;  ///< names above systems
 };
 
 struct ExpectParams {

@@ -106,6 +106,8 @@ const DefTable& viewer_table() {
                    "level lines of a grid in the plane or a slice")
           .integer("streamlines", &ViewerParams::streamlines, between(0, 400),
                    "lines along a vector field of a grid in the plane or a slice")
+          .boolean("labels", &ViewerParams::labels,
+                   "names above the systems where there are two to eight of them; false: none")
           .check([](const ViewerParams& v, const DefTable::Report& report) {
             if (!v.legend.empty() && v.color_by.empty())
               report("/legend", "it says what the colours of `color_by` show: give that, too");

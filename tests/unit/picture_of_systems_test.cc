@@ -47,6 +47,7 @@ TEST(PictureOfSystems, ColouredSystemsAreNamed) {
   // A system alone needs no name, and colours of their own have a legend.
   EXPECT_TRUE(pictured(two_of("", R"("color_by": "speed")")).labels.empty());
   EXPECT_TRUE(pictured(two_of(kFast, "")).labels.empty());
+  EXPECT_TRUE(pictured(two_of(kFast, R"("color_by": "speed", "labels": false)")).labels.empty());
 }
 
 TEST(PictureOfSystems, UpIsWhatTheScenesCameraNames) {

@@ -365,7 +365,7 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
   if (lies_in_plane(world, frame)) flatten(list);
   // Names are outside a plot's frame: an automatic camera leaves room for them.
   if (!list.labels.empty() && list.camera) frame_as(list, *std::exchange(list.camera, std::nullopt));
-  add_names(list, colored_systems);
+  if (viewer.labels) add_names(list, colored_systems);
   char time[48];
   // Planets take years, atoms picoseconds.
   const bool usual = frame.time == 0 || (frame.time >= 0.001 && frame.time < 1e5);

@@ -311,7 +311,7 @@ export class Stage {
   private nameSystems(): void {
     const labels: Label[] = this.axes.flatMap((axes) => axes.labels);
     const views = this.pointViews();
-    if (this.axes.length === 0) labels.push(...namesOf(views));
+    if (this.axes.length === 0 && this.settings.labels !== false) labels.push(...namesOf(views));
     for (const view of views) labels.push(...view.curves());
     this.labelled = labels.some((label) => label.kind === "name");
     this.labels.set(labels);
