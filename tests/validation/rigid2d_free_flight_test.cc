@@ -54,6 +54,20 @@ TEST(Rigid2dFreeFlight, WhatAJointHoldsIsNotInFreeFlight) {
   EXPECT_LT(most - least, 2.5 * 0.5 * 9.81 * 4.4 / 240);
 }
 
+// A pull that has not reached a body yet does not part it from its neighbour: bodies with joints are all
+// moved by their small steps. The 19,800 joints of the benchmark's grid gaped by 1.01 m instead of 0.49 m.
+TEST(Rigid2dFreeFlight, WhatIsJoinedFallsAlike) {
+  testing::FlatTrial t(gravity("f64") + R"("bodies": [{)" + kDisk + R"(}, {"position": [1, 0, 0], )" + kDisk +
+                       R"(}, {"position": [9, 0, 0], )" + kDisk + "}]," +
+                       R"("joints": [{"type": "revolute", "a": 0, "b": 1, "anchor": [0.5, 0, 0]}])");
+  t.steps(1);
+  const double h = 1.0 / 240, small_steps = 1 + 2 + 3 + 4;
+  EXPECT_NEAR(t.position(0).y, -9.81 * h * h * small_steps, 1e-12);
+  EXPECT_NEAR(t.position(1).y, -9.81 * h * h * small_steps, 1e-12);
+  // The control flies freely.
+  EXPECT_NEAR(t.position(2).y, -9.81 * h * h * 8, 1e-12);
+}
+
 // In the small step h of a bounce itself the ball still moves by the velocity at its end, which costs
 // m (g h)^2 / 2: 0.0085 % of m g h.
 TEST(Rigid2dFreeFlight, AnElasticBallBouncesForAMinute) {

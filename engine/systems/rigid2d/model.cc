@@ -296,6 +296,7 @@ void gather_hot_parts(Model& m) {
     m.may_break = m.may_break || j.break_force > 0;
     for (const auto& [one, other] : {std::pair{j.a, j.b}, {j.b, j.a}}) {
       const bool firm = j.break_force == 0 && j.kind != JointKind::mouse;
+      m.light[one].jointed = true;
       if (firm && m.light[other].motion != Motion::dynamic) m.light[one].hung = true;
     }
     if (j.plain()) {

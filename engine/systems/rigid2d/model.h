@@ -48,7 +48,8 @@ struct Light {
   int32_t group = 0;
   Motion motion = Motion::fixed;
   bool sensor = false, bullet = false, one_way = false, can_sleep = true;
-  bool hung = false;  ///< an unbreakable joint ties it to a body that does not move
+  bool hung = false;     ///< an unbreakable joint ties it to a body that does not move
+  bool jointed = false;  ///< some joint is on it
 };
 struct Dynamics {
   double inverse_mass = 0, inverse_inertia = 0, linear_damping = 0, angular_damping = 0, gravity_scale = 1;

@@ -256,7 +256,8 @@ void Solver<T>::small_step(const Model& model, const SolverSettings& settings, c
       if (!bounces_) continue;
       const T *f = flight_.data() + 8 * i, *toi = toi_correction_.data() + 8 * i;
       // Up to a bounce and after it a body flies freely, also where only that one step has contacts.
-      const T late = i < moved && std::equal(f, f + 3, r) ? T(0.5) * h : T(0);
+      const bool free = i < moved && !model.light[movers_[i]].jointed && std::equal(f, f + 3, r);
+      const T late = free ? T(0.5) * h : T(0);
       for (int k = 0; k < 3; ++k) r[4 + k] += toi[k] - late * (r[k] - f[4 + k]);
     }
   });
@@ -301,7 +302,7 @@ void Solver<T>::solve(const Model& model, State& state, const Pairs& pairs, Hand
   }
   for (int i = 0; i < settings.steps; ++i) small_step(model, settings, arena);
   if (springs_) kick(JointPass::kick, h);
-  if (!bounces_) end_free_flights(state, settings, arena);
+  if (!bounces_) end_free_flights(model, state, settings, arena);
   store_bodies(state, settings.h * settings.steps, arena);
   store_joints(model, state, hands, settings);
 }

@@ -1,7 +1,8 @@
 // One step of the velocity solver: small steps with soft constraints (TGS-soft: Macklin et al. 2019, "Small
 // steps in physics simulation"; Catto 2024, "Solver2D"). Per small step h:
 //   v += h (g + F/m);  warm start;  solve with bias;  x += h v;  solve without bias;  bounces at the end.
-// What no constraint acts on moves by the mean of its velocities before and after: along its parabola.
+// What no impulse and no joint acts on moves by the mean of its velocities before and after: along its
+// parabola.
 // Bodies are rows of eight numbers (v, w, 1/m, dx, dangle, 1/I) relative to the start of the step;
 // constraints are packed by colour, one per SIMD lane. Poses outside of the solver stay f64.
 #pragma once
@@ -161,8 +162,9 @@ class Solver {
   static void act(const T* push, T* v) {
     v[0] = (v[0] + push[0]) * push[3], v[1] = (v[1] + push[1]) * push[3], v[2] = (v[2] + push[2]) * push[4];
   }
-  /// Puts bodies that no impulse reached where their parabola ends.
-  void end_free_flights(const State& state, const SolverSettings& settings, const ThreadArena& arena);
+  /// Puts bodies without joints that no impulse reached where their parabola ends.
+  void end_free_flights(const Model& model, const State& state, const SolverSettings& settings,
+                        const ThreadArena& arena);
   void store_bodies(State& state, double dt, const ThreadArena& arena) const;
   void store_joints(const Model& model, State& state, Hands& hands, const SolverSettings& settings) const;
 

@@ -18,9 +18,10 @@ constexpr double kThickestLearnt = 1.0 / 400;
 
 // Small steps move bodies by the velocities at their ends. What nothing but its own forces acted on moves by
 // the mean of those at both ends, along its parabola: the sum of the small steps is too far along by half of
-// one in the change of velocity.
+// one in the change of velocity. Bodies with joints stay where these have put them: a pull that has not
+// reached one of them yet must not part it from its neighbour.
 template <class T>
-void Solver<T>::end_free_flights(const State& state, const SolverSettings& settings,
+void Solver<T>::end_free_flights(const Model& model, const State& state, const SolverSettings& settings,
                                  const ThreadArena& arena) {
   const double* v = state.f64(columns::velocity).data();
   const auto w = state.f64(columns::angular_velocity);
@@ -28,6 +29,7 @@ void Solver<T>::end_free_flights(const State& state, const SolverSettings& setti
   arena.for_blocks(moved_, kBodiesPerTask, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       const size_t body = movers_[i];
+      if (model.light[body].jointed) continue;
       const T before[3] = {static_cast<T>(v[3 * body]), static_cast<T>(v[3 * body + 1]),
                            static_cast<T>(w[body])};
       T free[3] = {before[0], before[1], before[2]};
@@ -167,8 +169,10 @@ void Solver<T>::store_contacts(const Model& model, const Pairs& pairs, const Pen
   }
 }
 
-template void Solver<float>::end_free_flights(const State&, const SolverSettings&, const ThreadArena&);
-template void Solver<double>::end_free_flights(const State&, const SolverSettings&, const ThreadArena&);
+template void Solver<float>::end_free_flights(const Model&, const State&, const SolverSettings&,
+                                              const ThreadArena&);
+template void Solver<double>::end_free_flights(const Model&, const State&, const SolverSettings&,
+                                               const ThreadArena&);
 template void Solver<float>::store_bodies(State&, double, const ThreadArena&) const;
 template void Solver<double>::store_bodies(State&, double, const ThreadArena&) const;
 template void Solver<float>::store_joints(const Model&, State&, Hands&, const SolverSettings&) const;
