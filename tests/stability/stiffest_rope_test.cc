@@ -11,12 +11,8 @@ namespace truestep {
 using namespace mass_spring;
 namespace {
 
-struct Rope {
-  Rope(double stiffness, int links, const Vec3& to, double dt = 1.0 / 60) : h(dt) {
-    MassSpringDef d;
-    d.rope = RopeShape{.from = {0, 1, 0}, .to = to, .links = links};
-    d.pinned = {"first"};
-    d.mass = 0.01, d.stiffness = stiffness;
+struct SpringRun {
+  explicit SpringRun(const MassSpringDef& d, double dt = 1.0 / 60) : h(dt) {
     BuildContext context{.id = "r"};
     context.dt = dt;
     system = MassSpring::make(d, context);
@@ -44,6 +40,19 @@ struct Rope {
   Workspace workspace;
   ThreadArena arena{1};
   uint64_t done = 0;
+};
+
+MassSpringDef rope_from_a_pin(double stiffness, int links, const Vec3& to) {
+  MassSpringDef d;
+  d.rope = RopeShape{.from = {0, 1, 0}, .to = to, .links = links};
+  d.pinned = {"first"};
+  d.mass = 0.01, d.stiffness = stiffness;
+  return d;
+}
+
+struct Rope : SpringRun {
+  Rope(double stiffness, int links, const Vec3& to, double dt = 1.0 / 60)
+      : SpringRun(rope_from_a_pin(stiffness, links, to), dt) {}
 };
 
 TEST(StiffestRope, SwingsWithoutGainAndAtACostThatStiffnessDoesNotRaise) {
@@ -94,21 +103,12 @@ TEST(StiffestRope, ASheetWithRigidThreadsGainsNothing) {
     d.density = 0.25;
     d.stiffness = k, d.shear_stiffness = 100, d.bending_stiffness = 2;
     d.pinned = {"corner_00", "corner_10"};
-    const auto system = MassSpring::make(d, {.id = "c"});
-    State state = system->initial_state();
-    Workspace workspace;
-    const ThreadArena arena(1);
-    const auto energy = [&] {
-      Observables out;
-      system->observe(state, 0, out);
-      return out.find("energy.total").value();
-    };
-    const double start = energy();
-    for (uint64_t n = 0; n < 30; ++n) {
-      system->step(state,
-                   {.t = double(n) / 60, .h = 1.0 / 60, .step = n, .workspace = workspace, .arena = arena});
+    SpringRun sheet(d);
+    const double start = sheet.observe("energy.total");
+    for (int n = 0; n < 30; ++n) {
+      sheet.step();
       // Control: solves accurate to a fraction of their initial residual gain 1.6 of 6 J at 1e12 N/m.
-      ASSERT_LT(energy() - start, 1e-6) << k << ' ' << n;
+      ASSERT_LT(sheet.observe("energy.total") - start, 1e-6) << k << ' ' << n;
     }
   }
 }
@@ -122,23 +122,14 @@ TEST(StiffestRope, SagsBetweenTwoPinsAsFarAsItsLoadStretchesIt) {
     d.rope = RopeShape{.from = {0, 1, 0}, .to = {1.6, 1, 0}, .links = 2};
     d.pinned = {"ends"};
     d.mass = 0.0022, d.stiffness = k, d.damping = 0.05;
-    const auto system = MassSpring::make(d, {.id = "r"});
-    State state = system->initial_state();
-    Workspace workspace;
-    const ThreadArena arena(1);
-    const auto energy = [&] {
-      Observables out;
-      system->observe(state, 0, out);
-      return out.find("energy.total").value();
-    };
-    const double start = energy();
+    SpringRun rope(d);
+    const double start = rope.observe("energy.total");
     double most = start;
-    for (uint64_t n = 0; n < 90; ++n) {
-      system->step(state,
-                   {.t = double(n) / 60, .h = 1.0 / 60, .step = n, .workspace = workspace, .arena = arena});
-      most = std::max(most, energy());
+    for (int n = 0; n < 90; ++n) {
+      rope.step();
+      most = std::max(most, rope.observe("energy.total"));
     }
-    const double sag = 1 - load3(state.f64(MassSpringColumns::position).data(), 1).y;
+    const double sag = 1 - load3(rope.state.f64(MassSpringColumns::position).data(), 1).y;
     const double expected = std::cbrt(0.0022 * 9.81 * 0.8 * 0.8 / k);
     EXPECT_NEAR(sag, expected, 0.02 * expected) << k;
     EXPECT_LT(most - start, 1e-3 * 0.0022 * 9.81 * expected) << k;
