@@ -97,8 +97,10 @@ void edge_contact(const Vec3& p, const Vec3& d, const Vec3& q, const Vec3& e, co
 }
 
 /// For separated bodies, separating axes give only a lower bound. True when the points found prove it tight.
+/// Points nearer than the bound are those of edges that pass each other: along an axis that a triangle's
+/// neighbours leave to it.
 bool tight(const Manifold& m, double bound, double slack) {
-  return m.count > 0 && -m.deepest() <= bound + slack;
+  return m.count > 0 && std::abs(m.deepest() + bound) <= slack;
 }
 
 }  // namespace
