@@ -7,7 +7,7 @@ set(joined_apart
     # names of others
     export_vtu.cc saved_session.cc session_folder.cc osmesa_context.cc flocking_def.cc crowd_observe.cc
     msh_sections.cc obj.cc mercurius.cc solver_pack.cc heightfield_wave.cc heightfield_observe.cc mesh_ewald.cc contact.cc
-    liquid.cc linear_tree.cc skeleton_observe.cc hull_faces.cc ply.cc bdf2.cc rosenbrock.cc radau5.cc implicit_dense.cc joint_build.cc joint_def.cc sph_def.cc
+    liquid.cc linear_tree.cc skeleton_observe.cc hull_faces.cc ply.cc method_search.cc work_precision.cc bdf2.cc rosenbrock.cc radau5.cc implicit_dense.cc joint_build.cc joint_def.cc sph_def.cc
     # exceptions of tests
     step_work.cc mass_spring_cost.cc fem_outputs.cc ode_compiler_axes.cc dense_lu.cc band_lu.cc sparse_lu_eigen.cc
     # flags of their own

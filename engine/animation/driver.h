@@ -11,9 +11,9 @@
 
 #include "engine/animation/driver_def.h"
 #include "engine/base/errors.h"
-#include "engine/core/command.h"
+#include "engine/core/commands/command.h"
 #include "engine/core/observables.h"
-#include "engine/core/state.h"
+#include "engine/core/state/state.h"
 #include "engine/kernels/animation/arc_length.h"
 #include "engine/math/expression/names.h"
 #include "engine/math/expression/program.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/def.h"
+#include "engine/core/def/def.h"
 #include "engine/kernels/animation/rotations.h"
 
 namespace truestep::animation {

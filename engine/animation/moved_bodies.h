@@ -4,7 +4,7 @@
 #pragma once
 #include <string>
 
-#include "engine/core/ports.h"
+#include "engine/core/ports/ports.h"
 #include "engine/geometry/shape.h"
 #include "engine/kernels/animation/rotations.h"
 

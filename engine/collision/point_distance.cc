@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/collision/pairs/gjk.h"
+#include "engine/collision/pairs/distance/gjk.h"
 #include "engine/geometry/compound.h"
 #include "engine/geometry/height_field.h"
 #include "engine/geometry/shape_distance.h"
 #include "engine/geometry/triangle_mesh.h"
-#include "engine/kernels/point_hull.h"
+#include "engine/kernels/contact/point_hull.h"
 
 namespace truestep {
 namespace {

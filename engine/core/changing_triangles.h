@@ -1,6 +1,6 @@
 // Solids whose triangles change corners over time: cloth that tears.
 #pragma once
-#include "engine/core/ports.h"
+#include "engine/core/ports/ports.h"
 #include "engine/core/system.h"
 
 namespace truestep {

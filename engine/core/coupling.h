@@ -11,8 +11,8 @@
 //
 // The order is a palindrome, so that couplings by forces compose to second order (Strang 1968).
 #pragma once
-#include "engine/core/medium.h"
-#include "engine/core/ports.h"
+#include "engine/core/ports/medium.h"
+#include "engine/core/ports/ports.h"
 #include "engine/core/system.h"
 
 namespace truestep {

@@ -112,6 +112,7 @@ struct JointMark {
 
 /// What was requested; the rest is empty.
 struct Drawing {
+  uint32_t version = 1;               ///< of the constant part, set whatever is requested
   std::vector<PartDrawing> parts;     ///< one per part: the constant part of the drawing
   std::vector<DrawnString> strings;   ///< part of the constant drawing; their rows hold until its version
                                       ///< changes

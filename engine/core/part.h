@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/core/state.h"
+#include "engine/core/state/state.h"
 #include "engine/math/vec3.h"
 
 namespace truestep {

@@ -12,23 +12,23 @@
 
 #include "engine/base/parallel.h"
 #include "engine/base/profile.h"
-#include "engine/core/command.h"
+#include "engine/core/commands/command.h"
 #include "engine/core/drawing.h"
 #include "engine/core/energy.h"
 #include "engine/core/observables.h"
 #include "engine/core/part.h"
-#include "engine/core/ports.h"
-#include "engine/core/state.h"
-#include "engine/core/state_check.h"
+#include "engine/core/ports/ports.h"
+#include "engine/core/state/state.h"
+#include "engine/core/state/state_check.h"
+#include "engine/core/state/workspace.h"
 #include "engine/core/warning.h"
-#include "engine/core/workspace.h"
 
 namespace truestep {
 
-class ForceField;          // core/force_field.h
-struct Integrator;         // core/integrator.h
+class ForceField;          // core/equations/force_field.h
+struct Integrator;         // core/equations/integrator.h
 struct IntegratorOptions;  // the same
-struct ImmersedBody;       // core/medium.h
+struct ImmersedBody;       // core/ports/medium.h
 
 /// How a system is integrated in time, as far as the table of methods knows; see System::integration.
 struct Integration {
@@ -86,22 +86,21 @@ class System {
   /// Values of a field of a part; fields that nobody asks for are not computed.
   virtual FieldView field(const State& state, size_t part, size_t field,
                           std::vector<double>& scratch) const = 0;
-  /// Adds what was requested to an empty drawing, at time t (s).
+  /// Adds what was requested to an empty drawing, at time t (s), and the version of its constant part where
+  /// that can change. What was not requested costs nothing.
   virtual void draw(const State& state, double t, Wish wishes, Drawing& out) const {}
-  /// Changes when the constant part of the drawing does.
-  virtual uint32_t drawing_version(const State& state) const { return 1; }
 
   /// The row of the table that advances this system, and the field it advances. Valid while the system lives.
-  virtual Integration integration() const { return {}; }
+  const Integration& integration() const { return integration_; }
+  /// Remedies when a step fails, one sentence each, in this system's own terms; empty: a shorter step,
+  /// another method or softer forces.
+  const std::vector<std::string>& remedies() const { return remedies_; }
   /// Where couplings reach into this system's states. Valid while the system lives.
   virtual Ports ports() const { return {}; }
   /// Empty when unknown or there is none. `h` (s) is used only for `step_seconds`.
   virtual std::optional<double> limit(Limit which, const State& state, double h) const {
     return std::nullopt;
   }
-  /// Remedies when a step fails, one sentence each, in this system's own terms; empty: a shorter step,
-  /// another method or softer forces.
-  virtual std::vector<std::string> remedies() const { return {}; }
   /// Adds reasons not to trust the result of the last step; `h` (s) is the length of that step. Called every
   /// few steps: it reads values that the step has stored, not rows.
   virtual void warn(const State& state, double h, std::vector<Warning>& out) const {}
@@ -116,13 +115,17 @@ class System {
   virtual void check(StateCheck& check, double t) const {}
 
  protected:
-  /// Called once, by the constructor.
+  /// By constructors.
   void set_parts(std::vector<PartInfo> parts) { parts_ = std::move(parts); }
+  void set_remedies(std::vector<std::string> remedies) { remedies_ = std::move(remedies); }
+  void set_integration(const Integration& integration) { integration_ = integration; }
   /// The main part, for constructors that know more about it than their bases.
   PartInfo& main_part() { return parts_.at(0); }
 
  private:
   std::vector<PartInfo> parts_;
+  std::vector<std::string> remedies_;
+  Integration integration_;
 };
 
 /// One named pass of a step.

@@ -1,6 +1,6 @@
 // Impulses between pairs of points, some of which respond together with everything tied to them
-// (core/impulse_answer.h). With J the impulses on b (the opposite on a), u = v_b - v_a and W J the change of
-// u:
+// (core/equations/impulse_answer.h). With J the impulses on b (the opposite on a), u = v_b - v_a and W J the
+// change of u:
 //   J = S y,  (give + S W S) y = right,   S = along n n^T + across (1 - n n^T) for every pair,
 // symmetric positive semidefinite, solved by conjugate gradients (Saad 2003, algorithm 6.18) with one solve
 // of either side's equations per iteration. A rigid link has give 0; a spring solved within the step has give
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "engine/core/coupling.h"
-#include "engine/core/impulse_answer.h"
+#include "engine/core/equations/impulse_answer.h"
 
 namespace truestep {
 

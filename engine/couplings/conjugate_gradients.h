@@ -3,7 +3,7 @@
 #pragma once
 #include <span>
 
-#include "engine/core/workspace.h"
+#include "engine/core/state/workspace.h"
 #include "engine/math/vec3.h"
 
 namespace truestep {

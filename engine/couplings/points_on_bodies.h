@@ -1,7 +1,7 @@
 // Impulses between points and bodies, where points may respond together with everything tied to them
-// (core/impulse_answer.h) and bodies by their mass and inertia. A link joins a blend of points, q = sum b_i
-// x_i, to a place on a body; u = q' less the velocity of that place, J the impulse on the points, -J on the
-// body at q, W J the change of u by all impulses:
+// (core/equations/impulse_answer.h) and bodies by their mass and inertia. A link joins a blend of points, q =
+// sum b_i x_i, to a place on a body; u = q' less the velocity of that place, J the impulse on the points, -J
+// on the body at q, W J the change of u by all impulses:
 //   J = S y,  (give + S W S) y = right,   S = along n n^T + across (1 - n n^T) for every link,
 // symmetric positive semidefinite, solved by conjugate gradients (Saad 2003, algorithm 6.18) with one solve
 // of the points' equations per iteration.
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "engine/core/coupling.h"
-#include "engine/core/impulse_answer.h"
+#include "engine/core/equations/impulse_answer.h"
 
 namespace truestep {
 

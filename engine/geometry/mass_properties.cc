@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "engine/base/errors.h"
-#include "engine/base/short_number.h"
+#include "engine/base/text/short_number.h"
 #include "engine/geometry/compound.h"
 #include "engine/geometry/triangle_mesh.h"
 

@@ -10,9 +10,9 @@
 #include <cstdint>
 #include <span>
 
-#include "engine/core/integrator.h"
-#include "engine/core/right_hand_side.h"
-#include "engine/core/workspace.h"
+#include "engine/core/equations/integrator.h"
+#include "engine/core/equations/right_hand_side.h"
+#include "engine/core/state/workspace.h"
 
 namespace truestep {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/base/nearest_name.h"
-#include "engine/base/short_number.h"
+#include "engine/base/text/nearest_name.h"
+#include "engine/base/text/short_number.h"
 #include "engine/integrators/field_equations.h"
 #include "engine/integrators/table/integrators.h"
 

@@ -5,7 +5,7 @@
 #pragma once
 #include <string>
 
-#include "engine/core/build.h"
+#include "engine/core/def/build.h"
 #include "engine/core/observables.h"
 #include "engine/core/system.h"
 #include "engine/integrators/advance.h"

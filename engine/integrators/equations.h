@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "engine/integrators/advance.h"
-#include "engine/integrators/implicit/newton_matrix.h"
+#include "engine/integrators/implicit/newton/newton_matrix.h"
 #include "engine/math/solvers/small_lu.h"
 
 namespace truestep {

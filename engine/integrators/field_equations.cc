@@ -6,10 +6,10 @@
 
 #include "engine/base/byte_hash.h"
 #include "engine/base/errors.h"
-#include "engine/core/linear_solver.h"
+#include "engine/core/equations/linear_solver.h"
 #include "engine/integrators/implicit/implicit.h"
 #include "engine/integrators/implicit/implicit_methods.h"
-#include "engine/integrators/implicit/stage_newton.h"
+#include "engine/integrators/implicit/newton/stage_newton.h"
 
 namespace truestep {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "engine/base/interrupt.h"
-#include "engine/core/integrator.h"
+#include "engine/core/equations/integrator.h"
 
 namespace truestep {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <optional>
 
-#include "engine/core/def.h"
+#include "engine/core/def/def.h"
 
 namespace truestep::lattice {
 

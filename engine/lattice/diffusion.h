@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/base/parallel.h"
-#include "engine/core/right_hand_side.h"
+#include "engine/core/equations/right_hand_side.h"
 #include "engine/lattice/lattice.h"
 
 namespace truestep::lattice {

@@ -1,4 +1,4 @@
-// Refinement of a box of cells: multiplies the numbers of cells along its axes (core/resolution.h).
+// Refinement of a box of cells: multiplies the numbers of cells along its axes (core/def/resolution.h).
 #pragma once
 #include <cmath>
 #include <cstdint>

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/state.h"
+#include "engine/core/state/state.h"
 #include "engine/lattice/diffusion.h"
 #include "engine/lattice/lattice_def.h"
 #include "engine/math/expression/rows.h"

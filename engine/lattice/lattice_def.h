@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/core/def.h"
-#include "engine/core/integrator_def.h"
-#include "engine/core/resolution.h"
+#include "engine/core/def/def.h"
+#include "engine/core/def/resolution.h"
+#include "engine/core/equations/integrator_def.h"
 #include "engine/lattice/box_sides.h"
 #include "engine/lattice/divide_cells.h"
 #include "engine/lattice/lattice.h"

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "engine/core/command.h"
+#include "engine/core/commands/command.h"
 #include "engine/core/part.h"
-#include "engine/core/state.h"
+#include "engine/core/state/state.h"
 #include "engine/lattice/lattice.h"
 
 namespace truestep::lattice {

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "engine/lattice/forcing.h"
-#include "engine/lattice/shifted_solver.h"
+#include "engine/lattice/solvers/shifted_solver.h"
 
 namespace truestep::lattice {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "engine/kernels/impact_limits.h"
+#include "engine/kernels/rigid/impact_limits.h"
 #include "engine/reference/box2d_joints.h"
 #include "engine/systems/rigid2d/columns.h"
 #include "engine/systems/rigid2d/pairs.h"

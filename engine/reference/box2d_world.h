@@ -6,8 +6,8 @@
 #include <set>
 #include <vector>
 
-#include "engine/core/build.h"
-#include "engine/core/state.h"
+#include "engine/core/def/build.h"
+#include "engine/core/state/state.h"
 #include "engine/systems/rigid2d/model.h"
 
 namespace truestep::reference {

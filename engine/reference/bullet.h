@@ -8,7 +8,7 @@
 #pragma once
 #include <memory>
 
-#include "engine/core/build.h"
+#include "engine/core/def/build.h"
 #include "engine/core/system.h"
 #include "engine/systems/rigid3d/rigid3d_def.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/base/errors.h"
-#include "engine/systems/rigid3d/joints.h"
+#include "engine/systems/rigid3d/joints/joints.h"
 
 namespace truestep::reference {
 

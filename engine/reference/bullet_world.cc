@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "engine/kernels/free_rotation.h"
-#include "engine/kernels/impact_limits.h"
+#include "engine/kernels/rigid/free_rotation.h"
+#include "engine/kernels/rigid/impact_limits.h"
 #include "engine/math/trig.h"
 #include "engine/reference/bullet_joints.h"
 #include "engine/rigid/constraint_colouring.h"

@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "engine/core/state.h"
+#include "engine/core/state/state.h"
 #include "engine/reference/bullet_shapes.h"
-#include "engine/systems/rigid3d/joints.h"
+#include "engine/systems/rigid3d/joints/joints.h"
 
 namespace truestep::reference {
 

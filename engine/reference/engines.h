@@ -4,7 +4,7 @@
 #pragma once
 #include <memory>
 
-#include "engine/core/build.h"
+#include "engine/core/def/build.h"
 #include "engine/core/system.h"
 
 namespace truestep {

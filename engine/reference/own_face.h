@@ -15,7 +15,6 @@ class OwnFace : public StagedSystem {
   }
   void check(StateCheck& check, double t) const override { own_.check(check, t); }
   void apply(State& s, const Command& c) const override { own_.apply(s, c); }
-  uint32_t drawing_version(const State& s) const override { return own_.drawing_version(s); }
   /// Without the contacts, which belong to our own solver.
   void draw(const State& s, double t, Wish wishes, Drawing& out) const override {
     own_.draw(s, t, wishes, out);

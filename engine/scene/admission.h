@@ -2,7 +2,7 @@
 // allowed.
 #pragma once
 #include "engine/base/errors.h"
-#include "engine/core/build.h"
+#include "engine/core/def/build.h"
 #include "engine/scene/scene.h"
 
 namespace truestep {

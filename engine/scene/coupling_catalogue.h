@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/core/build.h"
 #include "engine/core/coupling.h"
-#include "engine/core/def.h"
+#include "engine/core/def/build.h"
+#include "engine/core/def/def.h"
 
 namespace truestep {
 

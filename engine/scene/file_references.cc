@@ -8,7 +8,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/scene/file_value.h"
-#include "engine/scene/json.h"
+#include "engine/scene/json/json.h"
 
 namespace truestep {
 

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <boost/json.hpp>
 
-#include "engine/base/utf8.h"
+#include "engine/base/text/utf8.h"
 #include "engine/geometry/read/msh.h"
 #include "engine/geometry/read/obj.h"
 #include "engine/geometry/read/ply.h"
 #include "engine/geometry/read/stl.h"
 #include "engine/geometry/read/text_lines.h"
-#include "engine/scene/json.h"
+#include "engine/scene/json/json.h"
 
 namespace truestep {
 

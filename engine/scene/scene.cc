@@ -4,10 +4,10 @@
 
 #include "engine/base/random.h"
 #include "engine/integrators/table/integrators.h"
-#include "engine/scene/json.h"
-#include "engine/scene/json_write.h"
-#include "engine/scene/params.h"
-#include "engine/scene/params_text.h"
+#include "engine/scene/json/json.h"
+#include "engine/scene/json/json_write.h"
+#include "engine/scene/params/params.h"
+#include "engine/scene/params/params_text.h"
 
 namespace truestep {
 

@@ -15,11 +15,11 @@
 #include <vector>
 
 #include "engine/base/errors.h"
-#include "engine/core/build.h"
+#include "engine/core/def/build.h"
 #include "engine/core/drawing.h"
 #include "engine/scene/catalogue.h"
 #include "engine/scene/coupling_catalogue.h"
-#include "engine/scene/params.h"
+#include "engine/scene/params/params.h"
 
 namespace truestep {
 

@@ -1,6 +1,6 @@
 #include "engine/session/commands.h"
 
-#include "engine/scene/params.h"
+#include "engine/scene/params/params.h"
 
 namespace truestep {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "engine/base/errors.h"
-#include "engine/core/command.h"
-#include "engine/core/def.h"
+#include "engine/core/commands/command.h"
+#include "engine/core/def/def.h"
 
 namespace truestep {
 

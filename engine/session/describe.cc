@@ -2,12 +2,12 @@
 
 #include <cmath>
 
-#include "engine/core/integrator.h"
+#include "engine/core/equations/integrator.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/scene/gallery.h"
-#include "engine/scene/json.h"
-#include "engine/scene/json_write.h"
-#include "engine/scene/params.h"
+#include "engine/scene/json/json.h"
+#include "engine/scene/json/json_write.h"
+#include "engine/scene/params/params.h"
 
 namespace truestep {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/session/world.h"
+#include "engine/session/world/world.h"
 
 namespace truestep {
 

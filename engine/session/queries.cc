@@ -5,9 +5,9 @@
 
 #include "engine/base/errors.h"
 #include "engine/collision/queries/queries.h"
-#include "engine/core/ports.h"
-#include "engine/scene/params.h"
-#include "engine/scene/params_text.h"
+#include "engine/core/ports/ports.h"
+#include "engine/scene/params/params.h"
+#include "engine/scene/params/params_text.h"
 
 namespace truestep {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "engine/core/def.h"
+#include "engine/core/def/def.h"
 #include "engine/session/session.h"
 
 namespace truestep {

@@ -5,7 +5,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/interrupt.h"
-#include "engine/base/short_number.h"
+#include "engine/base/text/short_number.h"
 #include "engine/base/thread_clock.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/scene/admission.h"

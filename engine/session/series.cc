@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "engine/session/references.h"
+#include "engine/session/snapshot/references.h"
 
 namespace truestep {
 

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "engine/base/errors.h"
-#include "engine/session/frame_builder.h"
-#include "engine/session/history.h"
 #include "engine/session/series.h"
-#include "engine/session/world.h"
+#include "engine/session/snapshot/history.h"
+#include "engine/session/world/frame_builder.h"
+#include "engine/session/world/world.h"
 
 namespace truestep {
 

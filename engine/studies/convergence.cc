@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/core/integrator.h"
+#include "engine/core/equations/integrator.h"
 #include "engine/integrators/table/integrators.h"
+#include "engine/studies/precision/work_precision.h"
 #include "engine/studies/scene_variant.h"
-#include "engine/studies/work_precision.h"
 
 namespace truestep {
 

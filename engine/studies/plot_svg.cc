@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/base/xml.h"
+#include "engine/base/text/xml.h"
 #include "engine/studies/study_result.h"
 
 namespace truestep {

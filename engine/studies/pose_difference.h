@@ -4,7 +4,7 @@
 #include <boost/json.hpp>
 #include <vector>
 
-#include "engine/core/state.h"
+#include "engine/core/state/state.h"
 
 namespace truestep {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "engine/session/world.h"
+#include "engine/session/world/world.h"
 #include "engine/studies/study.h"
 
 namespace truestep {

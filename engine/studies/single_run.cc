@@ -9,8 +9,8 @@
 #include "engine/base/hash.h"
 #include "engine/session/describe.h"
 #include "engine/session/expectation.h"
-#include "engine/session/references.h"
 #include "engine/session/session.h"
+#include "engine/session/snapshot/references.h"
 #include "engine/studies/scene_variant.h"
 
 namespace truestep {

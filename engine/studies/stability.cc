@@ -6,7 +6,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/random.h"
-#include "engine/base/short_number.h"
+#include "engine/base/text/short_number.h"
 #include "engine/integrators/control/spectrum.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/studies/scene_variant.h"

@@ -4,14 +4,14 @@
 
 #include "engine/base/errors.h"
 #include "engine/scene/gallery.h"
-#include "engine/scene/json.h"
-#include "engine/scene/params.h"
+#include "engine/scene/json/json.h"
+#include "engine/scene/params/params.h"
 #include "engine/scene/scene.h"
 #include "engine/studies/convergence.h"
 #include "engine/studies/cross_check.h"
+#include "engine/studies/precision/work_precision.h"
 #include "engine/studies/stability.h"
 #include "engine/studies/sweep.h"
-#include "engine/studies/work_precision.h"
 
 namespace truestep {
 

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "engine/base/parallel.h"
-#include "engine/core/build.h"
-#include "engine/core/def.h"
+#include "engine/core/def/build.h"
+#include "engine/core/def/def.h"
 #include "engine/studies/study_result.h"
 
 namespace truestep {

@@ -6,7 +6,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/random.h"
-#include "engine/scene/json_write.h"
+#include "engine/scene/json/json_write.h"
 #include "engine/session/expectation.h"
 #include "engine/studies/scene_variant.h"
 

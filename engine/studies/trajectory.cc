@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "engine/base/errors.h"
-#include "engine/core/configuration.h"
-#include "engine/session/part_table.h"
+#include "engine/core/equations/configuration.h"
+#include "engine/session/world/part_table.h"
 
 namespace truestep {
 

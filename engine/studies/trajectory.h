@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/base/thread_clock.h"
-#include "engine/session/world.h"
+#include "engine/session/world/world.h"
 #include "engine/studies/study.h"
 
 namespace truestep {
@@ -37,7 +37,7 @@ struct Trace {
 /// Steps the world from its initial state in the calling thread. Never throws Instability; Error "cancelled".
 Trace trace(const World& world, const TraceRequest& request, const StudyContext& context);
 
-/// Values of a field as doubles; "state": the whole configuration (core/configuration.h). Error
+/// Values of a field as doubles; "state": the whole configuration (core/equations/configuration.h). Error
 /// "scene_invalid" with pointer "/quantity" when the system has no such field.
 std::vector<double> field_values(const System& system, const State& state, const std::string& name);
 

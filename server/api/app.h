@@ -6,13 +6,13 @@
 #include <string>
 
 #include "engine/sinks/recording/recording_thread.h"
+#include "server/net/http/router.h"
 #include "server/net/options.h"
-#include "server/net/router.h"
 #include "server/net/server.h"
 #include "server/operations/operation_store.h"
 #include "server/persistence/asset_store.h"
 #include "server/persistence/recording_catalogue.h"
-#include "server/persistence/session_archive.h"
+#include "server/persistence/sessions/session_archive.h"
 #include "server/sessions/idempotency.h"
 #include "server/sessions/runner.h"
 #include "server/sessions/store.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "engine/base/errors.h"
-#include "engine/base/nearest_name.h"
-#include "server/api/openapi_tables.h"
+#include "engine/base/text/nearest_name.h"
+#include "server/api/docs/openapi_tables.h"
 
 namespace truestep {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <functional>
 
-#include "server/net/router.h"
+#include "server/net/http/router.h"
 
 namespace truestep {
 

@@ -4,7 +4,7 @@
 #include "engine/sinks/recording/log/salvage.h"
 #include "engine/sinks/recording/recording_reader.h"
 #include "engine/sinks/recording/recording_sink.h"
-#include "server/persistence/session_keeper.h"
+#include "server/persistence/sessions/session_keeper.h"
 
 namespace truestep {
 

@@ -4,9 +4,9 @@
 #include <charconv>
 #include <cmath>
 
-#include "engine/scene/json.h"
-#include "engine/scene/json_write.h"
-#include "engine/scene/params.h"
+#include "engine/scene/json/json.h"
+#include "engine/scene/json/json_write.h"
+#include "engine/scene/params/params.h"
 
 namespace truestep {
 

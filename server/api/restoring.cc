@@ -4,8 +4,8 @@
 #include "server/api/recordings.h"
 #include "server/api/requests.h"
 #include "server/persistence/files.h"
-#include "server/persistence/restorer.h"
-#include "server/persistence/session_keeper.h"
+#include "server/persistence/sessions/restorer.h"
+#include "server/persistence/sessions/session_keeper.h"
 
 namespace truestep {
 

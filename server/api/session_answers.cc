@@ -1,10 +1,10 @@
 #include "server/api/session_answers.h"
 
 #include "engine/base/hash.h"
-#include "engine/scene/params.h"
+#include "engine/scene/params/params.h"
 #include "engine/session/describe.h"
-#include "server/net/problem.h"
-#include "server/persistence/session_keeper.h"
+#include "server/net/http/problem.h"
+#include "server/persistence/sessions/session_keeper.h"
 
 namespace truestep {
 

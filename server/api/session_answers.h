@@ -4,7 +4,7 @@
 #include <string>
 
 #include "server/api/app.h"
-#include "server/net/message.h"
+#include "server/net/http/message.h"
 #include "server/sessions/entry.h"
 
 namespace truestep {

@@ -10,10 +10,10 @@
 #include "server/cli/exit_codes.h"
 #include "server/cli/input.h"
 #include "server/cli/motion.h"
+#include "server/cli/pictures/render.h"
 #include "server/cli/recording_commands.h"
-#include "server/cli/render.h"
-#include "server/cli/replay.h"
-#include "server/cli/run.h"
+#include "server/cli/run/replay.h"
+#include "server/cli/run/run.h"
 #include "server/cli/serve.h"
 #include "server/cli/study.h"
 

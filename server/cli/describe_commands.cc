@@ -4,8 +4,8 @@
 #include <iostream>
 
 #include "engine/scene/gallery.h"
-#include "engine/scene/json.h"
-#include "engine/scene/json_write.h"
+#include "engine/scene/json/json.h"
+#include "engine/scene/json/json_write.h"
 #include "engine/session/describe.h"
 #include "server/cli/exit_codes.h"
 #include "server/cli/input.h"

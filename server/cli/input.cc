@@ -6,10 +6,10 @@
 #include <sstream>
 
 #include "engine/base/errors.h"
-#include "engine/base/nearest_name.h"
+#include "engine/base/text/nearest_name.h"
 #include "engine/scene/file_references.h"
 #include "engine/scene/gallery.h"
-#include "engine/scene/json.h"
+#include "engine/scene/json/json.h"
 
 namespace truestep {
 

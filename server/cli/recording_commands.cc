@@ -4,7 +4,7 @@
 #include <boost/json.hpp>
 #include <iostream>
 
-#include "engine/scene/json_write.h"
+#include "engine/scene/json/json_write.h"
 #include "engine/sinks/recording/diff.h"
 #include "engine/sinks/recording/export/export.h"
 #include "server/cli/exit_codes.h"

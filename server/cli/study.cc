@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "engine/base/errors.h"
-#include "engine/scene/json.h"
-#include "engine/scene/json_write.h"
+#include "engine/scene/json/json.h"
+#include "engine/scene/json/json_write.h"
 #include "engine/studies/refinement/refinement.h"
 #include "engine/studies/study.h"
 #include "server/cli/exit_codes.h"

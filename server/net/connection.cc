@@ -10,8 +10,8 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/log.h"
-#include "server/net/handshake.h"
-#include "server/net/problem.h"
+#include "server/net/http/problem.h"
+#include "server/net/websocket/handshake.h"
 
 namespace truestep::net {
 

@@ -10,12 +10,12 @@
 #include <optional>
 #include <string>
 
-#include "server/net/guard.h"
+#include "server/net/access/guard.h"
+#include "server/net/http/request_parser.h"
+#include "server/net/http/router.h"
 #include "server/net/options.h"
-#include "server/net/request_parser.h"
-#include "server/net/router.h"
 #include "server/net/server.h"
-#include "server/net/websocket_stream.h"
+#include "server/net/websocket/websocket_stream.h"
 
 namespace truestep::net {
 

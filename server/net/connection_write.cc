@@ -11,7 +11,7 @@
 #include <charconv>
 
 #include "server/net/connection.h"
-#include "server/net/response_head.h"
+#include "server/net/http/response_head.h"
 
 namespace truestep::net {
 

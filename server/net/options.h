@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "server/net/websocket.h"
+#include "server/net/websocket/websocket.h"
 
 namespace truestep::net {
 

@@ -7,8 +7,8 @@
 #include <memory>
 #include <string>
 
+#include "server/net/http/router.h"
 #include "server/net/options.h"
-#include "server/net/router.h"
 
 namespace truestep::net {
 

@@ -7,7 +7,7 @@
 #include <mutex>
 
 #include "engine/scene/admission.h"
-#include "server/net/message.h"
+#include "server/net/http/message.h"
 #include "server/operations/operation.h"
 #include "server/sessions/memory_budget.h"
 

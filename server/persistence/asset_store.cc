@@ -3,11 +3,11 @@
 #include <algorithm>
 
 #include "engine/base/errors.h"
-#include "engine/base/utf8.h"
+#include "engine/base/text/utf8.h"
 #include "engine/scene/file_references.h"
 #include "engine/scene/file_value.h"
-#include "engine/scene/json.h"
-#include "server/net/digest.h"
+#include "engine/scene/json/json.h"
+#include "server/net/access/digest.h"
 #include "server/persistence/files.h"
 
 namespace truestep {

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "engine/session/sealed.h"
+#include "engine/session/snapshot/sealed.h"
 
 namespace truestep {
 

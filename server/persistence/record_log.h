@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/session/sealed.h"
+#include "engine/session/snapshot/sealed.h"
 #include "server/persistence/open_files.h"
 
 namespace truestep {

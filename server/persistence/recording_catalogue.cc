@@ -6,9 +6,9 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/log.h"
-#include "engine/base/short_number.h"
-#include "engine/scene/json.h"
-#include "engine/scene/json_write.h"
+#include "engine/base/text/short_number.h"
+#include "engine/scene/json/json.h"
+#include "engine/scene/json/json_write.h"
 #include "engine/sinks/recording/log/chunk_log.h"
 #include "engine/sinks/recording/log/recover.h"
 #include "engine/sinks/recording/recording_reader.h"

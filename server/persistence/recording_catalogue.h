@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "engine/sinks/recording/recording_sink.h"
-#include "server/net/message.h"
+#include "server/net/http/message.h"
 
 namespace truestep {
 

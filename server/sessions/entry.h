@@ -13,7 +13,7 @@
 #include "engine/base/interrupt.h"
 #include "engine/session/session.h"
 #include "server/net/async.h"
-#include "server/net/message.h"
+#include "server/net/http/message.h"
 #include "server/sessions/fair_mutex.h"
 #include "server/sessions/job.h"
 #include "server/sessions/memory_budget.h"

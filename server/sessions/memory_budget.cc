@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "engine/base/errors.h"
-#include "engine/base/short_number.h"
+#include "engine/base/text/short_number.h"
 
 namespace truestep {
 

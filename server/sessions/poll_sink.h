@@ -5,7 +5,7 @@
 #include <deque>
 #include <vector>
 
-#include "engine/session/frame.h"
+#include "engine/session/world/frame.h"
 
 namespace truestep {
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "engine/base/log.h"
-#include "server/persistence/session_keeper.h"
+#include "server/persistence/sessions/session_keeper.h"
 #include "server/sessions/runner.h"
 
 namespace truestep {

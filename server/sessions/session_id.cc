@@ -1,6 +1,6 @@
 #include "server/sessions/session_id.h"
 
-#include "server/net/digest.h"
+#include "server/net/access/digest.h"
 
 namespace truestep {
 

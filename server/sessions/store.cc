@@ -5,10 +5,10 @@
 
 #include "engine/base/hash.h"
 #include "engine/base/log.h"
-#include "engine/scene/json_write.h"
+#include "engine/scene/json/json_write.h"
 #include "engine/session/describe.h"
-#include "engine/studies/accuracy.h"
-#include "server/persistence/session_archive.h"
+#include "engine/studies/precision/accuracy.h"
+#include "server/persistence/sessions/session_archive.h"
 
 namespace truestep {
 

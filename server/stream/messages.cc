@@ -5,9 +5,9 @@
 #include <map>
 
 #include "engine/base/version.h"
-#include "engine/scene/json.h"
+#include "engine/scene/json/json.h"
 #include "engine/sinks/stream/block_encoding.h"
-#include "server/net/problem.h"
+#include "server/net/http/problem.h"
 
 namespace truestep {
 

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "engine/session/session.h"
-#include "server/net/message.h"
+#include "server/net/http/message.h"
 #include "truestep/v1/stream.pb.h"
 
 namespace truestep {

@@ -3,7 +3,7 @@
 #include <boost/asio/post.hpp>
 
 #include "engine/base/log.h"
-#include "engine/scene/json.h"
+#include "engine/scene/json/json.h"
 #include "engine/session/commands.h"
 
 namespace truestep {

@@ -10,7 +10,7 @@
 
 #include "engine/sinks/stream/delta_coder.h"
 #include "engine/sinks/stream/frame_encoding.h"
-#include "server/net/websocket.h"
+#include "server/net/websocket/websocket.h"
 #include "server/sessions/runner.h"
 #include "server/stream/messages.h"
 

@@ -2,7 +2,7 @@
 // points, beside the same two systems without the coupling.
 #include <cstdio>
 
-#include "engine/session/world.h"
+#include "engine/session/world/world.h"
 #include "tests/bench/report.h"
 
 namespace truestep {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """The steady lid-driven cavity at a Reynolds number of 1000 on 128 x 128 cells: processor time until it no longer changes, and the root
-mean square of the error at the thirty points of the spectral columns (tests/support/cavity.h), by differences of second and of fourth
+mean square of the error at the thirty points of the spectral columns (tests/support/fluids/cavity.h), by differences of second and of fourth
 order, beside OpenFOAM's simpleFoam (SIMPLEC, central differences, GAMG, residuals to 1e-7), one thread each.
 
 The peer is Debian's package openfoam; without it on the PATH the bench says so and ends.

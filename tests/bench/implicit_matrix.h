@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "engine/core/force_field.h"
+#include "engine/core/equations/force_field.h"
 
 namespace truestep::bench {
 

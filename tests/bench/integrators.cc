@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "engine/core/integrator.h"
+#include "engine/core/equations/integrator.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/math/block_sparse.h"
 #include "engine/math/trig.h"

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "engine/integrators/implicit/stage_newton.h"
+#include "engine/integrators/implicit/newton/stage_newton.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/systems/mass_spring/mass_spring.h"
 #include "tests/bench/report.h"

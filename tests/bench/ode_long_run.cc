@@ -13,7 +13,7 @@
 #include <iostream>
 #include <string>
 
-#include "engine/core/integrator.h"
+#include "engine/core/equations/integrator.h"
 #include "engine/integrators/advance.h"
 #include "engine/integrators/table/integrators.h"
 #include "tests/bench/report.h"

@@ -8,7 +8,7 @@
 #include "engine/base/errors.h"
 #include "engine/sinks/picture/picture.h"
 #include "tests/bench/report.h"
-#include "tests/unit/picture_lists.h"
+#include "tests/unit/pictures/picture_lists.h"
 
 namespace {
 

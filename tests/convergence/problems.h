@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/core/integrator.h"
+#include "engine/core/equations/integrator.h"
 
 namespace truestep::test {
 

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/base/errors.h"
-#include "engine/scene/json.h"
+#include "engine/scene/json/json.h"
 #include "engine/studies/study.h"
 
 namespace truestep {

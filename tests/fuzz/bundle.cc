@@ -4,7 +4,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/scene/admission.h"
-#include "engine/session/bundle.h"
+#include "engine/session/snapshot/bundle.h"
 #include "time_limit.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

@@ -5,9 +5,9 @@
 
 #include "engine/base/errors.h"
 #include "engine/collision/pairs/collide.h"
-#include "engine/collision/pairs/gjk.h"
+#include "engine/collision/pairs/distance/gjk.h"
 #include "engine/collision/queries/time_of_impact.h"
-#include "engine/kernels/free_rotation.h"
+#include "engine/kernels/rigid/free_rotation.h"
 
 using namespace truestep;
 

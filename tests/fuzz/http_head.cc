@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "server/net/request_parser.h"
+#include "server/net/http/request_parser.h"
 
 namespace {
 

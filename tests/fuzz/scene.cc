@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "engine/scene/admission.h"
-#include "engine/scene/json.h"
-#include "engine/session/world.h"
+#include "engine/scene/json/json.h"
+#include "engine/session/world/world.h"
 
 namespace {
 

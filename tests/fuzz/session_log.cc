@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "engine/base/errors.h"
-#include "server/persistence/saved_session.h"
+#include "server/persistence/sessions/saved_session.h"
 
 namespace {
 

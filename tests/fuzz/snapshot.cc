@@ -8,7 +8,7 @@
 #include "engine/base/errors.h"
 #include "engine/scene/scene.h"
 #include "engine/session/session.h"
-#include "engine/session/snapshot.h"
+#include "engine/session/snapshot/snapshot.h"
 #include "time_limit.h"
 
 namespace {

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "engine/base/errors.h"
-#include "engine/core/state.h"
+#include "engine/core/state/state.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   try {

@@ -10,9 +10,9 @@
 #include <cstdint>
 #include <string>
 
-#include "engine/base/utf8.h"
-#include "server/net/request_parser.h"
-#include "server/net/websocket_stream.h"
+#include "engine/base/text/utf8.h"
+#include "server/net/http/request_parser.h"
+#include "server/net/websocket/websocket_stream.h"
 
 namespace {
 

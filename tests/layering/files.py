@@ -6,6 +6,7 @@ from pathlib import Path
 from source import Finding
 
 WARN_LINES, MOST_LINES = 400, 800
+MOST_FILES = 27
 REASON = re.compile(r"longer than 800 lines because", re.I)
 SOURCES = {".cc", ".h", ".py", ".ts", ".js", ".css", ".cmake", ".proto", ".sh"}
 COMMENTED = {".cc": "//", ".h": "//", ".proto": "//", ".ts": ("//", "/*"), ".py": ('"""', "#"), ".cmake": "#", ".sh": "#"}
@@ -38,6 +39,17 @@ def check_head(tree):
         first = next((line for line in text.splitlines() if line.strip() and not line.startswith(("#!", "#pragma once"))), "")
         if not first.startswith(start):
             yield Finding(path, 1, "head", "no head comment: what is it, with which equation, from which source?")
+
+
+def check_folder_size(tree):
+    """A folder holds some twenty-five files; more wants a subject of its own. Where a file is a target with a name, they are lists."""
+    count = {}
+    for path in tree.paths:
+        if Path(path).suffix in SOURCES:
+            count[str(Path(path).parent)] = count.get(str(Path(path).parent), 0) + 1
+    for folder, files in sorted(count.items()):
+        if files > MOST_FILES and folder not in ("tests/bench", "tests/fuzz", "tests/service"):
+            yield Finding(folder, 1, "crowd", f"{files} files, {MOST_FILES} at most: give some of them a folder of their own")
 
 
 def check_machine_paths(tree):

@@ -41,7 +41,7 @@ def check(tree):
 def complaints(path, bracket, target):
     mine, theirs = layer_of(path), layer_of(target)
     if bracket == '"' and not target.startswith(("engine/", "server/", "truestep/v1/")):
-        yield f'"{target}": include paths start at the root ("engine/core/state.h")'
+        yield f'"{target}": include paths start at the root ("engine/core/state/state.h")'
     if path.startswith("engine/"):
         if target.startswith("server/"):
             yield "the engine does not know the server"

@@ -1,6 +1,6 @@
 // The throttle on guessed keys: what it costs, who is exempt, and that its memory stays small whoever
 // connects.
-#include "server/net/key_throttle.h"
+#include "server/net/access/key_throttle.h"
 
 #include <gtest/gtest.h>
 

@@ -10,9 +10,9 @@
 #include <thread>
 
 #include "engine/base/errors.h"
-#include "engine/scene/json.h"
+#include "engine/scene/json/json.h"
+#include "server/net/access/digest.h"
 #include "server/net/async.h"
-#include "server/net/digest.h"
 #include "server/net/server.h"
 
 namespace truestep::net {

@@ -1,7 +1,7 @@
 // Animation at its extremes: chains of a thousand joints, targets a thousand million metres away, times of
 // years, limits that leave no solution, curves whose keys are next to each other. Everything stays finite and
 // consistent, whether the target is reached or not.
-#include "tests/unit/animation_rig.h"
+#include "tests/unit/animation/animation_rig.h"
 
 namespace truestep::animation {
 namespace {

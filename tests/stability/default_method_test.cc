@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/core/force_system.h"
-#include "engine/session/world.h"
+#include "engine/core/equations/force_system.h"
+#include "engine/session/world/world.h"
 
 namespace truestep {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "engine/integrators/table/integrators.h"
 #include "engine/systems/pendulum/pendulum.h"
-#include "tests/validation/stepping.h"
+#include "tests/validation/equations/stepping.h"
 
 namespace truestep::test {
 using namespace pendulum;

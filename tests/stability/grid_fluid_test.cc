@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/base/errors.h"
-#include "tests/support/grid_flow.h"
+#include "tests/support/fluids/grid_flow.h"
 
 namespace truestep::test {
 namespace {

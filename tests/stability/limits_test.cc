@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "engine/integrators/table/integrators.h"
-#include "tests/validation/stepping.h"
+#include "tests/validation/equations/stepping.h"
 
 namespace truestep::test {
 namespace {

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "engine/base/errors.h"
-#include "tests/unit/sph_rig.h"
+#include "tests/unit/fluids/sph_rig.h"
 
 namespace truestep::sph {
 namespace {

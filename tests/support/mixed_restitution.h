@@ -5,7 +5,7 @@
 #include <string>
 
 #include "engine/base/random.h"
-#include "engine/session/world.h"
+#include "engine/session/world/world.h"
 
 namespace truestep::testing {
 

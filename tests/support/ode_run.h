@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-#include "engine/session/world.h"
+#include "engine/session/world/world.h"
 
 namespace truestep::test {
 

@@ -5,7 +5,7 @@
 
 #include "engine/core/outputs.h"
 #include "engine/scene/scene.h"
-#include "engine/session/world.h"
+#include "engine/session/world/world.h"
 
 namespace truestep::testing {
 

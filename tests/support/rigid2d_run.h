@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "engine/session/world.h"
+#include "engine/session/world/world.h"
 
 namespace truestep::testing {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/core/right_hand_side.h"
+#include "engine/core/equations/right_hand_side.h"
 #include "engine/math/trig.h"
 
 namespace truestep::test {

@@ -51,7 +51,7 @@ test("an empty block is an empty array", () => {
   assert.equal(decodeBlock(block({ encoding: Encoding.F32, count: 0, data: new Uint8Array(0) })).data.length, 0);
 });
 
-// Two frames of the service's own encoder (tests/unit/stream_blocks_test.cc, the test of the same name).
+// Two frames of the service's own encoder (tests/unit/streams/stream_blocks_test.cc, the test of the same name).
 const golden = readFileSync(new URL("stream_bytes.txt", import.meta.url), "utf8").trim().split("\n").map((hex) => fromBinary(messages.FrameSchema, Uint8Array.from(Buffer.from(hex, "hex"))));
 const first = Array.from({ length: 120 }, (_, k) => ((k * 7) % 32) / 32);
 const truth = [first, first.map((x, k) => x + ((k % 5) - 2) / 1024)];

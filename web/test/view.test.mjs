@@ -69,7 +69,7 @@ test("level lines, arrows and streamlines of known fields", () => {
 });
 
 test("streamlines keep apart where the flow crowds, and are those of the service's pictures", () => {
-  // The eddy of tests/unit/even_streamlines_test.cc.
+  // The eddy of tests/unit/math/even_streamlines_test.cc.
   const n = 40;
   const at = (f) => Float32Array.from({ length: n * n }, (_, k) => f((k % n) - 26, Math.floor(k / n) - 20));
   const eddy = { nx: n, ny: n, u: at((_, y) => -y), v: at((x) => x * (x > 0 ? 9 : 1)) };

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/collision/pairs/distance/gjk.h"
 #include "engine/collision/pairs/face_clip.h"
 #include "engine/collision/pairs/general_pair.h"
-#include "engine/collision/pairs/gjk.h"
 
 namespace truestep {
 namespace {

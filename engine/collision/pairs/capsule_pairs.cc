@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "engine/collision/pairs/gjk.h"
+#include "engine/collision/pairs/distance/gjk.h"
 #include "engine/collision/pairs/polyhedron.h"
 #include "engine/collision/pairs/round_pairs.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/collision/pairs/epa.h"
+#include "engine/collision/pairs/distance/epa.h"
 #include "engine/collision/pairs/polyhedron.h"
 #include "engine/collision/pairs/round_pairs.h"
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/collision/pairs/distance/gjk.h"
 #include "engine/collision/pairs/general_pair.h"
-#include "engine/collision/pairs/gjk.h"
 #include "engine/collision/pairs/polyhedron.h"
 
 namespace truestep {

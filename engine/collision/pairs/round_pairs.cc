@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/collision/pairs/gjk.h"
+#include "engine/collision/pairs/distance/gjk.h"
 #include "engine/collision/pairs/polyhedron.h"
-#include "engine/kernels/point_hull.h"
+#include "engine/kernels/contact/point_hull.h"
 
 namespace truestep {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/collision/points/collider_set.h"
-#include "engine/core/def.h"
+#include "engine/core/def/def.h"
 
 namespace truestep {
 

@@ -1,8 +1,8 @@
 // The solids that points of a system collide with, and the contact of moving points with them. A point's path
 // over a step is x_old -> x; contacts are found on the chord in the solid's moving frame (nothing is missed,
-// kernels/first_contact.h), timed on the parabola through both ends, answered with restitution and friction
-// (kernels/contact_response.h), and the rest of the step continues from there, up to kMaxContacts times.
-// Bounces that would return within the step count as resting, so nothing jitters.
+// kernels/contact/first_contact.h), timed on the parabola through both ends, answered with restitution and
+// friction (kernels/contact/contact_response.h), and the rest of the step continues from there, up to
+// kMaxContacts times. Bounces that would return within the step count as resting, so nothing jitters.
 #pragma once
 #include <span>
 #include <vector>
@@ -10,7 +10,7 @@
 #include "engine/base/parallel.h"
 #include "engine/collision/points/collider.h"
 #include "engine/core/drawing.h"
-#include "engine/core/workspace.h"
+#include "engine/core/state/workspace.h"
 
 namespace truestep {
 

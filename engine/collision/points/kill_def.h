@@ -3,7 +3,7 @@
 #pragma once
 #include <vector>
 
-#include "engine/core/def.h"
+#include "engine/core/def/def.h"
 #include "engine/math/vec3.h"
 
 namespace truestep {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "engine/collision/points/kill_def.h"
-#include "engine/core/living_rows.h"
-#include "engine/core/real_column.h"
-#include "engine/core/source_def.h"
+#include "engine/core/def/source_def.h"
+#include "engine/core/state/living_rows.h"
+#include "engine/core/state/real_column.h"
 #include "engine/core/system.h"
 
 namespace truestep {

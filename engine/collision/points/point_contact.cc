@@ -3,8 +3,8 @@
 #include <limits>
 
 #include "engine/collision/points/collider_set.h"
-#include "engine/kernels/contact_response.h"
-#include "engine/kernels/first_contact.h"
+#include "engine/kernels/contact/contact_response.h"
+#include "engine/kernels/contact/first_contact.h"
 
 namespace truestep {
 namespace {

@@ -1,18 +1,18 @@
 // Contacts of points whose springs or elements are solved implicitly: points that would end in a solid are
-// held on its surface within the solve (integrators/implicit/row_contacts.h), by an active set. A point is
-// added where it would enter, sticks while its impulse is within Coulomb's cone, otherwise slides under mu N,
-// and is released where the surface would have to pull it. The contacts of the last step are tried first, so
-// that a system at rest needs one solve. Restitution follows the solve: a point that arrived at w leaves at e
-// w. The search for the active set may end on another branch of stiff forces, far from the start of the step.
-// A step that ends with more energy than it had, although nothing supplies any, is repeated without friction,
-// and the remaining excess is removed from its velocities.
+// held on its surface within the solve (integrators/implicit/newton/row_contacts.h), by an active set. A
+// point is added where it would enter, sticks while its impulse is within Coulomb's cone, otherwise slides
+// under mu N, and is released where the surface would have to pull it. The contacts of the last step are
+// tried first, so that a system at rest needs one solve. Restitution follows the solve: a point that arrived
+// at w leaves at e w. The search for the active set may end on another branch of stiff forces, far from the
+// start of the step. A step that ends with more energy than it had, although nothing supplies any, is
+// repeated without friction, and the remaining excess is removed from its velocities.
 #pragma once
 #include <vector>
 
 #include "engine/collision/points/collider_set.h"
-#include "engine/core/force_field.h"
-#include "engine/core/integrator.h"
-#include "engine/integrators/implicit/row_contacts.h"
+#include "engine/core/equations/force_field.h"
+#include "engine/core/equations/integrator.h"
+#include "engine/integrators/implicit/newton/row_contacts.h"
 
 namespace truestep {
 

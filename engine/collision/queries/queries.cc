@@ -1,7 +1,7 @@
 #include "engine/collision/queries/queries.h"
 
 #include "engine/collision/pairs/collide.h"
-#include "engine/collision/pairs/gjk.h"
+#include "engine/collision/pairs/distance/gjk.h"
 
 namespace truestep {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/collision/pairs/gjk.h"
+#include "engine/collision/pairs/distance/gjk.h"
 #include "engine/geometry/compound.h"
 #include "engine/geometry/height_field.h"
 

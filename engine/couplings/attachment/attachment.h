@@ -9,7 +9,7 @@
 // corrected to the link's length along its direction at the substep's start, velocities along with them, and
 // then u.n = 0. Links that share points are swept until all hold. When a side is solved implicitly, the
 // link's impulse is that of the two systems solved as one: points respond with everything tied to them
-// (core/impulse_answer.h), because moving a point alone would stretch stiff springs.
+// (core/equations/impulse_answer.h), because moving a point alone would stretch stiff springs.
 // A particle that dies is released.
 #pragma once
 #include <memory>

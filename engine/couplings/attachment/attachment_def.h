@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "engine/core/build.h"
-#include "engine/core/def.h"
+#include "engine/core/def/build.h"
+#include "engine/core/def/def.h"
 #include "engine/math/vec3.h"
 
 namespace truestep::attachment {

@@ -7,7 +7,7 @@
 // implicitly, the link's impulse is that of both solved as one (points_on_bodies.h), and its lasting part is
 // given to both before their own steps.
 // The angular momentum that a position correction would change is given to the body's spin
-// (core/body_port.h).
+// (core/ports/body_port.h).
 #pragma once
 #include <memory>
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/collision/points/collider_set.h"
-#include "engine/core/impulse_answer.h"
+#include "engine/core/equations/impulse_answer.h"
 #include "engine/couplings/sides.h"
 
 namespace truestep::contact {

@@ -2,9 +2,9 @@
 // touch the triangles and capsules between the points. Slow pairs are tested at the end of the substep; a
 // point that moves more than half a body's thickness is tested by conservative advancement
 // (collision/queries/time_of_impact.h), and the places on bodies along their straight paths
-// (kernels/point_hull.h), so that nothing is passed within a substep; edges against edges in their positions
-// at the substep's start and end (edge_touch.h). The result's order depends only on the rows. Not covered:
-// meshes and height fields against the inside of triangles.
+// (kernels/contact/point_hull.h), so that nothing is passed within a substep; edges against edges in their
+// positions at the substep's start and end (edge_touch.h). The result's order depends only on the rows. Not
+// covered: meshes and height fields against the inside of triangles.
 #pragma once
 #include <vector>
 

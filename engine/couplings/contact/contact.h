@@ -1,12 +1,12 @@
 // The coupling type "contact": points of one side against the solids that the other publishes. With the place
 // q = sum b_i x_i on the solid (b_i: barycentric weights), u = v_p - sum b_i v_i and K = w_p + sum b_i^2 w_i,
 // an impulse J = du / K on the point and -b_i J on the corners changes u by du: momentum is exchanged, not
-// created, and the laws for a point on a wall (kernels/contact_response.h: restitution, Coulomb friction,
-// support) apply to u. A touch is answered at its own time within the substep; from there both sides continue
-// with the new velocities. A cloth's points are pushed with weights b_i as in Bridson, Fedkiw, Anderson 2002,
-// "Robust treatment of collisions, contact and friction for cloth animation", section 7.1.
-// The points of a are searched against the solids of b, or the other way round if b has only balls and a has
-// more than that. Points never pass triangles: contact_guard.h runs last, after all couplings, without
+// created, and the laws for a point on a wall (kernels/contact/contact_response.h: restitution, Coulomb
+// friction, support) apply to u. A touch is answered at its own time within the substep; from there both
+// sides continue with the new velocities. A cloth's points are pushed with weights b_i as in Bridson, Fedkiw,
+// Anderson 2002, "Robust treatment of collisions, contact and friction for cloth animation", section 7.1. The
+// points of a are searched against the solids of b, or the other way round if b has only balls and a has more
+// than that. Points never pass triangles: contact_guard.h runs last, after all couplings, without
 // restitution. Not covered: edges of two cloths against each other. Points do not spin, so friction at the
 // distance of their radii loses angular momentum; without friction it is conserved.
 #pragma once

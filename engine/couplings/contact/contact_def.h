@@ -1,7 +1,7 @@
 // Parameters of the coupling type "contact".
 #pragma once
-#include "engine/core/build.h"
-#include "engine/core/def.h"
+#include "engine/core/def/build.h"
+#include "engine/core/def/def.h"
 
 namespace truestep::contact {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "engine/kernels/contact_response.h"
-#include "engine/kernels/straight_contact.h"
+#include "engine/kernels/contact/contact_response.h"
+#include "engine/kernels/contact/straight_contact.h"
 
 namespace truestep::contact {
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "engine/base/parallel.h"
-#include "engine/core/ports.h"
+#include "engine/core/ports/ports.h"
 #include "engine/couplings/contact/near_pairs.h"
-#include "engine/kernels/point_hull.h"
+#include "engine/kernels/contact/point_hull.h"
 
 namespace truestep::contact {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/kernels/contact_response.h"
+#include "engine/kernels/contact/contact_response.h"
 
 namespace truestep::contact {
 

@@ -1,6 +1,6 @@
 #include "engine/couplings/contact/edge_touch.h"
 
-#include "engine/kernels/edge_edge.h"
+#include "engine/kernels/contact/edge_edge.h"
 
 namespace truestep::contact {
 

@@ -3,7 +3,7 @@
 #pragma once
 #include <vector>
 
-#include "engine/core/body_port.h"
+#include "engine/core/ports/body_port.h"
 #include "engine/geometry/solid.h"
 
 namespace truestep::contact {

@@ -2,7 +2,7 @@
 // pose, with the velocities (x1 - x0) / h and rotation_vector(q1 q0*) / h, and at the end at their pose then,
 // whatever happened to it in between.
 #include "engine/animation/driver.h"
-#include "engine/core/body_carrier.h"
+#include "engine/core/ports/body_carrier.h"
 #include "engine/couplings/drive/drive.h"
 #include "engine/geometry/shape.h"
 #include "engine/kernels/animation/joint_tree.h"

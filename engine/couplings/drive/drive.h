@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/build.h"
 #include "engine/core/coupling.h"
-#include "engine/core/def.h"
+#include "engine/core/def/build.h"
+#include "engine/core/def/def.h"
 
 namespace truestep::drive {
 

@@ -1,12 +1,12 @@
-// The coupling type "immersion": rigid bodies of a in b, a medium that takes bodies (core/medium.h). Within
-// its step the medium moves them by its own pressure and by their acceleration in the previous step; at the
-// step's end the bodies receive the medium's impulses and the resulting displacements.
+// The coupling type "immersion": rigid bodies of a in b, a medium that takes bodies (core/ports/medium.h).
+// Within its step the medium moves them by its own pressure and by their acceleration in the previous step;
+// at the step's end the bodies receive the medium's impulses and the resulting displacements.
 #pragma once
 #include <memory>
 
-#include "engine/core/build.h"
 #include "engine/core/coupling.h"
-#include "engine/core/def.h"
+#include "engine/core/def/build.h"
+#include "engine/core/def/def.h"
 
 namespace truestep::immersion {
 

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "engine/base/errors.h"
-#include "engine/core/body_carrier.h"
-#include "engine/core/rig_port.h"
+#include "engine/core/ports/body_carrier.h"
+#include "engine/core/ports/rig_port.h"
 
 namespace truestep::ragdoll {
 

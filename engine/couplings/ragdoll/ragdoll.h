@@ -8,9 +8,9 @@
 #pragma once
 #include <memory>
 
-#include "engine/core/build.h"
 #include "engine/core/coupling.h"
-#include "engine/core/def.h"
+#include "engine/core/def/build.h"
+#include "engine/core/def/def.h"
 
 namespace truestep::ragdoll {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/base/errors.h"
-#include "engine/integrators/implicit/row_contacts.h"
+#include "engine/integrators/implicit/newton/row_contacts.h"
 
 namespace truestep {
 namespace {

@@ -5,7 +5,7 @@
 #pragma once
 #include <functional>
 
-#include "engine/core/force_field.h"
+#include "engine/core/equations/force_field.h"
 #include "engine/core/system.h"
 
 namespace truestep {

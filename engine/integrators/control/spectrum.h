@@ -2,7 +2,7 @@
 // the largest eigenvalue of -da/dx (omega^2) and of -da/dv (damping rate). Products with the derivatives are
 // central differences of the acceleration, so no matrix is needed.
 #pragma once
-#include "engine/core/force_field.h"
+#include "engine/core/equations/force_field.h"
 
 namespace truestep {
 

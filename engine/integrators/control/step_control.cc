@@ -3,7 +3,7 @@
 #include <string>
 
 #include "engine/base/errors.h"
-#include "engine/base/short_number.h"
+#include "engine/base/text/short_number.h"
 
 namespace truestep::step_control {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/base/errors.h"
-#include "engine/integrators/implicit/newton_matrix.h"
+#include "engine/integrators/implicit/newton/newton_matrix.h"
 
 namespace truestep {
 

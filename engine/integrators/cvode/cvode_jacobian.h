@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "engine/core/right_hand_side.h"
+#include "engine/core/equations/right_hand_side.h"
 
 namespace truestep {
 

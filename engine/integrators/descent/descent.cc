@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/core/lagged_dissipation.h"
+#include "engine/core/equations/lagged_dissipation.h"
 
 namespace truestep {
 

@@ -1,8 +1,8 @@
 // A step of implicit Euler as descent on its incremental potential over the positions x at the step's end,
 //   g(x) = 1/2 |x - x0 - h v0|^2_M / h^2 + V(x) + h R(x0, (x - x0) / h),   v = (x - x0) / h,
 // whose gradient is r = M (u - v0) / h - f(x, u), u = (x - x0) / h. Dissipative forces are evaluated at the
-// positions at the step's start if the field supports that (core/lagged_dissipation.h). Held rows keep their
-// velocity.
+// positions at the step's start if the field supports that (core/equations/lagged_dissipation.h). Held rows
+// keep their velocity.
 #pragma once
 #include "engine/integrators/motion.h"
 

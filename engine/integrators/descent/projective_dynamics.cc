@@ -2,7 +2,7 @@
 // 2013) in its quasi-Newton form (Liu, Bouaziz, Kavan 2017, "Quasi-Newton methods for real-time simulation of
 // hyperelastic materials", algorithm 1):
 //   x <- x - H r(x),   H = L-BFGS of the last 5 moves on top of A^-1,   A = M / h^2 + B
-//   (core/stiffness_bound.h).
+//   (core/equations/stiffness_bound.h).
 // Without the moves this is a global step after a local one. A is the same for x, y and z and constant while
 // masses, stiffness and h are: it is factorised once. A move is taken if the slope along it has fallen to
 // half in magnitude or has not changed sign, and otherwise shortened by the secant rule, which needs no
@@ -12,7 +12,7 @@
 #include <array>
 #include <cmath>
 
-#include "engine/core/stiffness_bound.h"
+#include "engine/core/equations/stiffness_bound.h"
 #include "engine/integrators/descent/descent.h"
 #include "engine/integrators/table/methods.h"
 #include "engine/math/solvers/block_ldlt.h"

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/core/point_forces.h"
+#include "engine/core/equations/point_forces.h"
 #include "engine/integrators/descent/descent.h"
 #include "engine/integrators/table/methods.h"
 #include "engine/kernels/chebyshev.h"

@@ -3,7 +3,7 @@
 // equations have no solution within reach of Newton's method.
 #pragma once
 #include "engine/base/errors.h"
-#include "engine/base/short_number.h"
+#include "engine/base/text/short_number.h"
 #include "engine/integrators/explicit/drive.h"
 
 namespace truestep {

@@ -9,8 +9,8 @@
 // at the step's start are counted in the state and observed as integrator.held_steps.
 #include "engine/integrators/implicit/implicit.h"
 
-#include "engine/core/lagged_dissipation.h"
-#include "engine/core/linear_solver.h"
+#include "engine/core/equations/lagged_dissipation.h"
+#include "engine/core/equations/linear_solver.h"
 #include "engine/integrators/field_equations.h"
 #include "engine/integrators/implicit/implicit_methods.h"
 #include "engine/integrators/table/methods.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "engine/integrators/implicit/implicit.h"
-#include "engine/integrators/implicit/stage_newton.h"
+#include "engine/integrators/implicit/newton/stage_newton.h"
 
 namespace truestep {
 

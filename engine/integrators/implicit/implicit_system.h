@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/integrators/implicit/row_contacts.h"
+#include "engine/integrators/implicit/newton/row_contacts.h"
 #include "engine/integrators/motion.h"
 #include "engine/math/block_sparse.h"
 #include "engine/math/solvers/block_solver.h"

@@ -6,9 +6,9 @@
 // mass alone, a point on a spring with h^2 k = 100 m would store a hundred times the kinetic energy of the
 // impulse.
 #pragma once
-#include "engine/core/force_field.h"
-#include "engine/core/impulse_answer.h"
-#include "engine/core/integrator.h"
+#include "engine/core/equations/force_field.h"
+#include "engine/core/equations/impulse_answer.h"
+#include "engine/core/equations/integrator.h"
 
 namespace truestep {
 

@@ -16,7 +16,7 @@
 #include "engine/integrators/equations.h"
 #include "engine/integrators/implicit/drive_fixed.h"
 #include "engine/integrators/implicit/implicit_methods.h"
-#include "engine/integrators/implicit/newton_iteration.h"
+#include "engine/integrators/implicit/newton/newton_iteration.h"
 
 namespace truestep {
 

@@ -11,7 +11,7 @@
 #include "engine/integrators/equations.h"
 #include "engine/integrators/explicit/drive.h"
 #include "engine/integrators/implicit/implicit_methods.h"
-#include "engine/integrators/implicit/newton_iteration.h"
+#include "engine/integrators/implicit/newton/newton_iteration.h"
 #include "engine/integrators/implicit/radau5_coefficients.h"
 
 namespace truestep {

@@ -9,7 +9,7 @@
 #include "engine/integrators/implicit/dirk_tableau.h"
 #include "engine/integrators/implicit/drive_fixed.h"
 #include "engine/integrators/implicit/implicit_methods.h"
-#include "engine/integrators/implicit/stage_solver.h"
+#include "engine/integrators/implicit/newton/stage_solver.h"
 
 namespace truestep {
 

@@ -4,7 +4,7 @@
 #pragma once
 #include <vector>
 
-#include "engine/core/right_hand_side.h"
+#include "engine/core/equations/right_hand_side.h"
 #include "engine/integrators/motion.h"
 #include "engine/math/block_sparse.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "engine/core/build.h"
+#include "engine/core/def/build.h"
 #include "engine/integrators/table/integrators.h"
 
 namespace truestep {

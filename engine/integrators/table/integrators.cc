@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "engine/base/errors.h"
-#include "engine/base/nearest_name.h"
+#include "engine/base/text/nearest_name.h"
 #include "engine/integrators/table/rows.h"
 
 namespace truestep {

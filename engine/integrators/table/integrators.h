@@ -3,8 +3,8 @@
 #include <span>
 #include <string_view>
 
-#include "engine/core/build.h"
-#include "engine/core/integrator.h"
+#include "engine/core/def/build.h"
+#include "engine/core/equations/integrator.h"
 
 namespace truestep {
 

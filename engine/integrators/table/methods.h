@@ -1,6 +1,6 @@
 // Step functions of all methods, for the rows in rows_*.cc. Each advances the state by input.h.
 #pragma once
-#include "engine/core/integrator.h"
+#include "engine/core/equations/integrator.h"
 #include "engine/integrators/advance.h"
 
 namespace truestep {

@@ -4,7 +4,7 @@
 #pragma once
 #include <span>
 
-#include "engine/core/integrator.h"
+#include "engine/core/equations/integrator.h"
 
 namespace truestep {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "engine/kernels/animation/key_curve.h"
-#include "engine/kernels/free_rotation.h"
+#include "engine/kernels/rigid/free_rotation.h"
 
 namespace truestep::animation {
 

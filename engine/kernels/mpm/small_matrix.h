@@ -132,7 +132,7 @@ template <int D, class T>
 Svd<D, T> svd(const Square<D, T>& a) {
   using W = Wide<T>;
   using detail::dot_columns;
-  // Quadratic convergence; the number was measured on the matrices of tests/unit/mpm_matrix_test.cc.
+  // Quadratic convergence; the number was measured on the matrices of tests/unit/mpm/mpm_matrix_test.cc.
   constexpr int kSweeps = D == 2 ? 2 : sizeof(T) == 4 ? 4 : 6;
   const W tiny(sizeof(T) == 4 ? T(1e-18) : T(1e-140)), one(T{1}), zero = W::zero();
   Square<D, T> b = a;

@@ -2,7 +2,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "engine/base/nearest_name.h"
+#include "engine/base/text/nearest_name.h"
 #include "engine/math/expression/reader.h"
 
 namespace truestep {

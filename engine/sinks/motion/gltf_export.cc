@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "engine/core/morph_port.h"
-#include "engine/core/rig_port.h"
+#include "engine/core/ports/morph_port.h"
+#include "engine/core/ports/rig_port.h"
 #include "engine/sinks/motion/motion_export.h"
 
 namespace truestep {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/core/morph_port.h"
-#include "engine/core/rig_port.h"
+#include "engine/core/ports/morph_port.h"
+#include "engine/core/ports/rig_port.h"
 #include "engine/geometry/read/bvh.h"
 #include "engine/math/trig.h"
 

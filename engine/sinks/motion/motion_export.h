@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/state.h"
+#include "engine/core/state/state.h"
 #include "engine/core/system.h"
 #include "engine/geometry/shape.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "engine/base/errors.h"
-#include "engine/core/rig_port.h"
+#include "engine/core/ports/rig_port.h"
 
 namespace truestep {
 

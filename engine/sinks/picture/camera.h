@@ -2,7 +2,7 @@
 // half-angle tangent k contains a ball (c, r) when, in camera axes, |c.x| + k c.z <= k d - r sqrt(1 + k^2);
 // the smallest d and the best centre follow from two maxima per axis.
 #pragma once
-#include "engine/sinks/picture/draw_list.h"
+#include "engine/sinks/picture/draw/draw_list.h"
 
 namespace truestep::picture {
 

@@ -1,6 +1,6 @@
 // Colours: palette of systems, scalar maps, and the sRGB transfer function (IEC 61966-2-1).
 #pragma once
-#include "engine/sinks/picture/draw_list.h"
+#include "engine/sinks/picture/draw/draw_list.h"
 
 namespace truestep::picture {
 

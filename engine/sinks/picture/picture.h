@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/sinks/picture/draw_list.h"
+#include "engine/sinks/picture/draw/draw_list.h"
 #include "engine/sinks/picture/png.h"
 
 namespace truestep {

@@ -2,7 +2,7 @@
 #pragma once
 #include <cmath>
 
-#include "engine/sinks/picture/draw_list.h"
+#include "engine/sinks/picture/draw/draw_list.h"
 
 namespace truestep::picture {
 

@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "engine/base/errors.h"
-#include "engine/scene/json.h"
+#include "engine/scene/json/json.h"
 #include "engine/sinks/recording/recorded_drawing.h"
 
 namespace truestep {

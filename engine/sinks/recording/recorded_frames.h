@@ -7,8 +7,8 @@
 #include <memory>
 #include <optional>
 
-#include "engine/session/frame.h"
-#include "engine/session/world.h"
+#include "engine/session/world/frame.h"
+#include "engine/session/world/world.h"
 #include "engine/sinks/recording/recording_reader.h"
 
 namespace truestep {

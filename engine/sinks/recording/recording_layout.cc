@@ -4,7 +4,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/version.h"
-#include "engine/scene/json_write.h"
+#include "engine/scene/json/json_write.h"
 #include "engine/sinks/recording/recorded_drawing.h"
 
 namespace truestep {

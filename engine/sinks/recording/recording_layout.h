@@ -2,7 +2,7 @@
 #pragma once
 #include <optional>
 
-#include "engine/session/world.h"
+#include "engine/session/world/world.h"
 #include "engine/sinks/recording/file/layout.h"
 
 namespace truestep {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/scene/json_write.h"
+#include "engine/scene/json/json_write.h"
 #include "engine/session/commands.h"
 
 namespace truestep {

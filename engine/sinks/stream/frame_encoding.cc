@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "engine/base/errors.h"
-#include "engine/scene/params_text.h"
+#include "engine/scene/params/params_text.h"
 #include "engine/sinks/stream/block_encoding.h"
 #include "engine/sinks/stream/wire_format.h"
 

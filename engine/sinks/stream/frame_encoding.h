@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/session/frame.h"
-#include "engine/session/world.h"
+#include "engine/session/world/frame.h"
+#include "engine/session/world/world.h"
 
 namespace truestep {
 

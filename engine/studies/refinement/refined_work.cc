@@ -5,8 +5,8 @@
 #include "engine/base/errors.h"
 #include "engine/base/thread_clock.h"
 #include "engine/integrators/table/integrators.h"
+#include "engine/studies/precision/work_precision.h"
 #include "engine/studies/refinement/refinement_study.h"
-#include "engine/studies/work_precision.h"
 
 namespace truestep {
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/resolution.h"
+#include "engine/core/def/resolution.h"
 #include "engine/scene/scene.h"
-#include "engine/session/world.h"
+#include "engine/session/world/world.h"
 #include "engine/studies/study.h"
 #include "engine/studies/trajectory.h"
 

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "engine/base/errors.h"
-#include "engine/base/short_number.h"
+#include "engine/base/text/short_number.h"
 #include "engine/base/thread_clock.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/studies/scene_variant.h"

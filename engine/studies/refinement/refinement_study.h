@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/integrator.h"
+#include "engine/core/equations/integrator.h"
 #include "engine/studies/convergence.h"
-#include "engine/studies/reference.h"
+#include "engine/studies/precision/reference.h"
 #include "engine/studies/refinement/refinement.h"
 
 namespace truestep {

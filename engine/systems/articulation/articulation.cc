@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/core/command_checks.h"
+#include "engine/core/commands/command_checks.h"
 #include "engine/systems/articulation/frames.h"
 
 namespace truestep::articulation {

@@ -3,7 +3,7 @@
 #pragma once
 #include <mutex>
 
-#include "engine/core/force_system.h"
+#include "engine/core/equations/force_system.h"
 #include "engine/integrators/control/rising_step.h"
 #include "engine/integrators/table/default_method.h"
 #include "engine/systems/articulation/link_bodies.h"

@@ -6,9 +6,9 @@
 #include <variant>
 #include <vector>
 
-#include "engine/core/build.h"
-#include "engine/core/def.h"
-#include "engine/core/integrator_def.h"
+#include "engine/core/def/build.h"
+#include "engine/core/def/def.h"
+#include "engine/core/equations/integrator_def.h"
 #include "engine/core/outputs.h"
 #include "engine/core/system.h"
 

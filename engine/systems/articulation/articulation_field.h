@@ -4,7 +4,7 @@
 // torque is -2 k w (x, y, z) of the unit quaternion; their limits are in ball_limits.h. Beyond a limit a
 // spring and a damper push back; together they never pull.
 #pragma once
-#include "engine/core/force_field.h"
+#include "engine/core/equations/force_field.h"
 #include "engine/systems/articulation/model.h"
 
 namespace truestep::articulation {

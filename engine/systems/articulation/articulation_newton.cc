@@ -2,7 +2,7 @@
 // derivatives of its drives.
 #include <algorithm>
 
-#include "engine/core/linear_solver.h"
+#include "engine/core/equations/linear_solver.h"
 #include "engine/systems/articulation/articulation_field.h"
 #include "engine/systems/articulation/ball_limits.h"
 #include "engine/systems/articulation/tree_newton.h"

@@ -6,7 +6,7 @@
 // Motions that the joints allow are followed exactly; a tree with a free root has the target momentum and
 // angular momentum in any case.
 #pragma once
-#include "engine/core/body_access.h"
+#include "engine/core/ports/body_access.h"
 #include "engine/geometry/shape.h"
 #include "engine/systems/articulation/model.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <algorithm>
 
-#include "engine/core/body_access.h"
+#include "engine/core/ports/body_access.h"
 #include "engine/systems/articulation/tree.h"
 
 namespace truestep::articulation {

@@ -7,7 +7,7 @@
 #pragma once
 #include <deque>
 
-#include "engine/core/body_carrier.h"
+#include "engine/core/ports/body_carrier.h"
 #include "engine/geometry/solid.h"
 #include "engine/systems/articulation/articulation_field.h"
 

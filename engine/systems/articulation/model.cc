@@ -4,7 +4,7 @@
 #include <map>
 
 #include "engine/geometry/mass_properties.h"
-#include "engine/kernels/free_rotation.h"
+#include "engine/kernels/rigid/free_rotation.h"
 
 namespace truestep::articulation {
 namespace {

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/kernels/spatial.h"
+#include "engine/kernels/rigid/spatial.h"
 
 namespace truestep::articulation {
 

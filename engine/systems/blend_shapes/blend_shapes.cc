@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/animation/moved_bodies.h"
-#include "engine/core/command_checks.h"
+#include "engine/core/commands/command_checks.h"
 #include "engine/systems/blend_shapes/shape_files.h"
 
 namespace truestep::blend_shapes {
@@ -41,6 +41,7 @@ BlendShapes::BlendShapes(const BlendShapesDef& given, const BuildContext& contex
                    {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity}};
   points.max_rows = base_.size();
   set_parts({std::move(points)});
+  set_remedies({"weights that stay finite at every time"});
 }
 
 void BlendShapes::build_base(const BlendShapesDef& def) {
@@ -210,10 +211,6 @@ Ports BlendShapes::ports() const {
                          .radius = 0};
   out.solids = {triangles_, {}};
   return out;
-}
-
-std::vector<std::string> BlendShapes::remedies() const {
-  return {"weights that stay finite at every time"};
 }
 
 Morphed::Port BlendShapes::morph() const {

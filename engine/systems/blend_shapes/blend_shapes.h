@@ -8,9 +8,9 @@
 #include <memory>
 
 #include "engine/animation/driver.h"
-#include "engine/core/build.h"
-#include "engine/core/morph_port.h"
+#include "engine/core/def/build.h"
 #include "engine/core/outputs.h"
+#include "engine/core/ports/morph_port.h"
 #include "engine/core/system.h"
 #include "engine/kernels/animation/blend.h"
 
@@ -56,7 +56,6 @@ class BlendShapes final : public StagedSystem, public Morphed, public animation:
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   Ports ports() const override;
   const animation::Driver& driver() const override { return driver_; }
-  std::vector<std::string> remedies() const override;
   Morphed::Port morph() const override;
   Pose morph_at(const State& state, double t, std::span<double> weights) const override;
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/core/command_checks.h"
+#include "engine/core/commands/command_checks.h"
 #include "engine/core/energy.h"
 
 namespace truestep::crowd {
@@ -77,6 +77,7 @@ Crowd::Crowd(const CrowdDef& def, const BuildContext& context)
     parts.push_back(p);
   }
   set_parts(std::move(parts));
+  set_remedies({"a shorter step", "more max_substeps", "softer bodies (body_stiffness, sliding_friction)"});
 }
 
 void Crowd::check_ways() const {
@@ -202,10 +203,6 @@ std::optional<double> Crowd::limit(Limit which, const State&, double) const {
   for (const GroupDef& g : def_.groups)
     fastest = std::max({fastest, g.speed + 2 * g.speed_deviation, norm(g.velocity)});
   return unexplained_speed(fastest);
-}
-
-std::vector<std::string> Crowd::remedies() const {
-  return {"a shorter step", "more max_substeps", "softer bodies (body_stiffness, sliding_friction)"};
 }
 
 void Crowd::check(StateCheck& check, double) const {

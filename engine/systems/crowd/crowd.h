@@ -37,7 +37,6 @@ class Crowd final : public StagedSystem {
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   std::optional<double> limit(Limit which, const State& state, double h) const override;
-  std::vector<std::string> remedies() const override;
   void check(StateCheck& check, double t) const override;
 
   /// Desired velocity of row i of the state, m/s, without noise.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/base/short_number.h"
+#include "engine/base/text/short_number.h"
 
 namespace truestep::crowd {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/build.h"
-#include "engine/core/def.h"
+#include "engine/core/def/build.h"
+#include "engine/core/def/def.h"
 #include "engine/core/outputs.h"
 #include "engine/kernels/crowd/segment.h"
 

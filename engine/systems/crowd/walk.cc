@@ -6,7 +6,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/random.h"
-#include "engine/base/short_number.h"
+#include "engine/base/text/short_number.h"
 #include "engine/kernels/crowd/orca.h"
 #include "engine/systems/crowd/crowd_rows.h"
 

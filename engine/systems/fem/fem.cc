@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/base/short_number.h"
+#include "engine/base/text/short_number.h"
 #include "engine/integrators/implicit/impulse_answer.h"
 #include "engine/integrators/table/integrators.h"
 
@@ -57,6 +57,15 @@ Fem::Fem(std::unique_ptr<const FemField> field, const ChosenMethod& method, cons
   name_parts();
   if (def.modes > 0) frequencies_ = natural_frequencies(elements_, def.modes);
   if (motion_ == Motion::dynamic && def.holds.empty()) bound_speed();
+  if (motion_ == Motion::quasi_static || barrier_) set_integration({});
+  if (motion_ == Motion::quasi_static) {
+    set_remedies({"a longer load_time or a smaller dt, so that a step adds less load",
+                  "a material that resists collapse (neo_hookean)",
+                  "motion dynamic with damping, if the body snaps from one shape to another"});
+  } else {
+    set_remedies({"a smaller dt", "integrator implicit_euler, which damps motion too fast for the step",
+                  "a smaller load"});
+  }
 }
 
 void Fem::add_barrier(const FemDef& def) {
@@ -195,10 +204,6 @@ void Fem::resolve_contacts(State& s, const StepInput& in) const {
                      in.workspace, in.arena);
 }
 
-Integration Fem::integration() const {
-  return motion_ == Motion::quasi_static || barrier_ ? Integration{} : ForceSystem::integration();
-}
-
 std::optional<double> Fem::limit(Limit which, const State& s, double h) const {
   return motion_ == Motion::quasi_static ? std::nullopt : ForceSystem::limit(which, s, h);
 }
@@ -251,16 +256,6 @@ void Fem::check(StateCheck& check, double) const {
       check.require(row < points, "the row of a push or drag");
   }
   check.require(check.state().f64(Columns::parameters)[0] > 0, "Young's modulus");
-}
-
-std::vector<std::string> Fem::remedies() const {
-  if (motion_ == Motion::quasi_static) {
-    return {"a longer load_time or a smaller dt, so that a step adds less load",
-            "a material that resists collapse (neo_hookean)",
-            "motion dynamic with damping, if the body snaps from one shape to another"};
-  }
-  return {"a smaller dt", "integrator implicit_euler, which damps motion too fast for the step",
-          "a smaller load"};
 }
 
 std::unique_ptr<const Fem> Fem::make(const FemDef& def, const BuildContext& context) {

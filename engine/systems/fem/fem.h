@@ -6,10 +6,10 @@
 // unpin, set_parameter (youngs_modulus, damping, gravity).
 #pragma once
 #include "engine/collision/points/surface_contacts.h"
-#include "engine/core/force_system.h"
-#include "engine/core/impulse_answer.h"
+#include "engine/core/equations/force_system.h"
+#include "engine/core/equations/impulse_answer.h"
 #include "engine/integrators/table/default_method.h"
-#include "engine/systems/fem/barrier_step.h"
+#include "engine/systems/fem/barrier/barrier_step.h"
 #include "engine/systems/fem/fem_field.h"
 
 namespace truestep::fem {
@@ -35,9 +35,7 @@ class Fem final : public ForceSystem, public AnswersImpulses {
               std::span<double> dv) const override;
   std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;
-  Integration integration() const override;
   std::optional<double> limit(Limit which, const State& state, double h) const override;
-  std::vector<std::string> remedies() const override;
 
   const Body& body() const { return elements_.body(); }
   const FemField& elements() const { return elements_; }

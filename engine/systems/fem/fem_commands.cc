@@ -1,7 +1,7 @@
 // How commands change a body of finite elements; errors name the member of the command that is wrong.
 #include <algorithm>
 
-#include "engine/core/point_commands.h"
+#include "engine/core/commands/point_commands.h"
 #include "engine/math/trig.h"
 #include "engine/systems/fem/fem.h"
 

@@ -1,6 +1,6 @@
-// An elastic body for vertex block descent (core/point_forces.h): the force on a node and its derivative as
-// that node alone moves, from the elements around it; colours in which no two nodes share an element (Chen,
-// Liu, Yang, Yuksel 2024, "Vertex Block Descent", section 3.1).
+// An elastic body for vertex block descent (core/equations/point_forces.h): the force on a node and its
+// derivative as that node alone moves, from the elements around it; colours in which no two nodes share an
+// element (Chen, Liu, Yang, Yuksel 2024, "Vertex Block Descent", section 3.1).
 #include <algorithm>
 
 #include "engine/systems/fem/fem_field.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/integrators/implicit/stage_newton.h"
+#include "engine/integrators/implicit/newton/stage_newton.h"
 #include "engine/systems/fem/fem.h"
 
 namespace truestep::fem {

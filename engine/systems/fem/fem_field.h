@@ -3,10 +3,10 @@
 //   m_a x_a'' = f_a + s load_a + m_a g - damping m_a v_a + hands + pressure - balance_a
 // Prescribed components have no acceleration; their velocity is set before each step (fem.cc).
 #pragma once
-#include "engine/core/build.h"
-#include "engine/core/force_field.h"
-#include "engine/core/point_forces.h"
-#include "engine/core/user_forces.h"
+#include "engine/core/commands/user_forces.h"
+#include "engine/core/def/build.h"
+#include "engine/core/equations/force_field.h"
+#include "engine/core/equations/point_forces.h"
 #include "engine/kernels/fem/cell.h"
 #include "engine/systems/fem/body.h"
 

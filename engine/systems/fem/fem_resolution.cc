@@ -1,7 +1,7 @@
 // Refinement of finite elements: the same block or quad in more cells.
 #include <cmath>
 
-#include "engine/core/resolution.h"
+#include "engine/core/def/resolution.h"
 #include "engine/systems/fem/mesh.h"
 
 namespace truestep::fem {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/base/random.h"
-#include "engine/core/command_checks.h"
+#include "engine/core/commands/command_checks.h"
 #include "engine/core/energy.h"
 #include "engine/kernels/flocking/steering.h"
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "engine/collision/points/collider_def.h"
-#include "engine/core/build.h"
-#include "engine/core/def.h"
+#include "engine/core/def/build.h"
+#include "engine/core/def/def.h"
 #include "engine/core/outputs.h"
 
 namespace truestep::flocking {

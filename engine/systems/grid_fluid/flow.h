@@ -16,8 +16,8 @@
 
 #include "engine/core/system.h"
 #include "engine/kernels/mac/momentum.h"
-#include "engine/lattice/cut_poisson.h"
-#include "engine/lattice/staggered_solver.h"
+#include "engine/lattice/solvers/cut_poisson.h"
+#include "engine/lattice/solvers/staggered_solver.h"
 #include "engine/systems/grid_fluid/flow_texts.h"
 #include "engine/systems/grid_fluid/moving_solids.h"
 #include "engine/systems/grid_fluid/solids.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/base/short_number.h"
-#include "engine/core/command_checks.h"
+#include "engine/base/text/short_number.h"
+#include "engine/core/commands/command_checks.h"
 #include "engine/systems/grid_fluid/liquid/liquid.h"
 #include "engine/systems/grid_fluid/steady_flow.h"
 
@@ -81,6 +81,15 @@ GridFluid::GridFluid(const GridFluidDef& def, const BuildContext& context)
   }
   start_.f64(numbers_)[kViscosity] = def.viscosity;
 
+  if (stream_) {
+    set_remedies({"more viscosity, lowered while the session runs: each flow starts the search for the next",
+                  "more cells, a power of two times sixteen: each coarser grid starts the search on the next",
+                  "stepping rk3: a flow that sheds eddies has no stable steady state"});
+  } else {
+    set_remedies({"a shorter dt",
+                  "advection along paths (semi_lagrangian, maccormack, bfecc), which is stable for any step",
+                  "more cells, or more viscosity: eddies smaller than a cell cannot be resolved"});
+  }
   if (def.steady()) {
     add_stage("steady", std::to_string(g.cell_count()) + " cells, by Newton's method on the stream function",
               [this](State& s, const StepInput& in) { find_steady(s, in); });
@@ -273,16 +282,6 @@ void warn_of_crossing(double cells, double most, double h, std::vector<Warning>&
              short_number(most) + "; dt " + short_number(w.suggested_dt) + " s or a cfl of at most " +
              short_number(most) + " would do";
   out.push_back(std::move(w));
-}
-
-std::vector<std::string> GridFluid::remedies() const {
-  if (stream_)
-    return {"more viscosity, lowered while the session runs: each flow starts the search for the next",
-            "more cells, a power of two times sixteen: each coarser grid starts the search on the next",
-            "stepping rk3: a flow that sheds eddies has no stable steady state"};
-  return {"a shorter dt",
-          "advection along paths (semi_lagrangian, maccormack, bfecc), which is stable for any step",
-          "more cells, or more viscosity: eddies smaller than a cell cannot be resolved"};
 }
 
 std::unique_ptr<const System> build_grid_fluid(const void* def, const BuildContext& context) {

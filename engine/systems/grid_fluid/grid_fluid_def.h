@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/build.h"
-#include "engine/core/def.h"
+#include "engine/core/def/build.h"
+#include "engine/core/def/def.h"
+#include "engine/core/def/resolution.h"
 #include "engine/core/outputs.h"
-#include "engine/core/resolution.h"
 #include "engine/kernels/mac/mac_grid.h"
 #include "engine/lattice/box_sides.h"
 #include "engine/math/quaternion.h"

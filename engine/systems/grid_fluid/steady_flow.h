@@ -17,7 +17,7 @@
 #include <optional>
 
 #include "engine/kernels/mac/stream_function.h"
-#include "engine/lattice/staggered_solver.h"
+#include "engine/lattice/solvers/staggered_solver.h"
 #include "engine/math/solvers/tile_band_lu.h"
 #include "engine/systems/grid_fluid/flow.h"
 

@@ -5,7 +5,7 @@
 
 #include "engine/base/byte_hash.h"
 #include "engine/base/errors.h"
-#include "engine/core/command_checks.h"
+#include "engine/core/commands/command_checks.h"
 #include "engine/lattice/lattice_state.h"
 
 namespace truestep::heat {
@@ -46,6 +46,8 @@ LinearSolver* HeatEquations::linear_solver() const {
 Heat::Heat(const HeatDef& def, const BuildContext& context)
     : def_(def), model_(def, lattice::SideKind::neumann, texts(def)) {
   set_parts({lattice::grid_part(model_.lattice(), {{"value", "K"}})});
+  set_remedies({"a shorter dt", "the integrator rkc2, whose number of stages follows dt",
+                "an implicit integrator such as sdirk4"});
   static const ThreadArena kSerial(1);
   LatticeWork work;
   work.bind(model_, {.coefficient = model_.constant_coefficient().value_or(0)}, kSerial);
@@ -53,6 +55,7 @@ Heat::Heat(const HeatDef& def, const BuildContext& context)
   const EquationStepper::Defaults defaults{
       .usual = "rk4", .divides = "rkc2", .most_divisions = 4000, .stiff = "sdirk4"};
   stepper_.emplace(def.choice(), defaults, f, Rates{.damping = work.spectral_radius()}, context.dt);
+  set_integration({&method(), &stepper_->options(), nullptr});
   add_stage("integrate",
             std::to_string(f.size()) + " nodes with " + std::string(stepper_->method().name) + ": " +
                 stepper_->why(),
@@ -108,11 +111,6 @@ std::optional<Energy> Heat::energy(const State& s, double, Workspace& workspace,
   e.potential = lattice::integral(model_.lattice(), squares);
   e.exchange = model_.forced() ? Energy::Exchange::open : Energy::Exchange::closed;
   return e;
-}
-
-std::vector<std::string> Heat::remedies() const {
-  return {"a shorter dt", "the integrator rkc2, whose number of stages follows dt",
-          "an implicit integrator such as sdirk4"};
 }
 
 void Heat::apply(State& s, const Command& c) const {

@@ -5,7 +5,7 @@
 // spectral radius, 4 a d / dx^2), rkc2 up to about a hundred stages, sdirk4 beyond. Commands: set_parameter
 // diffusivity (where it is a number); impulse adds heat at a node.
 #pragma once
-#include "engine/core/linear_solver.h"
+#include "engine/core/equations/linear_solver.h"
 #include "engine/core/system.h"
 #include "engine/integrators/equation_stepper.h"
 #include "engine/lattice/lattice_work.h"
@@ -57,12 +57,10 @@ class Heat final : public StagedSystem {
   /// decrease it.
   std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;
-  std::vector<std::string> remedies() const override;
   void check(StateCheck& check, double) const override { check.finish(); }
 
   const lattice::LatticeModel& model() const { return model_; }
   const Integrator& method() const { return stepper_->method(); }
-  Integration integration() const override { return {&method(), &stepper_->options(), nullptr}; }
 
  private:
   void integrate(State& state, const StepInput& in) const;

@@ -1,6 +1,6 @@
 // What a scene says about heat conduction in a box; see heat.h.
 #pragma once
-#include "engine/core/build.h"
+#include "engine/core/def/build.h"
 #include "engine/core/outputs.h"
 #include "engine/lattice/lattice_def.h"
 

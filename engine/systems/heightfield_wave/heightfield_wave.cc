@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/base/short_number.h"
-#include "engine/core/command_checks.h"
+#include "engine/base/text/short_number.h"
+#include "engine/core/commands/command_checks.h"
 
 namespace truestep::heightfield_wave {
 
@@ -41,6 +41,7 @@ HeightfieldWave::HeightfieldWave(const HeightfieldWaveDef& def, const BuildConte
     : id_(context.id), def_(def), basin_(basin_of(def, context)), texts_(def) {
   const size_t n = basin_.count();
   set_parts({cells_part(basin_)});
+  set_remedies({"a shorter dt", "fewer cells", "a larger dry_depth: thin films can be very fast"});
   start_.add({"depth", "m", Scalar::f64, 1, Role::position}, n);
   start_.add({"discharge.x", "m^2/s", Scalar::f64, 1, Role::velocity}, n);
   if (basin_.dimensions == 2) start_.add({"discharge.y", "m^2/s", Scalar::f64, 1, Role::velocity}, n);
@@ -195,10 +196,6 @@ void HeightfieldWave::apply(State& s, const Command& c) const {
     refuse_command("kind", "unknown_command", "heightfield_wave takes no such command",
                    "impulse, set_parameter");
   }
-}
-
-std::vector<std::string> HeightfieldWave::remedies() const {
-  return {"a shorter dt", "fewer cells", "a larger dry_depth: thin films can be very fast"};
 }
 
 std::unique_ptr<const System> build_heightfield_wave(const void* def, const BuildContext& context) {

@@ -18,7 +18,6 @@ class HeightfieldWave final : public StagedSystem {
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   void apply(State& state, const Command& command) const override;
-  std::vector<std::string> remedies() const override;
   void check(StateCheck& check, double) const override { check.finish(); }
 
   const shallow::Basin& basin() const { return basin_; }

@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/build.h"
-#include "engine/core/def.h"
+#include "engine/core/def/build.h"
+#include "engine/core/def/def.h"
+#include "engine/core/def/resolution.h"
 #include "engine/core/outputs.h"
-#include "engine/core/resolution.h"
 #include "engine/kernels/shallow/water.h"
 
 namespace truestep::heightfield_wave {

@@ -1,6 +1,6 @@
 #include "engine/systems/keyframes/keyframes.h"
 
-#include "engine/core/command_checks.h"
+#include "engine/core/commands/command_checks.h"
 
 namespace truestep::keyframes {
 
@@ -117,6 +117,7 @@ Keyframes::Keyframes(const KeyframesDef& def, const BuildContext& context)
     parts.push_back(std::move(controls));
   }
   set_parts(std::move(parts));
+  set_remedies({"expressions that stay finite at every time"});
 }
 
 void Keyframes::add_shape(const MovedShapeDef& d, size_t number) {
@@ -277,10 +278,6 @@ Ports Keyframes::ports() const {
     out.solids = {triangles_, {}};
   }
   return out;
-}
-
-std::vector<std::string> Keyframes::remedies() const {
-  return {"expressions that stay finite at every time"};
 }
 
 std::unique_ptr<const System> build_keyframes(const void* def, const BuildContext& context) {

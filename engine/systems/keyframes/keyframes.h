@@ -25,7 +25,6 @@ class Keyframes final : public StagedSystem, public animation::Animated {
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   Ports ports() const override;
   const animation::Driver& driver() const override { return driver_; }
-  std::vector<std::string> remedies() const override;
 
  private:
   struct Shape {

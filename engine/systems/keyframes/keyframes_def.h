@@ -1,7 +1,7 @@
 // What a scene says about shapes with prescribed motion; read by keyframes.cc.
 #pragma once
 #include "engine/animation/driver_def.h"
-#include "engine/core/build.h"
+#include "engine/core/def/build.h"
 #include "engine/core/outputs.h"
 
 namespace truestep::keyframes {

@@ -3,8 +3,8 @@
 // shear_stiffness, bending_stiffness, damping, internal_damping, gravity, wind).
 #pragma once
 #include "engine/collision/points/surface_contacts.h"
-#include "engine/core/force_system.h"
-#include "engine/core/impulse_answer.h"
+#include "engine/core/equations/force_system.h"
+#include "engine/core/equations/impulse_answer.h"
 #include "engine/integrators/control/rising_step.h"
 #include "engine/integrators/table/default_method.h"
 #include "engine/systems/mass_spring/mass_spring_field.h"

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/core/point_commands.h"
+#include "engine/core/commands/point_commands.h"
 #include "engine/systems/mass_spring/mass_spring.h"
 
 namespace truestep::mass_spring {

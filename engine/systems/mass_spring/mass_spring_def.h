@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "engine/collision/points/collider_def.h"
-#include "engine/core/integrator_def.h"
+#include "engine/core/def/resolution.h"
+#include "engine/core/def/shape_def.h"
+#include "engine/core/equations/integrator_def.h"
 #include "engine/core/outputs.h"
-#include "engine/core/resolution.h"
-#include "engine/core/shape_def.h"
 
 namespace truestep::mass_spring {
 

@@ -2,8 +2,8 @@
 // independent of directions, and the forces on single points with their derivatives.
 #include <algorithm>
 
-#include "engine/kernels/air.h"
-#include "engine/kernels/spring.h"
+#include "engine/kernels/springs/air.h"
+#include "engine/kernels/springs/spring.h"
 #include "engine/math/block_sparse.h"
 #include "engine/systems/mass_spring/mass_spring_field.h"
 
@@ -128,7 +128,7 @@ void MassSpringField::point_slopes(const Phase& at, std::span<const double> x_la
       const double l2 = norm2(d), per_l = l2 > 0 ? 1 / std::sqrt(l2) : 0;
       const double across = 1 - schedule_.rest[spring] * per_l;
       s.force += d * (stiff * across);
-      // Without the destabilising sideways term of a compressed spring (kernels/spring.h).
+      // Without the destabilising sideways term of a compressed spring (kernels/springs/spring.h).
       const double alpha = l2 > 0 ? std::max(0.0, across) * stiff : stiff;
       add_to_slope(s, alpha, (stiff - alpha) * per_l * per_l, d);
       if (internal > 0) {

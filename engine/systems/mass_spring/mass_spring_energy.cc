@@ -1,5 +1,5 @@
 // Energies and the dissipation function of mass_spring_field.h.
-#include "engine/kernels/air.h"
+#include "engine/kernels/springs/air.h"
 #include "engine/systems/mass_spring/mass_spring_field.h"
 
 namespace truestep::mass_spring {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/kernels/air.h"
-#include "engine/kernels/spring.h"
+#include "engine/kernels/springs/air.h"
+#include "engine/kernels/springs/spring.h"
 
 namespace truestep::mass_spring {
 

@@ -1,4 +1,4 @@
-// Forces on a network of springs (kernels/spring.h, kernels/air.h):
+// Forces on a network of springs (kernels/springs/spring.h, kernels/springs/air.h):
 //   m a = m g + sum springs + bending - c_d v + air + drag springs + pushes,
 //   V = sum k/2 (l - L)^2 - sum m g . x + ...
 // Everything that commands may change is read from the state; the network itself is fixed.
@@ -6,15 +6,15 @@
 #include <memory>
 #include <vector>
 
-#include "engine/core/build.h"
-#include "engine/core/force_field.h"
-#include "engine/core/lagged_dissipation.h"
-#include "engine/core/point_forces.h"
-#include "engine/core/softening_forces.h"
-#include "engine/core/stiffness_bound.h"
-#include "engine/core/user_forces.h"
-#include "engine/kernels/bending.h"
-#include "engine/kernels/spring.h"
+#include "engine/core/commands/user_forces.h"
+#include "engine/core/def/build.h"
+#include "engine/core/equations/force_field.h"
+#include "engine/core/equations/lagged_dissipation.h"
+#include "engine/core/equations/point_forces.h"
+#include "engine/core/equations/softening_forces.h"
+#include "engine/core/equations/stiffness_bound.h"
+#include "engine/kernels/springs/bending.h"
+#include "engine/kernels/springs/spring.h"
 #include "engine/systems/mass_spring/network.h"
 #include "engine/systems/mass_spring/spring_schedule.h"
 

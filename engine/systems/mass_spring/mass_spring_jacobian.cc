@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/kernels/air.h"
-#include "engine/kernels/spring.h"
+#include "engine/kernels/springs/air.h"
+#include "engine/kernels/springs/spring.h"
 #include "engine/math/block_sparse.h"
 #include "engine/systems/mass_spring/mass_spring_field.h"
 

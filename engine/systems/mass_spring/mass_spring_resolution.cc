@@ -3,7 +3,7 @@
 // borders the lumped values are off by half a link, which makes them first order there.
 #include <cmath>
 
-#include "engine/core/resolution.h"
+#include "engine/core/def/resolution.h"
 #include "engine/systems/mass_spring/mass_spring_def.h"
 
 namespace truestep::mass_spring {

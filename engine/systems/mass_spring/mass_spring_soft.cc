@@ -1,4 +1,5 @@
-// Temporarily softened springs, with rest lengths shifted by their tensions (core/softening_forces.h).
+// Temporarily softened springs, with rest lengths shifted by their tensions
+// (core/equations/softening_forces.h).
 #include <algorithm>
 #include <cmath>
 

@@ -23,7 +23,7 @@ struct SpringLink {
   double scale;  ///< stiffness as a multiple of the family's (own: N/m)
 };
 
-/// Two links that meet in the second point and resist bending (kernels/bending.h).
+/// Two links that meet in the second point and resist bending (kernels/springs/bending.h).
 struct Bend {
   std::array<uint32_t, 3> points;
   double stiffness;  ///< J

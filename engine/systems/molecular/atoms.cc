@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/base/short_number.h"
+#include "engine/base/text/short_number.h"
 #include "engine/kernels/molecular/normal.h"
 #include "engine/neighbours/point_grid.h"
 #include "engine/systems/molecular/topology.h"

@@ -1,6 +1,6 @@
 #include "engine/systems/molecular/molecular.h"
 
-#include "engine/core/command_checks.h"
+#include "engine/core/commands/command_checks.h"
 
 namespace truestep::molecular {
 
@@ -21,6 +21,9 @@ Molecular::Molecular(std::unique_ptr<const MolecularField> field, const ChosenMe
     all.push_back(g);
   }
   set_parts(std::move(all));
+  set_remedies({"a step of at most a twentieth of the fastest vibration's period",
+                "a start whose atoms do not overlap"});
+  if (has_own_step()) set_integration({});
   plan_stages(method.why);
   bound_speed();
 }
@@ -61,10 +64,6 @@ void Molecular::plan_stages(const std::string& why) {
 bool Molecular::has_own_step() const {
   const MolecularDef& d = atoms_.def();
   return d.water || (d.thermostat && d.thermostat->method == ThermostatDef::Method::langevin);
-}
-
-Integration Molecular::integration() const {
-  return has_own_step() ? Integration{} : ForceSystem::integration();
 }
 
 Energy::Exchange Molecular::exchange(const State&) const {

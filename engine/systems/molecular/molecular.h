@@ -1,7 +1,7 @@
 // The system type "molecular": a MolecularField advanced by any integrator of the table, velocity Verlet by
 // default. Before the step the neighbour list is renewed if an atom may have moved by half a skin.
 #pragma once
-#include "engine/core/force_system.h"
+#include "engine/core/equations/force_system.h"
 #include "engine/integrators/motion.h"
 #include "engine/integrators/table/default_method.h"
 #include "engine/systems/molecular/molecular_field.h"
@@ -24,12 +24,6 @@ class Molecular final : public ForceSystem {
   Energy::Exchange exchange(const State&) const override;
 
   const MolecularField& atoms() const { return atoms_; }
-  std::vector<std::string> remedies() const override {
-    return {"a step of at most a twentieth of the fastest vibration's period",
-            "a start whose atoms do not overlap"};
-  }
-  /// Empty when the system uses a step of its own.
-  Integration integration() const override;
   /// K
   double temperature(double kinetic) const;
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/base/short_number.h"
+#include "engine/base/text/short_number.h"
 #include "engine/kernels/molecular/mesh_ewald.h"
 #include "engine/systems/molecular/atoms.h"
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/build.h"
-#include "engine/core/def.h"
-#include "engine/core/integrator_def.h"
+#include "engine/core/def/build.h"
+#include "engine/core/def/def.h"
+#include "engine/core/equations/integrator_def.h"
 #include "engine/core/outputs.h"
 #include "engine/kernels/molecular/lennard_jones.h"
 #include "engine/systems/molecular/cell.h"

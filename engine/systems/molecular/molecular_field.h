@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/core/force_field.h"
+#include "engine/core/equations/force_field.h"
 #include "engine/kernels/molecular/mesh_ewald.h"
 #include "engine/kernels/molecular/pair_law.h"
 #include "engine/systems/molecular/atoms.h"

@@ -1,11 +1,11 @@
-// Rigid bodies in the material (core/medium.h): nodes inside a body and the body push each other
+// Rigid bodies in the material (core/ports/medium.h): nodes inside a body and the body push each other
 // (kernels/mpm/touch.h), with equal and opposite impulses. Nodes do not see a body thinner than a cell or
 // two.
 #pragma once
 #include <vector>
 
 #include "engine/collision/point_distance.h"
-#include "engine/core/medium.h"
+#include "engine/core/ports/medium.h"
 #include "engine/kernels/mpm/touch.h"
 #include "engine/systems/mpm/solver.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/core/command_checks.h"
+#include "engine/core/commands/command_checks.h"
 
 namespace truestep::mpm {
 
@@ -87,6 +87,7 @@ Mpm::Mpm(const MpmDef& def, const BuildContext& context)
   if (def.changes()) points.fields.push_back({"id", "1", Scalar::u64});
   points.max_rows = setting_->capacity;
   set_parts({std::move(points)});
+  set_remedies({"a shorter step", "a softer material or a larger cell", "more max_substeps"});
 }
 
 namespace {
@@ -235,10 +236,6 @@ Ports Mpm::ports() const {
   // The implicit solve does not include rigid bodies.
   if (d.is_implicit()) return {};
   return {.medium = MediumPort{d.dimension, columns::position, d.cell / d.particles_per_axis}};
-}
-
-std::vector<std::string> Mpm::remedies() const {
-  return {"a shorter step", "a softer material or a larger cell", "more max_substeps"};
 }
 
 std::unique_ptr<const System> build_mpm(const void* def, const BuildContext& context) {

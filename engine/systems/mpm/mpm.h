@@ -25,7 +25,6 @@ class Mpm final : public StagedSystem {
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   /// A medium: bodies may be immersed in it (coupling immersion).
   Ports ports() const override;
-  std::vector<std::string> remedies() const override;
 
   const Setting& setting() const { return *setting_; }
 

@@ -6,11 +6,11 @@
 
 #include "engine/collision/points/collider_def.h"
 #include "engine/collision/points/kill_def.h"
-#include "engine/core/build.h"
-#include "engine/core/def.h"
+#include "engine/core/def/build.h"
+#include "engine/core/def/def.h"
+#include "engine/core/def/resolution.h"
+#include "engine/core/def/source_def.h"
 #include "engine/core/outputs.h"
-#include "engine/core/resolution.h"
-#include "engine/core/source_def.h"
 #include "engine/kernels/mpm/laws.h"
 
 namespace truestep::mpm {

@@ -1,6 +1,6 @@
 // Copies particles between the rows of a state and groups of lanes.
 #pragma once
-#include "engine/core/state.h"
+#include "engine/core/state/state.h"
 #include "engine/systems/mpm/blocks.h"
 #include "engine/systems/mpm/solver.h"
 #include "engine/systems/mpm/transfer.h"

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "engine/base/errors.h"
-#include "engine/base/short_number.h"
+#include "engine/base/text/short_number.h"
 #include "engine/systems/mpm/field_contact.h"
 #include "engine/systems/mpm/implicit.h"
 #include "engine/systems/mpm/rows.h"

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/core/state.h"
+#include "engine/core/state/state.h"
 #include "engine/core/system.h"
 #include "engine/systems/mpm/energy.h"
 #include "engine/systems/mpm/inlet.h"

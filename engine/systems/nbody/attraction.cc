@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 
-#include "engine/base/short_number.h"
+#include "engine/base/text/short_number.h"
 #include "engine/kernels/gravity/mixed_sums.h"
 
 namespace truestep::nbody {

@@ -3,7 +3,7 @@
 #pragma once
 #include <vector>
 
-#include "engine/core/workspace.h"
+#include "engine/core/state/workspace.h"
 #include "engine/kernels/gravity/fast_multipole.h"
 #include "engine/systems/nbody/groups.h"
 

@@ -6,7 +6,7 @@
 //   stop    j = -m_r u: they go on together
 // Not covered: spin, friction, the rest of a step after two touches of one body.
 #pragma once
-#include "engine/core/workspace.h"
+#include "engine/core/state/workspace.h"
 #include "engine/systems/nbody/nbody_def.h"
 #include "engine/systems/nbody/nbody_state.h"
 

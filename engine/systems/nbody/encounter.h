@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/core/right_hand_side.h"
+#include "engine/core/equations/right_hand_side.h"
 #include "engine/math/vec3.h"
 
 namespace truestep::nbody {

@@ -9,7 +9,7 @@
 // At the session's step all bodies have reached the same time, so nothing else is remembered. Not covered:
 // spline softening, the tree.
 #pragma once
-#include "engine/core/integrator.h"
+#include "engine/core/equations/integrator.h"
 
 namespace truestep::nbody {
 

@@ -12,7 +12,7 @@
 // its start. Rows: the sun first, the others in any order. Not covered: close approaches to the sun (h must
 // resolve them), spline softening, collisions, pushes.
 #pragma once
-#include "engine/core/integrator.h"
+#include "engine/core/equations/integrator.h"
 
 namespace truestep::nbody {
 

@@ -101,6 +101,9 @@ Nbody::Nbody(std::unique_ptr<const NbodyField> field, const ChosenMethod& method
   fields.push_back({"speed", "m/s"});
   fields.push_back({"mass", "kg"});
   fields.push_back({"id", "1", Scalar::u64});
+  std::vector<std::string> remedies{"a shorter step, or ias15, which adapts its own"};
+  if (def.softening == 0) remedies.push_back("softening, if each body represents many");
+  set_remedies(std::move(remedies));
   plan_stages(method.why);
 }
 
@@ -156,12 +159,6 @@ void Nbody::draw(const State&, double, Wish wishes, Drawing& out) const {
   PartDrawing& t = out.parts.emplace_back();
   t.point_radius = draw_radius_;
   if (d.color) t.color = {d.color->x, d.color->y, d.color->z};
-}
-
-std::vector<std::string> Nbody::remedies() const {
-  std::vector<std::string> out{"a shorter step, or ias15, which adapts its own"};
-  if (bodies_.def().softening == 0) out.push_back("softening, if each body represents many");
-  return out;
 }
 
 Energy::Exchange Nbody::exchange(const State& s) const {

@@ -1,7 +1,7 @@
 // The system type "nbody": bodies that attract each other (nbody_field.h), advanced by any explicit method,
 // then collisions. Commands: push, impulse, drag, release, set_parameter (gravitational_constant, softening).
 #pragma once
-#include "engine/core/force_system.h"
+#include "engine/core/equations/force_system.h"
 #include "engine/integrators/table/default_method.h"
 #include "engine/systems/nbody/nbody_field.h"
 
@@ -20,7 +20,6 @@ class Nbody final : public ForceSystem {
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
-  std::vector<std::string> remedies() const override;
   /// Open when bodies collide and while drags hold them.
   Energy::Exchange exchange(const State& state) const override;
 

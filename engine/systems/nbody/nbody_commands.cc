@@ -1,6 +1,6 @@
 // Commands on bodies; errors name the offending member of the command. A body given by its row is remembered
 // by its id, since rows move when bodies merge.
-#include "engine/core/command_checks.h"
+#include "engine/core/commands/command_checks.h"
 #include "engine/systems/nbody/hermite.h"
 #include "engine/systems/nbody/mercurius.h"
 #include "engine/systems/nbody/nbody.h"

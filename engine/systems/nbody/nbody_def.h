@@ -4,7 +4,7 @@
 #include <variant>
 #include <vector>
 
-#include "engine/core/integrator_def.h"
+#include "engine/core/equations/integrator_def.h"
 #include "engine/core/outputs.h"
 #include "engine/kernels/gravity/softening.h"
 

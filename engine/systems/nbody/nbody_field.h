@@ -3,7 +3,7 @@
 //   V = -G sum_{i<j} m_i m_j p(|x_i - x_j|)
 // with w, p of kernels/gravity/softening.h.
 #pragma once
-#include "engine/core/force_field.h"
+#include "engine/core/equations/force_field.h"
 #include "engine/systems/nbody/attraction.h"
 
 namespace truestep::nbody {

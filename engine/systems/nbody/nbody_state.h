@@ -3,7 +3,7 @@
 #include <optional>
 #include <span>
 
-#include "engine/core/user_forces.h"
+#include "engine/core/commands/user_forces.h"
 
 namespace truestep::nbody {
 

@@ -8,7 +8,7 @@
 // Rows must be in order: the heavy one first, then from the inside out. Not covered: close encounters,
 // correctors.
 #pragma once
-#include "engine/core/integrator.h"
+#include "engine/core/equations/integrator.h"
 
 namespace truestep::nbody {
 

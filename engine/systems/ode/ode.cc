@@ -57,6 +57,7 @@ Ode::Ode(const OdeDef& def, const BuildContext& context)
   tolerance_.absolute = def_.absolute_tolerance.value_or(both);
   tolerance_.absolute_each = model_.absolute_tolerances;
   options_ = def_.choice().options;
+  if (method_) set_integration({method_, &options_, nullptr});
   constexpr int kPath = 400;
   trail_ = static_cast<size_t>(def_.trail.value_or(model_.bodies <= 16 && !def_.tracers ? kPath : 0));
   if (def_.tracers) {

@@ -29,12 +29,10 @@ class Ode final : public StagedSystem {
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
-  std::vector<std::string> remedies() const override;
   std::optional<double> limit(Limit which, const State& state, double h) const override;
 
   const OdeModel& model() const { return model_; }
   const Integrator* method() const { return method_; }
-  Integration integration() const override { return {method_, method_ ? &options_ : nullptr, nullptr}; }
 
  private:
   struct Scratch;

@@ -1,6 +1,6 @@
 // Columns of an ode system's state in their order: everything that influences a later step.
 #pragma once
-#include "engine/core/state.h"
+#include "engine/core/state/state.h"
 
 namespace truestep::ode {
 

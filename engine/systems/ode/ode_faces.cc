@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/base/nearest_name.h"
+#include "engine/base/text/nearest_name.h"
 #include "engine/integrators/control/step_work.h"
 #include "engine/systems/ode/ode.h"
 
@@ -113,6 +113,9 @@ void Ode::name_parts() {
     for (const size_t k : group) part.fields.push_back({model_.states[k].name, "1"});
   }
   set_parts(std::move(parts));
+  set_remedies(
+      {"a look at the equations: no method continues past a time where the solution blows up or jumps (an "
+       "event can stop before it, or set states)"});
 }
 
 FieldView Ode::field(const State& s, size_t part, size_t field, std::vector<double>& scratch) const {
@@ -133,12 +136,6 @@ std::optional<double> Ode::limit(Limit which, const State& s, double h) const {
   const auto rate = static_cast<double>(model_.rate.instructions());
   const auto work = implicit_step_work(*method_, f, rate, h, s.f64(C::kStates).data(), tolerance_);
   return work ? std::optional(work->seconds()) : std::nullopt;
-}
-
-std::vector<std::string> Ode::remedies() const {
-  return {
-      "a look at the equations: no method continues past a time where the solution blows up or jumps (an "
-      "event can stop before it, or set states)"};
 }
 
 void Ode::apply(State& s, const Command& c) const {

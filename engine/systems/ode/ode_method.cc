@@ -1,6 +1,6 @@
 #include "engine/systems/ode/ode_method.h"
 
-#include "engine/base/nearest_name.h"
+#include "engine/base/text/nearest_name.h"
 #include "engine/integrators/table/integrators.h"
 
 #include <cmath>

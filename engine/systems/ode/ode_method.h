@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "engine/core/integrator.h"
+#include "engine/core/equations/integrator.h"
 #include "engine/systems/ode/ode_equations.h"
 
 namespace truestep::ode {

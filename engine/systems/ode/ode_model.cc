@@ -2,7 +2,7 @@
 
 #include <charconv>
 
-#include "engine/systems/ode/ode_compiler.h"
+#include "engine/systems/ode/compiler/ode_compiler.h"
 
 namespace truestep::ode {
 

@@ -9,7 +9,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/core/drawing.h"
-#include "engine/core/right_hand_side.h"
+#include "engine/core/equations/right_hand_side.h"
 #include "engine/math/expression/program.h"
 #include "engine/math/expression/rows.h"
 #include "engine/systems/ode/ode_def.h"

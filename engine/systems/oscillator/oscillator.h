@@ -6,10 +6,10 @@
 #pragma once
 #include <memory>
 
-#include "engine/core/build.h"
-#include "engine/core/def.h"
-#include "engine/core/force_system.h"
-#include "engine/core/integrator_def.h"
+#include "engine/core/def/build.h"
+#include "engine/core/def/def.h"
+#include "engine/core/equations/force_system.h"
+#include "engine/core/equations/integrator_def.h"
 #include "engine/core/outputs.h"
 
 namespace truestep::oscillator {

@@ -9,7 +9,7 @@
 // for any step; other forces cost one evaluation at the middle and an error of order h^2 that does not grow.
 // Not covered: magnetic fields that vary in space, relativity, velocity-dependent forces.
 #pragma once
-#include "engine/core/integrator.h"
+#include "engine/core/equations/integrator.h"
 #include "engine/math/vec3.h"
 #include "engine/systems/particles/particles_def.h"
 

@@ -9,7 +9,7 @@
 #pragma once
 #include <span>
 
-#include "engine/core/force_field.h"
+#include "engine/core/equations/force_field.h"
 #include "engine/systems/particles/particles_def.h"
 
 namespace truestep::particles {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "engine/core/force_field.h"
-#include "engine/kernels/pair_force.h"
+#include "engine/core/equations/force_field.h"
+#include "engine/kernels/springs/pair_force.h"
 #include "engine/systems/particles/particles_def.h"
 
 namespace truestep::particles {

@@ -249,19 +249,15 @@ FieldView Particles::field(const State& s, size_t part, size_t which, std::vecto
 
 void Particles::draw(const State& s, double time, Wish wishes, Drawing& out) const {
   if (wants(wishes, Wish::obstacles)) out.obstacles = particles_.colliders().drawn(time);
-  if (!wants(wishes, Wish::constant)) return;
   const ParticlesDef& d = particles_.def();
+  // Lines refer to rows, which move only when particles die.
+  if (!d.springs.empty()) out.version = static_cast<uint32_t>(1 + counter(s, Counter::killed));
+  if (!wants(wishes, Wish::constant)) return;
   PartDrawing& t = out.parts.emplace_back();
   const auto rows = s.span<uint32_t>(columns::spring_rows);
   for (size_t k = 0; k < rows.size(); k += 2) t.lines.push_back({rows[k], rows[k + 1]});
   t.point_radius = std::max(d.draw_radius, d.radius);
   if (d.color) t.color = {d.color->x, d.color->y, d.color->z};
-}
-
-uint32_t Particles::drawing_version(const State& s) const {
-  // Lines refer to rows, which move only when particles die.
-  if (particles_.def().springs.empty()) return 1;
-  return static_cast<uint32_t>(1 + counter(s, Counter::killed));
 }
 
 Energy::Exchange Particles::exchange(const State& s) const {

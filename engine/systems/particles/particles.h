@@ -1,7 +1,7 @@
 // The system type "particles": a ParticlesField advanced by any explicit integrator, then contacts with
 // colliders, removals and births. Commands: push, impulse, drag, release, spawn, remove, set_parameter.
 #pragma once
-#include "engine/core/force_system.h"
+#include "engine/core/equations/force_system.h"
 #include "engine/integrators/table/default_method.h"
 #include "engine/systems/particles/particles_field.h"
 
@@ -20,7 +20,6 @@ class Particles final : public ForceSystem {
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
-  uint32_t drawing_version(const State& state) const override;
   /// The solids: a ball around every particle.
   Ports ports() const override;
   /// Open when particles are created, removed, driven, dragged or pushed out by obstacles.

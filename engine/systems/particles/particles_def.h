@@ -7,9 +7,9 @@
 
 #include "engine/collision/points/collider_def.h"
 #include "engine/collision/points/kill_def.h"
-#include "engine/core/integrator_def.h"
+#include "engine/core/def/source_def.h"
+#include "engine/core/equations/integrator_def.h"
 #include "engine/core/outputs.h"
-#include "engine/core/source_def.h"
 
 namespace truestep::particles {
 

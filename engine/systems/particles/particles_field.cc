@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/kernels/spring.h"
+#include "engine/kernels/springs/spring.h"
 #include "engine/systems/particles/pair_forces.h"
 
 namespace truestep::particles {

@@ -1,9 +1,9 @@
 // Right-hand side of the system "particles": forces on single particles (body_forces.h), between neighbours
 // (pair_forces.h), springs, user expressions, and pushes and drags from commands.
 #pragma once
-#include "engine/core/force_field.h"
+#include "engine/core/equations/force_field.h"
 #include "engine/core/system.h"
-#include "engine/kernels/pair_force.h"
+#include "engine/kernels/springs/pair_force.h"
 #include "engine/math/expression/names.h"
 #include "engine/math/expression/rows.h"
 #include "engine/systems/particles/body_forces.h"

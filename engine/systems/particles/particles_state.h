@@ -3,8 +3,8 @@
 // while the session runs (gravity, drag, surfaces ...) is here too.
 #pragma once
 #include "engine/collision/points/collider_set.h"
-#include "engine/core/state.h"
-#include "engine/core/user_forces.h"
+#include "engine/core/commands/user_forces.h"
+#include "engine/core/state/state.h"
 #include "engine/systems/particles/particles_def.h"
 
 namespace truestep::particles {

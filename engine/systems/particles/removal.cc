@@ -1,5 +1,5 @@
 // Removes dead rows from every per-particle column, and springs that lost an end.
-#include "engine/core/living_rows.h"
+#include "engine/core/state/living_rows.h"
 #include "engine/systems/particles/particles_state.h"
 
 namespace truestep::particles {

@@ -1,5 +1,5 @@
 #include "engine/systems/pendulum/pendulum.h"
-#include "engine/core/command_checks.h"
+#include "engine/core/commands/command_checks.h"
 
 #include <algorithm>
 #include <cmath>

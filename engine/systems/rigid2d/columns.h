@@ -2,8 +2,8 @@
 #pragma once
 #include <cmath>
 
-#include "engine/core/state.h"
-#include "engine/core/user_forces.h"
+#include "engine/core/commands/user_forces.h"
+#include "engine/core/state/state.h"
 #include "engine/math/trig.h"
 #include "engine/systems/rigid2d/model.h"
 

@@ -8,7 +8,7 @@
 #include <deque>
 #include <vector>
 
-#include "engine/core/body_port.h"
+#include "engine/core/ports/body_port.h"
 #include "engine/geometry/solid.h"
 #include "engine/systems/rigid2d/model.h"
 

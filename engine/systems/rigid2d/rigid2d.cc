@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/kernels/impact_limits.h"
-#include "engine/systems/rigid2d/finish.h"
-#include "engine/systems/rigid2d/small_steps.h"
+#include "engine/kernels/rigid/impact_limits.h"
+#include "engine/systems/rigid2d/solver/finish.h"
+#include "engine/systems/rigid2d/solver/small_steps.h"
 
 namespace truestep::rigid2d {
 

@@ -6,11 +6,11 @@
 #pragma once
 #include <mutex>
 
-#include "engine/core/build.h"
+#include "engine/core/def/build.h"
 #include "engine/core/system.h"
 #include "engine/systems/rigid2d/flat_bodies.h"
 #include "engine/systems/rigid2d/model.h"
-#include "engine/systems/rigid2d/solver.h"
+#include "engine/systems/rigid2d/solver/solver.h"
 
 namespace truestep::rigid2d {
 
@@ -36,7 +36,6 @@ class Rigid2d final : public StagedSystem {
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
-  uint32_t drawing_version(const State& state) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
 
   const Model& model() const { return model_; }
@@ -45,6 +44,8 @@ class Rigid2d final : public StagedSystem {
   struct Scratch;
   void name_parts();
   void add_stages();
+  /// Of the constant part of the drawing.
+  uint32_t drawing_version(const State& state) const;
   std::vector<ContactMark> contact_marks(const State& state) const;
   void draw_strings(const State& state, std::vector<DrawnString>& out) const;
   std::vector<JointMark> joint_marks(const State& state) const;

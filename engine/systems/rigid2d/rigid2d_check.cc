@@ -1,7 +1,7 @@
 // Checks of a state from outside: contacts between existing shapes, user forces on existing bodies.
 #include "engine/systems/rigid2d/columns.h"
 #include "engine/systems/rigid2d/rigid2d.h"
-#include "engine/systems/rigid2d/small_steps.h"
+#include "engine/systems/rigid2d/solver/small_steps.h"
 
 namespace truestep::rigid2d {
 

@@ -1,7 +1,7 @@
 // Effects of commands on a rigid2d state; errors name the wrong member of the command.
 #include <algorithm>
 
-#include "engine/core/command_checks.h"
+#include "engine/core/commands/command_checks.h"
 #include "engine/systems/rigid2d/rigid2d.h"
 
 namespace truestep::rigid2d {

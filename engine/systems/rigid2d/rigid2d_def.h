@@ -5,7 +5,7 @@
 #include <variant>
 #include <vector>
 
-#include "engine/core/def.h"
+#include "engine/core/def/def.h"
 #include "engine/core/outputs.h"
 
 namespace truestep::rigid2d {

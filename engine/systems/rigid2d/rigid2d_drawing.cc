@@ -111,6 +111,7 @@ Vec3 raised(Vec2 p) {
 }  // namespace
 
 void Rigid2d::draw(const State& s, double, Wish wishes, Drawing& out) const {
+  out.version = drawing_version(s);
   if (wants(wishes, Wish::constant)) {
     std::call_once(drawn_made_, [this] { drawn_ = all_bodies(model_, settings_.color); });
     PartDrawing& bodies = out.parts.emplace_back(drawn_);

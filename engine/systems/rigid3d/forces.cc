@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "engine/kernels/free_rotation.h"
+#include "engine/kernels/rigid/free_rotation.h"
 #include "engine/math/solvers/small_lu.h"
 
 namespace truestep::rigid3d {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/kernels/free_rotation.h"
-#include "engine/kernels/impact_limits.h"
+#include "engine/kernels/rigid/free_rotation.h"
+#include "engine/kernels/rigid/impact_limits.h"
 #include "engine/math/trig.h"
 #include "engine/rigid/toi_clamp.h"
 #include "engine/systems/rigid3d/forces.h"

@@ -8,11 +8,11 @@
 #include <memory>
 #include <mutex>
 
-#include "engine/core/body_sleep.h"
-#include "engine/core/build.h"
-#include "engine/systems/rigid3d/buckling.h"
+#include "engine/core/def/build.h"
+#include "engine/core/ports/body_sleep.h"
 #include "engine/systems/rigid3d/contacts.h"
-#include "engine/systems/rigid3d/solver.h"
+#include "engine/systems/rigid3d/solver/buckling.h"
+#include "engine/systems/rigid3d/solver/solver.h"
 
 namespace truestep::rigid3d {
 
@@ -33,7 +33,6 @@ class Rigid3d final : public StagedSystem, public BodyOwner, public BodySleep {
   void check(StateCheck& check, double t) const override;
   void step(State& s, const StepInput& in) const override;
   void apply(State& s, const Command& c) const override;
-  uint32_t drawing_version(const State& s) const override;
   /// Bodies are visuals of the main part, planes are obstacles.
   void draw(const State& s, double t, Wish wishes, Drawing& out) const override;
 
@@ -48,6 +47,8 @@ class Rigid3d final : public StagedSystem, public BodyOwner, public BodySleep {
   const std::vector<BodyKind>& kinds() const { return bodies_.kinds; }
 
  private:
+  /// Of the constant part of the drawing.
+  uint32_t drawing_version(const State& state) const;
   /// Scratch memory of a step; nothing in it survives the step.
   struct Scratch {
     ContactList contacts;

@@ -1,6 +1,6 @@
 // Commands of the system "rigid3d".
-#include "engine/core/command_checks.h"
-#include "engine/kernels/free_rotation.h"
+#include "engine/core/commands/command_checks.h"
+#include "engine/kernels/rigid/free_rotation.h"
 #include "engine/systems/rigid3d/rigid3d.h"
 
 namespace truestep::rigid3d {

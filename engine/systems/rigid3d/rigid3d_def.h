@@ -5,12 +5,12 @@
 #include <variant>
 #include <vector>
 
-#include "engine/core/build.h"
-#include "engine/core/def.h"
+#include "engine/core/def/build.h"
+#include "engine/core/def/def.h"
 #include "engine/core/outputs.h"
 #include "engine/core/system.h"
 #include "engine/geometry/mass_properties.h"
-#include "engine/systems/rigid3d/joint_def.h"
+#include "engine/systems/rigid3d/joints/joint_def.h"
 
 namespace truestep::rigid3d {
 

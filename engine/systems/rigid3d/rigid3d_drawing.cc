@@ -80,6 +80,7 @@ const std::vector<Visual>& Rigid3d::visuals() const {
 }
 
 void Rigid3d::draw(const State& s, double, Wish wishes, Drawing& out) const {
+  out.version = drawing_version(s);
   if (wants(wishes, Wish::constant)) {
     out.parts.resize(parts().size());
     draw_bodies(s, out.parts[0]);

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/kernels/free_rotation.h"
+#include "engine/kernels/rigid/free_rotation.h"
 #include "engine/systems/rigid3d/rigid3d.h"
 
 namespace truestep::rigid3d {

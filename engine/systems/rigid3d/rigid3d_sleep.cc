@@ -1,5 +1,5 @@
 // Puts bodies to sleep (rigid/sleeping.h): slow ones that are supported by something at rest, a whole island
-// at once; and how couplings see it (core/body_sleep.h).
+// at once; and how couplings see it (core/ports/body_sleep.h).
 #include <algorithm>
 #include <cmath>
 

@@ -3,10 +3,10 @@
 #pragma once
 #include <span>
 
-#include "engine/core/state.h"
-#include "engine/core/user_forces.h"
+#include "engine/core/commands/user_forces.h"
+#include "engine/core/state/state.h"
 #include "engine/systems/rigid3d/bodies.h"
-#include "engine/systems/rigid3d/joints.h"
+#include "engine/systems/rigid3d/joints/joints.h"
 
 namespace truestep::rigid3d {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/core/command_checks.h"
+#include "engine/core/commands/command_checks.h"
 #include "engine/integrators/advance.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/systems/rod_chain/treatments.h"

@@ -16,8 +16,8 @@
 #pragma once
 #include <memory>
 
-#include "engine/core/build.h"
-#include "engine/core/def.h"
+#include "engine/core/def/build.h"
+#include "engine/core/def/def.h"
 #include "engine/core/outputs.h"
 #include "engine/core/system.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/kernels/block_tridiagonal.h"
-#include "engine/kernels/free_rotation.h"
+#include "engine/kernels/rigid/free_rotation.h"
 
 namespace truestep::rod_chain {
 

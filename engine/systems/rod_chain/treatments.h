@@ -1,6 +1,6 @@
 // One step of a chain of rods with each of the three treatments of its constraints (rod_chain.h).
 #pragma once
-#include "engine/core/right_hand_side.h"
+#include "engine/core/equations/right_hand_side.h"
 #include "engine/systems/rod_chain/rods.h"
 
 namespace truestep::rod_chain {

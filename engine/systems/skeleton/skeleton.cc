@@ -133,6 +133,7 @@ void Skeleton::name_parts() {
     parts.push_back(std::move(skin));
   }
   set_parts(std::move(parts));
+  set_remedies({"expressions that stay finite at every time"});
 }
 
 State Skeleton::initial_state() const {

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "engine/animation/moved_bodies.h"
-#include "engine/core/rig_port.h"
+#include "engine/core/ports/rig_port.h"
 #include "engine/core/system.h"
 #include "engine/kernels/animation/pose_prior.h"
 #include "engine/systems/skeleton/clip.h"
@@ -45,7 +45,6 @@ class Skeleton final : public StagedSystem, public FollowsBones, public Rigged, 
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   Ports ports() const override;
   const animation::Driver& driver() const override { return driver_; }
-  std::vector<std::string> remedies() const override;
   RigPort rig() const override;
   void prepare(State& state) const override;
   void follow(State& state, std::span<const Pose> bones, std::span<const uint8_t> given, double h,

@@ -2,7 +2,7 @@
 // file.
 #pragma once
 #include "engine/animation/driver_def.h"
-#include "engine/core/build.h"
+#include "engine/core/def/build.h"
 #include "engine/core/outputs.h"
 #include "engine/kernels/animation/inverse_kinematics.h"
 #include "engine/kernels/animation/skinning.h"

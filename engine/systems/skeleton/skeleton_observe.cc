@@ -1,5 +1,5 @@
 // Outputs of a skeleton, and how commands change it.
-#include "engine/core/command_checks.h"
+#include "engine/core/commands/command_checks.h"
 #include "engine/systems/skeleton/scratch.h"
 
 namespace truestep::skeleton {
@@ -135,10 +135,6 @@ void Skeleton::draw(const State&, double, Wish wishes, Drawing& out) const {
   }
   out.parts[2].triangles = model_.triangles;
   out.parts[2].color = color(skin_color_);
-}
-
-std::vector<std::string> Skeleton::remedies() const {
-  return {"expressions that stay finite at every time"};
 }
 
 }  // namespace truestep::skeleton

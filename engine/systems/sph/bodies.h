@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "engine/collision/point_distance.h"
-#include "engine/core/medium.h"
-#include "engine/systems/sph/passes.h"
+#include "engine/core/ports/medium.h"
+#include "engine/systems/sph/solvers/passes.h"
 #include "engine/systems/sph/volume_map.h"
 #include "engine/systems/sph/walls.h"
 

@@ -1,8 +1,8 @@
 // Particles emitted by nozzles and removed by kill regions.
 #include <vector>
 
-#include "engine/core/living_rows.h"
-#include "engine/core/real_column.h"
+#include "engine/core/state/living_rows.h"
+#include "engine/core/state/real_column.h"
 #include "engine/systems/sph/fluid.h"
 #include "engine/systems/sph/setting.h"
 

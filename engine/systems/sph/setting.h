@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "engine/core/real_column.h"
+#include "engine/core/state/real_column.h"
 #include "engine/core/system.h"
 #include "engine/kernels/sph/half_space.h"
 #include "engine/kernels/sph/interface.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/core/command_checks.h"
-#include "engine/core/real_column.h"
+#include "engine/core/commands/command_checks.h"
+#include "engine/core/state/real_column.h"
 
 namespace truestep::sph {
 
@@ -37,6 +37,7 @@ Sph::Sph(const SphDef& def, const BuildContext& context)
                    {"speed", "m/s"}};
   points.max_rows = setting_->capacity;
   set_parts({std::move(points)});
+  set_remedies({"a shorter step", "a larger spacing", "more max_substeps"});
 }
 
 namespace {
@@ -232,10 +233,6 @@ void Sph::draw(const State&, double t, Wish wishes, Drawing& out) const {
   PartDrawing& d = out.parts.emplace_back();
   d.point_radius = 0.5 * setting_->def.spacing;
   if (setting_->def.dimension == 2) d.space = PartDrawing::Space::plane;
-}
-
-std::vector<std::string> Sph::remedies() const {
-  return {"a shorter step", "a larger spacing", "more max_substeps"};
 }
 
 std::unique_ptr<const System> build_sph(const void* def, const BuildContext& context) {

@@ -20,7 +20,6 @@ class Sph final : public StagedSystem {
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
-  std::vector<std::string> remedies() const override;
   void warn(const State& s, double h, std::vector<Warning>& out) const override;
   Ports ports() const override;
 

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/base/short_number.h"
-#include "engine/core/real_column.h"
+#include "engine/base/text/short_number.h"
+#include "engine/core/state/real_column.h"
 #include "engine/systems/sph/sph.h"
 
 namespace truestep::sph {

@@ -5,7 +5,7 @@
 
 #include "engine/base/byte_hash.h"
 #include "engine/base/errors.h"
-#include "engine/core/command_checks.h"
+#include "engine/core/commands/command_checks.h"
 #include "engine/lattice/lattice_state.h"
 
 namespace truestep::wave {
@@ -38,6 +38,7 @@ Rates rates(LatticeWork& work, double damping) {
 Wave::Wave(const WaveDef& def, const BuildContext& context)
     : def_(def), model_(def, lattice::SideKind::dirichlet, texts(def)) {
   set_parts({lattice::grid_part(model_.lattice(), {{"value", "m"}, {"rate", "m/s"}})});
+  set_remedies({"a shorter dt", "the integrator implicit_midpoint, which is stable for any dt"});
   static const ThreadArena kSerial(1);
   LatticeWork work;
   work.bind(model_, {model_.constant_coefficient().value_or(0), def.damping}, kSerial);
@@ -47,6 +48,7 @@ Wave::Wave(const WaveDef& def, const BuildContext& context)
                                            .most_divisions = HUGE_VAL,
                                            .stiff = "implicit_midpoint"};
   stepper_.emplace(def.choice(), defaults, f, rates(work, def.damping), context.dt);
+  set_integration({&method(), &stepper_->options(), nullptr});
   add_stage("integrate",
             std::to_string(model_.lattice().nodes()) + " nodes with " + std::string(stepper_->method().name) +
                 ": " + stepper_->why(),
@@ -133,10 +135,6 @@ std::optional<double> Wave::limit(Limit which, const State& s, double) const {
   LatticeWork work;
   work.bind(model_, constants(s), kSerial);
   return stepper_->stable_dt(rates(work, s.f64(kConstants)[1]));
-}
-
-std::vector<std::string> Wave::remedies() const {
-  return {"a shorter dt", "the integrator implicit_midpoint, which is stable for any dt"};
 }
 
 void Wave::apply(State& s, const Command& c) const {

@@ -6,7 +6,7 @@
 // an energy drift. Per unit of density energy is 1/2 integral (u_t^2 + c^2 |grad u|^2). Commands:
 // set_parameter speed (where it is a number), damping (where there is some); impulse adds velocity.
 #pragma once
-#include "engine/core/linear_solver.h"
+#include "engine/core/equations/linear_solver.h"
 #include "engine/core/system.h"
 #include "engine/integrators/equation_stepper.h"
 #include "engine/lattice/lattice_work.h"
@@ -69,12 +69,10 @@ class Wave final : public StagedSystem {
   std::optional<double> limit(Limit which, const State& state, double h) const override;
   std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;
-  std::vector<std::string> remedies() const override;
   void check(StateCheck& check, double) const override { check.finish(); }
 
   const lattice::LatticeModel& model() const { return model_; }
   const Integrator& method() const { return stepper_->method(); }
-  Integration integration() const override { return {&method(), &stepper_->options(), nullptr}; }
 
  private:
   void integrate(State& state, const StepInput& in) const;

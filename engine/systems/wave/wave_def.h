@@ -1,6 +1,6 @@
 // What a scene says about waves in a box; see wave.h.
 #pragma once
-#include "engine/core/build.h"
+#include "engine/core/def/build.h"
 #include "engine/core/outputs.h"
 #include "engine/lattice/lattice_def.h"
 

@@ -1,7 +1,7 @@
 // Columns of an xpbd state.
 #pragma once
-#include "engine/core/state.h"
-#include "engine/core/user_forces.h"
+#include "engine/core/commands/user_forces.h"
+#include "engine/core/state/state.h"
 
 namespace truestep::xpbd {
 

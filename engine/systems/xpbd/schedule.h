@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "engine/systems/xpbd/tear_surface.h"
+#include "engine/systems/xpbd/tearing/tear_surface.h"
 
 namespace truestep::xpbd {
 

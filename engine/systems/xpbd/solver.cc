@@ -4,8 +4,8 @@
 #include <cmath>
 #include <type_traits>
 
-#include "engine/kernels/air.h"
 #include "engine/kernels/chebyshev.h"
+#include "engine/kernels/springs/air.h"
 #include "engine/kernels/xpbd/dihedral.h"
 #include "engine/kernels/xpbd/linear.h"
 #include "engine/kernels/xpbd/neo_hookean.h"

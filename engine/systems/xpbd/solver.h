@@ -17,15 +17,15 @@
 #include "engine/collision/points/collider_set.h"
 #include "engine/core/system.h"
 #include "engine/kernels/xpbd/chain.h"
-#include "engine/systems/xpbd/air_drag.h"
 #include "engine/systems/xpbd/columns.h"
 #include "engine/systems/xpbd/jacobi_links.h"
-#include "engine/systems/xpbd/match_solver.h"
-#include "engine/systems/xpbd/rod_solver.h"
+#include "engine/systems/xpbd/matching/match_solver.h"
+#include "engine/systems/xpbd/rods/rod_solver.h"
 #include "engine/systems/xpbd/schedule.h"
-#include "engine/systems/xpbd/self_contacts.h"
+#include "engine/systems/xpbd/sheets/air_drag.h"
+#include "engine/systems/xpbd/sheets/self_contacts.h"
+#include "engine/systems/xpbd/tearing/torn_links.h"
 #include "engine/systems/xpbd/tether.h"
-#include "engine/systems/xpbd/torn_links.h"
 
 namespace truestep::xpbd {
 

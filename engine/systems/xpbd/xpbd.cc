@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/base/hash.h"
-#include "engine/systems/xpbd/division.h"
+#include "engine/systems/xpbd/tearing/division.h"
 
 namespace truestep::xpbd {
 
@@ -214,6 +214,7 @@ void Xpbd::name_parts() {
   std::vector<PartInfo> parts{std::move(points)};
   if (links.max_rows > 0) parts.push_back(std::move(links));
   set_parts(std::move(parts));
+  set_remedies({"more substeps", "softer links", "more internal_damping"});
 }
 
 State Xpbd::initial_state() const {
@@ -292,6 +293,7 @@ Strand Xpbd::strand(const State& s, size_t link, size_t side) const {
 }
 
 void Xpbd::draw(const State& s, double t, Wish wishes, Drawing& out) const {
+  out.version = drawing_version(s);
   if (wants(wishes, Wish::constant)) {
     out.parts.resize(parts().size());
     PartDrawing& to = out.parts[0] = drawing_;
@@ -363,10 +365,6 @@ void Xpbd::check(StateCheck& check, double) const {
                   "the point of a triangle's corner");
   }
   for (const double m : check.state().f64(c.mass)) check.require(m > 0, "a mass");
-}
-
-std::vector<std::string> Xpbd::remedies() const {
-  return {"more substeps", "softer links", "more internal_damping"};
 }
 
 std::unique_ptr<const System> build_xpbd(const void* def, const BuildContext& context) {

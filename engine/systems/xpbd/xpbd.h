@@ -29,13 +29,11 @@ class Xpbd final : public StagedSystem, public ChangingTriangles {
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
-  uint32_t drawing_version(const State& state) const override;
   Ports ports() const override;
   std::span<const std::array<uint32_t, 3>> triangles(const State& state) const override;
   std::optional<double> limit(Limit which, const State& state, double h) const override;
   std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;
-  std::vector<std::string> remedies() const override;
 
   const RodSet& rods() const { return rods_; }
   const Body& body() const { return body_; }
@@ -45,6 +43,8 @@ class Xpbd final : public StagedSystem, public ChangingTriangles {
 
  private:
   void name_parts();
+  /// Of the constant part of the drawing.
+  uint32_t drawing_version(const State& state) const;
   /// kg, of every row.
   std::span<const double> masses(const State& state) const;
   size_t strands(size_t link) const { return tears_ ? tears_->sides(link) : 1; }

@@ -1,7 +1,7 @@
 // How commands change an xpbd state; errors name the member of the command that is wrong.
 #include <algorithm>
 
-#include "engine/core/point_commands.h"
+#include "engine/core/commands/point_commands.h"
 #include "engine/systems/xpbd/xpbd.h"
 
 namespace truestep::xpbd {

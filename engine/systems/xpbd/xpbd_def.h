@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "engine/collision/points/collider_def.h"
-#include "engine/core/build.h"
+#include "engine/core/def/build.h"
+#include "engine/core/def/shape_def.h"
 #include "engine/core/outputs.h"
-#include "engine/core/shape_def.h"
 
 namespace truestep::xpbd {
 

@@ -1,14 +1,14 @@
 // cavity_runner CELLS METHOD [REYNOLDS]: processor time (s) in which the flow in the cavity is found on so
-// many cells each way, the root mean square of its error against what is published (tests/support/cavity.h)
-// and the largest one. METHOD is second or fourth, the steady flow, at Reynolds numbers above 1000 by way of
-// lower ones; or an `advection`, stepped for 60 s.
+// many cells each way, the root mean square of its error against what is published
+// (tests/support/fluids/cavity.h) and the largest one. METHOD is second or fourth, the steady flow, at
+// Reynolds numbers above 1000 by way of lower ones; or an `advection`, stepped for 60 s.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <string>
 
-#include "tests/support/cavity.h"
+#include "tests/support/fluids/cavity.h"
 
 int main(int argc, char** argv) {
   using namespace truestep;

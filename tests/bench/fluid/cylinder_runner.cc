@@ -7,7 +7,7 @@
 #include <ctime>
 #include <vector>
 
-#include "tests/support/grid_flow.h"
+#include "tests/support/fluids/grid_flow.h"
 
 int main(int argc, char** argv) {
   using namespace truestep;

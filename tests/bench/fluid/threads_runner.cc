@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/support/grid_flow.h"
-#include "tests/support/liquid_grid.h"
+#include "tests/support/fluids/grid_flow.h"
+#include "tests/support/fluids/liquid_grid.h"
 
 namespace {
 using namespace truestep;

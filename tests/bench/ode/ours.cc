@@ -3,7 +3,7 @@
 #include <stdexcept>
 
 #include "engine/base/errors.h"
-#include "engine/core/integrator.h"
+#include "engine/core/equations/integrator.h"
 #include "engine/integrators/advance.h"
 #include "engine/integrators/table/integrators.h"
 #include "tests/bench/ode/problems.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/right_hand_side.h"
+#include "engine/core/equations/right_hand_side.h"
 
 namespace truestep::bench {
 

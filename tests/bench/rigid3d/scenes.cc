@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "engine/collision/collision.h"
-#include "engine/kernels/free_rotation.h"
+#include "engine/kernels/rigid/free_rotation.h"
 
 namespace truestep::bench {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <iostream>
 
-#include "engine/kernels/free_rotation.h"
+#include "engine/kernels/rigid/free_rotation.h"
 #include "engine/systems/articulation/articulation.h"
 #include "engine/systems/rigid3d/rigid3d.h"
 #include "tests/bench/report.h"

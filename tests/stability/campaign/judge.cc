@@ -8,7 +8,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/parallel.h"
-#include "engine/scene/json_write.h"
+#include "engine/scene/json/json_write.h"
 #include "engine/session/expectation.h"
 #include "engine/session/session.h"
 #include "tests/stability/campaign/campaign.h"

@@ -7,7 +7,7 @@
 #include <iostream>
 #include <map>
 
-#include "engine/scene/json_write.h"
+#include "engine/scene/json/json_write.h"
 #include "tests/stability/campaign/campaign.h"
 
 int main(int count, char** arguments) {

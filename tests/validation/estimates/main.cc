@@ -20,7 +20,7 @@
 #include "engine/base/errors.h"
 #include "engine/scene/admission.h"
 #include "engine/scene/gallery.h"
-#include "engine/scene/json.h"
+#include "engine/scene/json/json.h"
 #include "engine/session/session.h"
 #include "scaled_scene.h"
 

@@ -1,8 +1,8 @@
 // The one light of the viewer as GLSL, so that points, surfaces and shapes look alike: a sky and a floor
 // colour by the normal's height (hemisphere), one key light with a Blinn-Phong highlight, and a soft rim.
 import { Color, Vector3, type IUniform } from "three";
-import { colorTable, type ColorMap } from "./color_map";
-import { paletteHex } from "./color_stops";
+import { colorTable, type ColorMap } from "./fields/color_map";
+import { paletteHex } from "./fields/color_stops";
 
 export type Theme = "dark" | "light";
 

@@ -7,7 +7,7 @@ import { Extent } from "./extent";
 import { Framing, type Inset, type Side } from "./framing";
 import { Ground } from "./ground";
 import { Handle } from "./handle";
-import { GridView, type Scale } from "./grid_view";
+import { GridView, type Scale } from "./fields/grid_view";
 import { Labels, type Label } from "./labels";
 import { MarkLines } from "./marks";
 import { namesOf } from "./names";

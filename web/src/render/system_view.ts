@@ -6,11 +6,11 @@ import { meaning } from "../client/parts";
 import type { Extent } from "./extent";
 import type { Part, SystemTopology } from "../client/gen/truestep/v1/stream_pb";
 import type { Label } from "./labels";
-import { Liquid } from "./liquid";
+import { Liquid } from "./fields/liquid";
 import { kindColors, WideLines } from "./lines";
 import { PointCloud } from "./points";
 import { paletteColor } from "./shading";
-import { Surface } from "./surface";
+import { Surface } from "./fields/surface";
 
 const kMarked = 128; // points
 const kNet = 1500; // lines

@@ -2,12 +2,12 @@
 export { upOf } from "../render/upright";
 export { axisOf, placeOf } from "../render/axis_ticks";
 export { Extent } from "../render/extent";
-export { particleSurface } from "../render/particle_surface";
+export { particleSurface } from "../render/fields/particle_surface";
 export { arrows, levelLine } from "../render/plane_lines";
 export { infoOf } from "../render/scene_info";
 export { scaleLabel } from "../render/scale_label";
-export { evenStreamlines, streamline } from "../render/streamlines";
-export * as colorStops from "../render/color_stops";
+export { evenStreamlines, streamline } from "../render/fields/streamlines";
+export * as colorStops from "../render/fields/color_stops";
 export { packScene, readShared, writeShared } from "./address";
 export { chapterOf, matches } from "./gallery";
 export { chooseAtFirst, endsOf, gapsIn, relative, scaleOf } from "./plot_model";

@@ -1,6 +1,6 @@
 // The colour bar of a grid.
-import { cssGradient } from "../render/color_map";
-import type { Scale } from "../render/grid_view";
+import { cssGradient } from "../render/fields/color_map";
+import type { Scale } from "../render/fields/grid_view";
 import { byId } from "./dom";
 import { endsOf } from "./plot_model";
 

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "engine/base/xml.h"
+#include "engine/base/text/xml.h"
 
 namespace truestep::exporting {
 namespace {

@@ -9,7 +9,7 @@
 #pragma once
 #include <vector>
 
-#include "engine/lattice/cut_poisson.h"
+#include "engine/lattice/solvers/cut_poisson.h"
 #include "engine/systems/grid_fluid/flow.h"
 
 namespace truestep::grid_fluid {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/base/short_number.h"
-#include "engine/core/command_checks.h"
+#include "engine/base/text/short_number.h"
+#include "engine/core/commands/command_checks.h"
 #include "engine/systems/grid_fluid/grid_fluid.h"
 
 namespace truestep::grid_fluid {
@@ -48,6 +48,7 @@ Liquid::Liquid(const GridFluidDef& def, const BuildContext& context)
                    {"fill", "1"}};
   points.max_rows = rows_;
   set_parts({std::move(points)});
+  set_remedies({"a shorter dt", "a larger cfl, which takes fewer substeps", "fewer cells"});
 
   start_.add({"position", "m", Scalar::f64, 3, Role::position}, rows_);
   velocity_ = start_.add({"velocity", "m/s", Scalar::f64, 3, Role::velocity}, rows_);
@@ -221,10 +222,6 @@ void Liquid::warn(const State& s, double h, std::vector<Warning>& out) const {
                  .limit = kMostCompressed,
                  .detail = "cells hold " + short_number(100 * numbers[kMeanCompression]) +
                            " % more liquid than fits into them: more cells or a smaller cfl would do"});
-}
-
-std::vector<std::string> Liquid::remedies() const {
-  return {"a shorter dt", "a larger cfl, which takes fewer substeps", "fewer cells"};
 }
 
 }  // namespace truestep::grid_fluid

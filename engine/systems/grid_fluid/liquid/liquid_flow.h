@@ -10,7 +10,7 @@
 // Scratch of one thread's run; everything that lasts is in the state.
 #pragma once
 #include "engine/kernels/mac/surface.h"
-#include "engine/lattice/cut_poisson.h"
+#include "engine/lattice/solvers/cut_poisson.h"
 #include "engine/systems/grid_fluid/flow.h"
 #include "engine/systems/grid_fluid/liquid/face_viscosity.h"
 #include "engine/systems/grid_fluid/liquid/room.h"

@@ -1,0 +1,19 @@
+// Bodies that fall asleep, as couplings see them: the owner of a BodyPort may also implement this. Impulses
+// wake a body (BodyOwner::wake resets its timer); a coupling that merely rests on it restores the timer.
+#pragma once
+#include "engine/core/state/state.h"
+
+namespace truestep {
+
+class BodySleep {
+ public:
+  virtual ~BodySleep() = default;
+  /// m/s, speed below which a body may rest.
+  virtual double sleep_speed() const = 0;
+  virtual bool asleep(const State& state, size_t row) const = 0;
+  /// s for which the body in that row has been at rest.
+  virtual double sleep_timer(const State& state, size_t row) const = 0;
+  virtual void set_sleep_timer(State& state, size_t row, double seconds) const = 0;
+};
+
+}  // namespace truestep

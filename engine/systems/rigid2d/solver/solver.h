@@ -1,0 +1,219 @@
+// One step of the velocity solver: small steps with soft constraints (TGS-soft: Macklin et al. 2019, "Small
+// steps in physics simulation"; Catto 2024, "Solver2D"). Per small step h:
+//   v += h (g + F/m);  warm start;  solve with bias;  x += h v;  solve without bias;  bounces at the end.
+// What no impulse and no joint acts on moves by the mean of its velocities before and after: along its
+// parabola.
+// Bodies are rows of eight numbers (v, w, 1/m, dx, dangle, 1/I) relative to the start of the step;
+// constraints are packed by colour, one per SIMD lane. Poses outside of the solver stay f64.
+#pragma once
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <vector>
+
+#include "engine/base/cache_line.h"
+#include "engine/base/parallel.h"
+#include "engine/core/system.h"
+#include "engine/kernels/rigid/penetration_offset.h"
+#include "engine/kernels/rigid/soft_constraint.h"
+#include "engine/math/wide.h"
+#include "engine/rigid/colours.h"
+#include "engine/rigid/constraint_colouring.h"
+#include "engine/systems/rigid2d/pairs.h"
+#include "engine/systems/rigid2d/solver/solver_joint.h"
+
+namespace truestep::rigid2d {
+
+inline constexpr size_t kBodiesPerTask = 1024, kPacksPerTask = 64;
+
+/// Bodies with more contacts get the softness of this many.
+inline constexpr size_t kCrowd = 8;
+
+struct SolverSettings {
+  int steps = 4;
+  double h = 0;  ///< s, of a small step
+  /// Indexed by the number of contacts of the busier body.
+  std::array<SoftConstraint<double>, kCrowd + 1> contact, contact_fixed;
+  SoftConstraint<double> joint;
+  PenetrationOffsetRule padding;
+  double push_out_speed = 3, restitution_speed = 0;
+  int push_sweeps = 1;  ///< in small steps where some overlap deeply
+};
+
+/// User forces in a step: forces on bodies, and springs from points to targets.
+struct Hands {
+  struct Force {
+    uint32_t body = 0;
+    Vec2 force;         ///< N
+    double torque = 0;  ///< N m
+  };
+  struct Drag {
+    Joint joint;  ///< a mouse joint
+    Vec2 impulse;
+  };
+  std::vector<Force> forces;
+  std::vector<Drag> drags;
+};
+
+/// Contacts in SIMD lanes; unused lanes have zero masses.
+template <class T>
+struct ContactPack {
+  using W = Wide<T>;
+  struct Point {
+    W ax, ay, bx, by;  // anchors about the centres at the start of the step
+    W separation;      // at the start of the step, m
+    W normal_mass, tangent_mass;
+    W normal, tangent;  // impulses
+  };
+  uint32_t a[W::kLanes], b[W::kLanes];  // rows
+  W nx, ny, friction, surface_speed, restitution;
+  W bias_rate, mass_scale, impulse_scale;
+  W rolling, rolling_mass, rolling_impulse;
+  W round_a, round_b;                  // radii of the shapes' rounding, m
+  W stiffness0, stiffness1, coupling;  // K of the two normals, 1/kg
+  W held;                              // the coupling, slightly reduced where K has no inverse
+  Point point[2];
+  uint32_t rolls, bounces, crowded;
+  // Written only in small steps with deep overlaps.
+  struct Before {
+    W taken;  // 1 in lanes whose push is taken back
+    W normal[2], tangent[2], rolling;
+  } before;
+};
+
+/// Joints that only hold two points together, in SIMD lanes.
+template <class T>
+struct HingePack {
+  using W = Wide<T>;
+  uint32_t a[W::kLanes], b[W::kLanes];
+  uint32_t joint[W::kLanes];
+  W ax, ay, bx, by;  // anchors about the centres at the start of the step
+  W ex, ey;          // from anchor to anchor at the start of the step
+  W ix, iy;          // impulse
+};
+
+template <class T>
+using Aligned = std::vector<T, CacheLineAllocator<T>>;
+
+template <class T>
+class Solver {
+ public:
+  /// Moves the bodies of `state` by a step of `settings.steps` small steps and stores the impulses of joints
+  /// and drags; contact impulses are stored by store_contacts.
+  void solve(const Model& model, State& state, const Pairs& pairs, Hands& hands,
+             const SolverSettings& settings, const ThreadArena& arena);
+  /// Stores the rows of `contact` for touching pairs, and those carried along.
+  void store_contacts(const Model& model, const Pairs& pairs, const PenetrationOffsetRule& rule,
+                      State& state);
+
+  /// Motion of a body in this step (m, rad).
+  struct Moved {
+    Vec2 shift;
+    double angle = 0;
+  };
+  Moved moved(uint32_t body) const {
+    const T* r = rows_.data() + 8 * static_cast<size_t>(slot_[body]);
+    return {{r[4], r[5]}, r[6]};
+  }
+  /// Bodies that moved under constraints or on their own, ascending.
+  const std::vector<uint32_t>& movers() const { return movers_; }
+
+ private:
+  void place_bodies(const Model& model, const State& state, const Pairs& pairs, const Hands& hands,
+                    const SolverSettings& settings);
+  void pack_contacts(const Model& model, const State& state, const Pairs& pairs,
+                     const SolverSettings& settings, const ThreadArena& arena);
+  void fill(ContactPack<T>& pack, const uint32_t* hits, int count, const Model& model, const State& state,
+            const Pairs& pairs, const SolverSettings& settings) const;
+  void pack_joints(const Model& model, const State& state, const Pairs& pairs, const Hands& hands,
+                   const SolverSettings& settings);
+  JointRow<T> row_of(const Joint& joint, const Pairs& pairs, const SolverSettings& settings,
+                     const State& state) const;
+  /// Initial impulses and offsets of contacts if none continues another.
+  void start_contacts(const Model& model, const Pairs& pairs, const SolverSettings& settings,
+                      const ThreadArena& arena);
+  /// Contacts through which bodies at rest support others, the highest first.
+  void list_bearings(const Pairs& pairs, double h);
+  /// Marks in parts_ the bodies of islands in which every load lies above its support.
+  void find_balance();
+  /// Adds the loads of arches, wedges and leaning bodies to those that find_balance passed down. Marks in
+  /// parts_ the bodies of islands that were not held without them and are now; others keep their loads.
+  void sweep_loads(const SolverSettings& settings, const ThreadArena& arena);
+  /// Marks the rows of islands in which the velocities in start_, what contacts leave of a small step's
+  /// forces, are small; returns the sum of their squares over the bodies on which contacts act, as a fraction
+  /// of what forces add.
+  double find_held(std::vector<uint8_t>& held);
+  /// m by which a point yields under an impulse per small step.
+  double yields(const ContactPack<T>& c, int lane, int point, double load) const;
+  /// Adds penetration offsets (m) to the points of a contact.
+  void begin_with(uint32_t pack, int lane, const double offset[2]);
+  /// Applies bounces to contacts that close within a small step.
+  void hit_contacts(const SolverSettings& settings, const ThreadArena& arena);
+  /// Bodies on which only springs act begin and end a step with half of the spring impulse of a small step
+  /// (oscillator_step).
+  void choose_sprung(const Pairs& pairs);
+  void kick(JointPass pass, T h);
+  void find_islands();
+  /// Marks the lanes of islands with a deep contact, finds crowds, and stores impulses and
+  /// velocities.
+  void start_parting(const Model& model, T push_out_speed);
+  void small_step(const Model& model, const SolverSettings& settings, const ThreadArena& arena);
+  /// Forces and damping of a small step on a velocity vx vy w.
+  static void act(const T* push, T* v) {
+    v[0] = (v[0] + push[0]) * push[3], v[1] = (v[1] + push[1]) * push[3], v[2] = (v[2] + push[2]) * push[4];
+  }
+  /// Puts bodies without joints that no impulse reached where their parabola ends.
+  void end_free_flights(const Model& model, const State& state, const SolverSettings& settings,
+                        const ThreadArena& arena);
+  void store_bodies(State& state, double dt, const ThreadArena& arena) const;
+  void store_joints(const Model& model, State& state, Hands& hands, const SolverSettings& settings) const;
+
+  std::vector<uint32_t> slot_;    // row of every body
+  std::vector<uint32_t> movers_;  // body of row i, the dynamic ones first, then kinematic ones
+  uint32_t moved_ = 0;            // rows below it take impulses
+  Aligned<T> rows_;
+  Aligned<T> push_;            // per row: change of vx vy w per small step, damping factors
+  Aligned<T> toi_correction_;  // per row: shift and angle of bodies that hit within the small step
+  Aligned<T> flight_;          // per row, where some bounce: vx vy w as forces leave them, and before
+  bool bounces_ = false;
+  std::atomic<bool> deep_ = false;  // some contact overlaps deeply
+  Aligned<T> start_;                // rows before the pushes, where some contact overlaps deeply
+  std::vector<uint32_t> island_;    // roots of the rows' islands, computed when a step needs them
+  bool knows_islands_ = false, crowded_ = false;
+  std::vector<uint8_t> parts_, inside_;  // inside_: of every row, pairs in which it is inside the other
+  Aligned<ContactPack<T>> contacts_;
+  Aligned<HingePack<T>> hinges_;
+  std::vector<uint32_t> contact_colours_, hinge_colours_;  // first pack of every colour, and the end
+  std::vector<JointRow<T>> joints_;                        // the drags come last
+  size_t drags_ = 0;
+  std::vector<uint8_t> held_, sprung_;  // rows: something else acts on the body; only springs act on it
+  bool springs_ = false;
+  // Scratch of the packing.
+  std::vector<ConstraintEnds> ends_;
+  std::vector<uint64_t> used_;
+  std::vector<uint8_t> colour_;
+  std::vector<uint32_t> order_, place_, hinge_list_;
+  std::vector<uint32_t> old_id_, crowd_;  // crowd_: contacts of every row
+  std::vector<float> old_impulse_, old_offset_;
+  struct Bearing {
+    uint32_t upper = 0, lower = 0, pack = 0;  // rows
+    int lane = 0;
+    double lean = 0, height = 0;
+  };
+  /// Load of a row at the start: N s of a small step with its moment about the centre along the horizontal,
+  /// the horizontal range in which it is supported, and the sum of cos^2 over its supports.
+  struct Seat {
+    double load = 0, moment = 0, low = HUGE_VAL, high = -HUGE_VAL, share = 0;
+    uint32_t bearings = 0;
+  };
+  /// Horizontal position of a bearing's point, relative to the centre of one of its bodies.
+  double across(const Bearing& b, uint32_t body, int i) const;
+  /// Fractions of a bearing's load on its two points.
+  std::array<double, 2> parts_of(const Bearing& b) const;
+  std::vector<Bearing> bearings_;
+  std::vector<Seat> seats_;
+  std::vector<std::array<double, 2>> loads_;  // of the bearings' points
+  std::vector<uint8_t> balanced_, held_before_, held_now_;
+};
+
+}  // namespace truestep::rigid2d

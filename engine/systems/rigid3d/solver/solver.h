@@ -1,0 +1,111 @@
+// Solves the contacts of a step in substeps: velocities, bias, positions, relax (Catto, "Solver2D", 2024),
+// with the contacts of one colour in parallel, and moves the bodies. The impulses of all contacts persist
+// from substep to substep; their sum is kept per body, which makes warm starting one addition.
+#pragma once
+#include <span>
+#include <vector>
+
+#include "engine/base/cache_line.h"
+#include "engine/kernels/rigid/contact_solve3.h"
+#include "engine/kernels/rigid/impact_rows3.h"
+#include "engine/systems/rigid3d/contacts.h"
+#include "engine/systems/rigid3d/solver/contact_softness.h"
+#include "engine/systems/rigid3d/solver/solver_ball.h"
+#include "engine/systems/rigid3d/solver/solver_joint.h"
+
+namespace truestep::rigid3d {
+
+/// Change of every body by forces in a step.
+struct ForceChange {
+  std::span<const Vec3> velocity;  ///< m/s
+  std::span<const Vec3> momentum;  ///< angular, N m s, in the world; empty without torques
+};
+
+template <class T>
+class ContactSolver {
+ public:
+  using W = Wide<T>;
+  /// Moves the bodies that have contacts (see `slots`) by in.h; `change` is the change of velocity and
+  /// angular momentum of every body by gravity, pushes and torques in that time.
+  void solve(State& s, std::span<const BodyKind> kinds, const JointList& joints,
+             std::span<Contact* const> contacts, std::span<const BodyNow> now, const ForceChange& change,
+             const SolverSettings& settings, const StepInput& in);
+  /// Per body: its index among the bodies moved by this step's solver, or kNoBody.
+  std::span<const uint32_t> slots() const { return slot_; }
+
+ private:
+  static constexpr size_t kBodiesPerBlock = 256;
+  void choose_bodies(const State& s, std::span<const BodyKind> kinds, std::span<Contact* const> contacts,
+                     std::span<const BodyNow> now);
+  void load_bodies(const State& s, std::span<const BodyKind> kinds, std::span<const BodyNow> now,
+                   const ForceChange& change, const SolverSettings& settings, double h);
+  void fill(size_t group, std::span<Contact* const> contacts, const State& s, std::span<const BodyKind> kinds,
+            std::span<const BodyNow> now);
+  void substeps(const State& s, const JointList& joints, const SolverSettings& settings, const StepInput& in);
+  void set_turned(size_t body, const Vec3& gyroscopic);
+  /// With joints: moves the bodies for a substep of h with their current velocities.
+  void move_jointed(T h);
+  /// Bodies on which only springs act begin and end a step with half of the spring impulse of a substep.
+  void choose_sprung(const State& s, const JointList& joints, std::span<Contact* const> contacts);
+  void kick(T times);
+  /// Marks in parts_ the bodies of islands in which all bodies rest on one another under the impulses found:
+  /// only their springs may start under load, because loaded springs would throw up what topples.
+  void find_resting();
+  /// Starts the first step from the impulses and offsets that the gravity loads require.
+  void find_loads(const State& s, std::span<const BodyKind> kinds, std::span<Contact* const> contacts,
+                  std::span<const BodyNow> now, const SolverSettings& settings, double h);
+  /// Load-bearing contacts, from the highest body down, and the gravity loads on them.
+  void list_bearings(std::span<Contact* const> contacts, std::span<const BodyNow> now, const Vec3& up);
+  void hand_down_loads(std::span<Contact* const> contacts, std::span<const BodyNow> now);
+  /// Applies bounces to contacts that close within a substep.
+  void hit(const ImpactPass<T>& pass, int substeps_left);
+  /// Marks the lanes of islands with a deep contact, and stores their impulses.
+  void start_parting(const ContactPass<T>& pass);
+  void store_impulses(std::span<Contact* const> contacts, const PenetrationOffsetRule& rule);
+  void store_bodies(State& s);
+  template <class Body>
+  void each_body(Body&& body) {
+    team_.for_blocks(body_.size(), kBodiesPerBlock, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) body(i);
+    });
+  }
+  /// Body `upper` rests on `lower` (kNoBody: on something fixed) through this contact.
+  struct Bearing {
+    uint32_t upper, lower, group;
+    int lane;
+    uint32_t contact;
+    double lean, height;  ///< cosine between normal and vertical; m, of the upper body
+  };
+  template <class U>
+  using Aligned = std::vector<U, CacheLineAllocator<U>>;
+  std::vector<uint32_t> slot_, body_;
+  std::vector<uint32_t> island_;  // per moving body, where some overlap deeply
+  std::vector<uint8_t> parts_;
+  std::vector<ScaledBody> scaled_;
+  std::vector<Vec3> moments_;
+  /// For joints that follow the rotation of their bodies: roots and ratios (free_rotation.h) of the moments,
+  /// half of the change of the (scaled) spin in a substep, and whether its axis can change.
+  struct Turning {
+    Vec3 root, ratios, half;
+    bool asymmetric;
+  };
+  std::vector<Turning> turning_;
+  std::vector<Vec3> twist_;  ///< change of spin per substep by torques, about principal axes; empty: none
+  Aligned<Record8<T>> velocity_, displacement_, moved_, cross_, change_, warm_, start_, toi_correction_,
+      damping_;
+  Aligned<ContactGroup<T>> groups_;
+  JointSolver<T> joints_;
+  BallSolver<T> balls_;
+  ThreadTeam team_;
+  LaneGroups contact_lanes_;
+  LaneColouring colouring_;
+  std::vector<ConstraintEnds> ends_;
+  std::vector<uint32_t> listed_;
+  std::vector<uint8_t> many_;  // contacts with more than two points
+  std::vector<Bearing> bearings_;
+  uint32_t flags_ = 0, common_flags_ = 0;  // of any group, of all groups
+  std::vector<uint8_t> held_, sprung_;  // per index: something else acts on the body; only springs act on it
+  bool damped_ = false, springs_ = false, jointed_ = false;
+};
+
+}  // namespace truestep::rigid3d

@@ -1,0 +1,33 @@
+#include "server/cli/run/run_outputs.h"
+
+#include "engine/sinks/picture/draw/draw_world.h"
+#include "engine/sinks/picture/picture.h"
+#include "engine/sinks/recording/recording_sink.h"
+#include "server/cli/pictures/movie.h"
+
+namespace truestep {
+
+RunOutputs::RunOutputs(Session& session, const std::string& recording_path, PictureWish picture)
+    : session_(session), picture_(std::move(picture)) {
+  if (recording_path.empty()) return;
+  make_folder_of(recording_path);
+  recording_ = std::make_shared<RecordingSink>(std::make_shared<RecordingThread>(), session, recording_path);
+  session.add_sink(recording_);
+}
+
+void RunOutputs::finish() {
+  if (recording_) {
+    const RecordingStatus status = recording_->finish();
+    if (status.state == RecordingState::kFailed) throw Error(status.code, status.message);
+  }
+  if (picture_.path.empty()) return;
+  const PictureSize size = picture_size(picture_.look);
+  PictureRenderer renderer(size.width, size.height);
+  const World& world = session_.world();
+  const PictureLook look = picture_look(picture_.look);
+  auto list = draw_list_of(world, *session_.frame(picture_request(world, look)), look);
+  aim(picture_.look, list);
+  write_png(picture_.path, renderer.render_rgba(list), size);
+}
+
+}  // namespace truestep

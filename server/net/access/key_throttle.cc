@@ -1,0 +1,64 @@
+#include "server/net/access/key_throttle.h"
+
+#include <algorithm>
+#include <boost/asio/ip/address.hpp>
+
+namespace truestep::net {
+
+namespace asio = boost::asio;
+
+std::string network_of(std::string_view remote) {
+  const size_t colon = remote.rfind(':');
+  std::string_view host = remote.substr(0, colon);
+  if (host.starts_with('[')) host = host.substr(1, host.find(']') - 1);
+  boost::system::error_code ec;
+  const auto address = asio::ip::make_address(std::string(host), ec);
+  if (ec || address.is_v4()) return std::string(host);
+  if (address.to_v6().is_v4_mapped())
+    return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6()).to_string();
+  auto bytes = address.to_v6().to_bytes();
+  std::fill(bytes.begin() + 8, bytes.end(), uint8_t{0});
+  return asio::ip::make_address_v6(bytes).to_string();
+}
+
+int KeyThrottle::wait(std::string_view remote, std::string_view digest, Clock::time_point now) {
+  const std::string network = network_of(remote);
+  const std::lock_guard lock(mutex_);
+  const auto debt = debts_.find(network);
+  if (debt == debts_.end() || debt->second <= now + (kFreeFailures - 1) * kEach) return 0;
+  const auto known = known_.find(network + ' ' + std::string(digest));
+  if (known != known_.end() && known->second > now) return 0;
+  const auto left = debt->second - (now + (kFreeFailures - 1) * kEach);
+  return static_cast<int>(std::chrono::ceil<std::chrono::seconds>(left).count());
+}
+
+void KeyThrottle::failed(std::string_view remote, Clock::time_point now) {
+  std::string network = network_of(remote);
+  const std::lock_guard lock(mutex_);
+  if (!debts_.contains(network)) make_room(debts_, now);
+  Clock::time_point& until = debts_[std::move(network)];
+  until = std::max(until, now) + kEach;
+}
+
+void KeyThrottle::succeeded(std::string_view remote, std::string_view digest, Clock::time_point now) {
+  std::string key = network_of(remote) + ' ' + std::string(digest);
+  const std::lock_guard lock(mutex_);
+  if (!known_.contains(key)) make_room(known_, now);
+  known_[std::move(key)] = now + kRemembered;
+}
+
+size_t KeyThrottle::rows() const {
+  const std::lock_guard lock(mutex_);
+  return debts_.size() + known_.size();
+}
+
+// Expired rows go first, then those that expire soonest.
+void KeyThrottle::make_room(Rows& rows, Clock::time_point now) {
+  if (rows.size() < kMostRows) return;
+  std::erase_if(rows, [now](const auto& row) { return row.second <= now; });
+  if (rows.size() < kMostRows) return;
+  rows.erase(std::min_element(rows.begin(), rows.end(),
+                              [](const auto& a, const auto& b) { return a.second < b.second; }));
+}
+
+}  // namespace truestep::net

@@ -1,0 +1,73 @@
+// A liquid on a grid gives the same bits for any number of threads, with a discarded workspace, and from a
+// restored snapshot.
+#include <gtest/gtest.h>
+
+#include "tests/support/fluids/liquid_grid.h"
+
+namespace truestep::test {
+namespace {
+
+using namespace grid_fluid;
+using A = GridFluidDef::Advection;
+
+struct Kind {
+  const char* name;
+  A advection;
+  bool space, periodic;
+  bool moves = false;
+};
+
+std::unique_ptr<LiquidRun> make(const Kind& k, int threads) {
+  GridFluidDef d =
+      water(k.advection, k.space ? std::vector<int64_t>{20, 16, 12} : std::vector<int64_t>{48, 32}, 1.0 / 32);
+  d.bodies = {box_of_liquid({0, 0, -1}, {0.25, 0.4, 1})};
+  d.obstacles = {ObstacleDef{.center = {0.45, 0.1, 0.2}, .radius = 0.08}};
+  if (k.moves) {
+    d.obstacles[0].shape = ObstacleDef::Shape::box, d.obstacles[0].half = {0.08, 0.04, 0.08};
+    d.obstacles[0].displacement = {"-0.3*t", "0"};
+    if (k.space) d.obstacles[0].displacement.emplace_back("0");
+    d.obstacles[0].angle = "2*t", d.viscosity = 1e-3;
+  }
+  if (k.periodic) d.sides.x_min = FlowSideDef{SideKind::periodic, {}};
+  d.force =
+      k.space ? std::vector<std::string>{"sin(9*t)", "0", "x"} : std::vector<std::string>{"sin(9*t)", "0"};
+  return std::make_unique<LiquidRun>(d, 0.02, threads);
+}
+
+class LiquidBits : public testing::TestWithParam<Kind> {};
+
+TEST_P(LiquidBits, DoNotDependOnHowTheRunIsMade) {
+  constexpr uint64_t kSteps = 10;
+  const auto reference = make(GetParam(), 1);
+  std::vector<std::byte> snapshot;
+  for (uint64_t n = 0; n < kSteps; ++n) {
+    if (n == kSteps / 2) snapshot = reference->state.serialize();
+    reference->steps(1);
+  }
+  const uint64_t hash = reference->state.hash();
+  ASSERT_NE(hash, reference->system->initial_state().hash());
+  for (const int threads : {2, 5}) {
+    const auto run = make(GetParam(), threads);
+    run->steps(kSteps);
+    EXPECT_EQ(run->state.hash(), hash) << threads << " threads";
+  }
+  const auto dropped = make(GetParam(), 1);
+  for (uint64_t n = 0; n < kSteps; ++n) dropped->workspace.clear(), dropped->steps(1);
+  EXPECT_EQ(dropped->state.hash(), hash) << "workspace dropped";
+  const auto restored = make(GetParam(), 1);
+  restored->state = State::deserialize(snapshot);
+  restored->done = kSteps / 2;
+  restored->steps(kSteps - kSteps / 2);
+  EXPECT_EQ(restored->state.hash(), hash) << "restored";
+}
+
+INSTANTIATE_TEST_SUITE_P(Liquids, LiquidBits,
+                         testing::Values(Kind{"flip", A::flip, false, false},
+                                         Kind{"apic", A::apic, false, true},
+                                         Kind{"apic_moving_solid", A::apic, false, false, true},
+                                         Kind{"flip_space", A::flip, true, true},
+                                         Kind{"apic_space", A::apic, true, false}),
+                         [](const auto& info) { return info.param.name; });
+
+}  // namespace
+}  // namespace truestep::test

@@ -1,0 +1,246 @@
+// The animation systems: prescribed motion, its velocities, the effects of commands, and what a scene must
+// not contain.
+#include <algorithm>
+
+#include "engine/base/errors.h"
+#include "engine/scene/scene.h"
+#include "engine/session/world/world.h"
+#include "tests/unit/animation/animation_rig.h"
+
+namespace truestep {
+namespace {
+
+using keyframes::Keyframes;
+using keyframes::KeyframesDef;
+using skeleton::Skeleton;
+using skeleton::SkeletonDef;
+using testing_rig::AnimationRun;
+
+/// Pointers of the errors in a scene's text.
+std::vector<std::string> faults(const std::string& system) {
+  std::vector<std::string> out;
+  try {
+    const World world(parse_scene(R"({"systems": [)" + system + "]}"));
+  } catch (const Error& e) {
+    for (const Issue& issue : e.issues()) out.push_back(issue.pointer);
+  }
+  return out;
+}
+using Faults = std::vector<std::string>;
+
+TEST(Keyframes, BodiesHaveTheVelocitiesOfTheirMotion) {
+  KeyframesDef d;
+  d.shapes.resize(1);
+  d.shapes[0].id = "a";
+  d.shapes[0].position = {"sin(t)", "2*t", "0"}, d.shapes[0].rotation = {"0", "3*t", "0"};
+  const double h = 1e-3;
+  AnimationRun<Keyframes> run(d, h);
+  run.step(500);
+  std::vector<double> scratch;
+  const auto at = [&](size_t field) {
+    return load3(static_cast<const double*>(run.system->field(run.state, 0, field, scratch).data), 0);
+  };
+  EXPECT_LT(norm(at(0) - Vec3{std::sin(0.5), 1, 0}), 1e-12);
+  // The mean velocity over the step is that at its middle, to h^2.
+  EXPECT_LT(norm(at(1) - Vec3{std::cos(0.5 - h / 2), 2, 0}), 1e-6);
+  EXPECT_LT(norm(at(3) - Vec3{0, 3, 0}), 1e-9);
+  const Ports ports = run.system->ports();
+  ASSERT_TRUE(ports.bodies.has_value());
+  EXPECT_FALSE(ConstBodies(run.state, *ports.bodies).dynamic(0)) << "nothing moves it";
+  // At the start, the velocities are already those of the first step.
+  EXPECT_LT(norm(load3(run.system->initial_state().f64(1).data(), 0) - Vec3{1, 2, 0}), 1e-6);
+}
+
+TEST(Keyframes, FramesAreHeld) {
+  KeyframesDef d;
+  d.frame_rate = 24;
+  d.shapes.resize(1);
+  d.shapes[0].id = "a", d.shapes[0].position = {"t"};
+  AnimationRun<Keyframes> run(d, 1.0 / 240);
+  for (int k = 1; k <= 100; ++k) {
+    run.step();
+    EXPECT_EQ(run.observe("shape.a.x"), (k / 10) / 24.0) << k;
+  }
+}
+
+TEST(Keyframes, ControlsAreSetAndOthersFollow) {
+  KeyframesDef d;
+  d.controls.resize(3);
+  d.controls[0].name = "a", d.controls[0].times = {0, 1}, d.controls[0].values = {0, 1};
+  d.controls[1].name = "b", d.controls[1].value = "2*a";
+  d.controls[2].name = "c", d.controls[2].value = "b + p_x";
+  d.paths.resize(1);
+  d.paths[0].name = "p", d.paths[0].times = {0, 2}, d.paths[0].points = {{0, 0, 0}, {4, 0, 0}};
+  d.paths[0].even_speed = true;
+  AnimationRun<Keyframes> run(d, 0.25);
+  run.step(2);
+  EXPECT_NEAR(run.observe("control.c"), 1 + 1, 1e-12);
+  run.system->apply(run.state, {.kind = CommandKind::set_parameter, .value = 5, .name = "a"});
+  EXPECT_NEAR(run.observe("control.c"), 10 + 1, 1e-12);
+  EXPECT_THROW(run.system->apply(run.state, {.kind = CommandKind::set_parameter, .name = "z"}), Error);
+  EXPECT_THROW(run.system->apply(run.state, {.kind = CommandKind::push, .index = 0}), Error);
+}
+
+TEST(Keyframes, StretchedShapesArePublishedAsTriangles) {
+  KeyframesDef d;
+  d.shapes.resize(1);
+  d.shapes[0].id = "ball", d.shapes[0].radius = 1, d.shapes[0].scale = {"1", "1 - t", "1"};
+  AnimationRun<Keyframes> run(d, 0.25);
+  run.step(2);
+  const Ports ports = run.system->ports();
+  ASSERT_TRUE(ports.points.has_value());
+  EXPECT_FALSE(ports.solids.triangles.empty());
+  const ConstPoints points(run.state, *ports.points);
+  EXPECT_NEAR(points.place(0).y, 0.5, 1e-15);
+  EXPECT_NEAR(points.velocity(0).y, -1, 1e-12);
+  EXPECT_EQ(points.inverse_mass(0), 0);
+}
+
+TEST(SkeletonSystem, AHandDragsAJoint) {
+  SkeletonDef d;
+  for (int j = 0; j < 4; ++j) {
+    skeleton::JointDef joint;
+    joint.id = "j" + std::to_string(j);
+    if (j > 0) joint.parent = "j" + std::to_string(j - 1), joint.offset = {0.3, 0, 0};
+    d.joints.push_back(joint);
+  }
+  AnimationRun<Skeleton> run(d);
+  run.system->apply(run.state, {.kind = CommandKind::drag, .index = 3, .vector = {0.3, 0.5, 0.1}});
+  run.step(3);
+  EXPECT_NEAR(run.observe("joint.j3.y"), 0.5, 1e-3);
+  run.system->apply(run.state, {.kind = CommandKind::release});
+  run.step(3);
+  EXPECT_NEAR(run.observe("joint.j3.y"), 0.5, 1e-3) << "what nothing drives stays";
+  EXPECT_THROW(run.system->apply(run.state, {.kind = CommandKind::drag, .index = 4}), Error);
+}
+
+TEST(SkeletonSystem, ExpressionsKeysAndLimitsDriveJoints) {
+  SkeletonDef d;
+  d.turns.resize(1);
+  d.turns[0].name = "nod", d.turns[0].times = {0, 1}, d.turns[0].quaternions = {1, 0, 0, 0, 1, 0, 0, 1};
+  d.joints.resize(3);
+  d.joints[0].id = "a", d.joints[0].turn = "nod";
+  d.joints[1].id = "b", d.joints[1].parent = "a", d.joints[1].offset = {1, 0, 0};
+  d.joints[1].type = animation::JointKind::prismatic, d.joints[1].axis = {1, 0, 0}, d.joints[1].value = "9*t";
+  d.joints[1].max = 0.5;
+  d.joints[2].id = "c", d.joints[2].parent = "b", d.joints[2].type = animation::JointKind::fixed;
+  d.joints[2].offset = {0, 0.5, 0};
+  AnimationRun<Skeleton> run(d, 0.5);
+  run.step(2);
+  // A quarter turn about z, 1 m and the 0.5 m that the limit leaves of the slide.
+  EXPECT_NEAR(run.observe("joint.b.y"), 1.5, 1e-12);
+  EXPECT_NEAR(run.observe("joint.c.x"), -0.5, 1e-12);
+}
+
+TEST(AnimationScene, SaysWhatItCannotTake) {
+  EXPECT_EQ(faults(R"({"type": "keyframes", "id": "k", "shapes": [{"position": ["t"]}]})"), Faults{});
+  EXPECT_EQ(faults(R"({"type": "keyframes", "id": "k"})"), Faults{"/systems/0"});
+  EXPECT_EQ(faults(R"({"type": "keyframes", "id": "k", "shapes": [{"position": ["t +"]}]})"),
+            Faults{"/systems/0/shapes/0/position/0"});
+  EXPECT_EQ(
+      faults(
+          R"({"type": "keyframes", "id": "k", "controls": [{"name": "a", "value": "b"}, {"name": "b", "value": "1"}]})"),
+      Faults{"/systems/0/controls/0/value"})
+      << "controls see those before them";
+  EXPECT_EQ(faults(R"({"type": "keyframes", "id": "k", "controls": [{"name": "sin", "value": "1"}]})"),
+            Faults{"/systems/0/controls/0/name"});
+  EXPECT_EQ(
+      faults(
+          R"({"type": "keyframes", "id": "k", "controls": [{"name": "a", "times": [0, 1, 1], "values": [1, 2]}]})"),
+      (Faults{"/systems/0/controls/0/times/2", "/systems/0/controls/0/values"}));
+  EXPECT_EQ(faults(R"({"type": "keyframes", "id": "k", "shapes": [{"shape": "capsule", "scale": ["1"]}]})"),
+            (Faults{"/systems/0/shapes/0/scale", "/systems/0/shapes/0/id"}));
+  EXPECT_EQ(faults(R"({"type": "skeleton", "id": "s"})"), Faults{"/systems/0/joints"});
+  const std::string joints = R"("joints": [{"id": "a", "end": [1, 0, 0]}, {"id": "b", "parent": "a"}])";
+  EXPECT_EQ(faults(R"({"type": "skeleton", "id": "s", )" + joints + "}"), Faults{});
+  EXPECT_EQ(
+      faults(
+          R"({"type": "skeleton", "id": "s", "joints": [{"id": "a", "parent": "b"}, {"id": "b", "parent": "a"}]})"),
+      Faults{"/systems/0/joints/0/parent"})
+      << "no cycles";
+  EXPECT_EQ(faults(R"({"type": "skeleton", "id": "s", "joints": [{"id": "a"}, {"id": "a"}]})"),
+            Faults{"/systems/0/joints/1/id"});
+  EXPECT_EQ(faults(R"({"type": "skeleton", "id": "s", )" + joints +
+                   R"(, "goals": [{"joint": "c", "target": ["1"]}]})"),
+            Faults{"/systems/0/goals/0/joint"});
+  EXPECT_EQ(
+      faults(
+          R"({"type": "skeleton", "id": "s", )" + joints +
+          R"(, "solver": "ccd", "goals": [{"joint": "a", "target": ["1"], "orientation": ["0"], "priority": 1}]})"),
+      (Faults{"/systems/0/goals/0/orientation", "/systems/0/goals/0/priority"}));
+  EXPECT_EQ(
+      faults(
+          R"({"type": "skeleton", "id": "s", "motion": {"bvh": ["HIERARCHY", "ROOT a", "{", "OFFSET 0 0 x"]}})"),
+      Faults{"/systems/0/motion/bvh/3"});
+  EXPECT_EQ(faults(R"({"type": "skeleton", "id": "s", )" + joints +
+                   R"(, "skin": {"tubes": [{"from": "b", "to": "a"}]}})"),
+            Faults{"/systems/0/skin/tubes/0/to"});
+  EXPECT_EQ(
+      faults(
+          R"({"type": "blend_shapes", "id": "f", "ball": {}, "targets": [{"name": "a", "weight": "w", "offset": ["1/x"]}]})"),
+      (Faults{"/systems/0/targets/0/offset", "/systems/0/targets/0/weight"}));
+  EXPECT_EQ(faults(R"({"type": "blend_shapes", "id": "f", "vertices": [[0,0,0]], "triangles": [0, 0, 1]})"),
+            Faults{"/systems/0/triangles/2"});
+}
+
+TEST(AnimationScene, DrivesNeedAControlAndAParameter) {
+  const auto drive = [](const std::string& coupling) {
+    std::vector<std::string> out;
+    try {
+      const World world(parse_scene(
+          R"({"systems": [{"type": "keyframes", "id": "k", "controls": [{"name": "g", "value": "1"}]}, {"type": "pendulum", "id": "p", "damping": 1}], "couplings": [{"type": "drive", "id": "d", )" +
+          coupling + "}]}"));
+    } catch (const Error& e) {
+      for (const Issue& issue : e.issues()) out.push_back(issue.pointer);
+    }
+    return out;
+  };
+  EXPECT_EQ(drive(R"("a": "k", "b": "p", "control": "g", "parameter": "damping")"), Faults{});
+  EXPECT_EQ(drive(R"("a": "k", "b": "p", "control": "h", "parameter": "damping")"),
+            Faults{"/couplings/0/control"});
+  EXPECT_EQ(drive(R"("a": "k", "b": "p", "control": "g", "parameter": "colour")"),
+            Faults{"/couplings/0/parameter"});
+  EXPECT_EQ(drive(R"("a": "p", "b": "k", "control": "g", "parameter": "g")"), Faults{"/couplings/0/a"});
+}
+
+TEST(AnimationScene, WhatIsNotFiniteIsToldAndNeverANumber) {
+  EXPECT_EQ(faults(R"({"type": "keyframes", "id": "k", "shapes": [{"position": ["0", "1/t"]}]})"),
+            Faults{"/systems/0/shapes/0/position/1"});
+  SkeletonDef d;
+  d.joints.resize(1);
+  d.joints[0].id = "a", d.joints[0].end = Vec3{1, 0, 0};
+  d.goals.resize(1);
+  d.goals[0].joint = "a", d.goals[0].target = {"sqrt(0.05 - t)"};
+  AnimationRun<Skeleton> run(d);
+  run.step(2);
+  EXPECT_THROW(run.step(2), Instability);
+  KeyframesDef k;
+  k.shapes.resize(1);
+  k.shapes[0].id = "a", k.shapes[0].rotation = {"sqrt(0.05 - t)"};
+  AnimationRun<Keyframes> turning(k);
+  turning.step(2);
+  EXPECT_THROW(turning.step(2), Instability);
+}
+
+TEST(SkeletonSystem, AFileGoesToAnotherSkeletonByNames) {
+  const std::string text = R"({"systems": [{"type": "skeleton", "id": "s",
+    "joints": [{"id": "pelvis"}, {"id": "back", "parent": "pelvis", "offset": [0, 2, 0], "end": [0, 1, 0]}],
+    "motion": {"names": {"Hips": "pelvis", "Spine": "back"}, "bvh": ["HIERARCHY", "ROOT Hips", "{", "OFFSET 0 0 0",
+      "CHANNELS 6 Xposition Yposition Zposition Xrotation Yrotation Zrotation", "JOINT Spine", "{", "OFFSET 0 1 0",
+      "CHANNELS 1 Zrotation", "}", "}", "MOTION", "Frames: 2", "Frame Time: 1", "0 0 0 0 0 0 0", "1 0 0 0 0 90 0"]}}],
+    "time": {"dt": 0.5}})";
+  const World world(parse_scene(text));
+  State s = world.system(0).initial_state();
+  Workspace workspace;
+  const ThreadArena arena(1);
+  world.system(0).step(s, {.t = 0, .h = 0.5, .step = 0, .workspace = workspace, .arena = arena});
+  Observables seen;
+  world.system(0).observe(s, 0.5, seen);
+  // Halfway: an eighth of a turn, and the path doubled because the skeleton is twice as large.
+  EXPECT_NEAR(seen.find("joint.pelvis.x").value(), 1, 1e-12);
+  EXPECT_NEAR(seen.find("joint.back.x").value(), 1 - std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR(seen.find("joint.back.y").value(), std::sqrt(2.0), 1e-12);
+}
+
+}  // namespace
+}  // namespace truestep

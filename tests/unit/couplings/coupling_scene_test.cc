@@ -1,0 +1,114 @@
+#include <gtest/gtest.h>
+
+#include "engine/scene/json/json.h"
+#include "engine/scene/params/params.h"
+#include "engine/session/world/world.h"
+
+namespace truestep {
+namespace {
+
+constexpr const char* kSystems = R"("systems": [
+  {"type": "mass_spring", "id": "cloth", "cloth_grid": {"nx": 3, "ny": 3}},
+  {"type": "particles", "id": "dust", "positions": [[0, 1, 0]]},
+  {"type": "pendulum", "id": "clock"}])";
+
+std::string scene(const std::string& couplings) {
+  return std::string("{") + kSystems + R"(, "couplings": )" + couplings + "}";
+}
+
+std::vector<Issue> faults(const std::string& couplings) {
+  try {
+    const World world(parse_scene(scene(couplings)));
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), "scene_invalid");
+    return e.issues();
+  }
+  return {};
+}
+
+TEST(CouplingScene, EveryFaultHasItsPointer) {
+  struct Case {
+    const char* couplings;
+    const char* pointer;
+    const char* code;
+    const char* did_you_mean;
+  };
+  for (const Case& c : {
+           Case{R"({})", "/couplings", "wrong_type", ""},
+           Case{R"([3])", "/couplings/0", "wrong_type", ""},
+           Case{R"([{}])", "/couplings/0/type", "missing", ""},
+           Case{R"([{"type": "atachment", "a": "cloth", "b": "dust"}])", "/couplings/0/type",
+                "unknown_choice", "attachment"},
+           Case{R"([{"type": "attachment", "b": "dust"}])", "/couplings/0/a", "missing", ""},
+           Case{R"([{"type": "attachment", "a": "clot", "b": "dust"}])", "/couplings/0/a", "unknown_system",
+                "cloth"},
+           Case{R"([{"type": "attachment", "a": "cloth", "b": 4}])", "/couplings/0/b", "unknown_system", ""},
+           Case{R"([{"type": "attachment", "a": "cloth", "b": "dust", "stifness": 3}])",
+                "/couplings/0/stifness", "unknown_key", "stiffness"},
+           Case{R"([{"type": "attachment", "a": "cloth", "b": "dust", "stiffness": -3}])",
+                "/couplings/0/stiffness", "out_of_range", ""},
+           Case{R"([{"type": "attachment", "a": "cloth", "b": "dust", "id": "cloth"}])", "/couplings/0/id",
+                "duplicate_id", ""},
+           Case{R"([{"type": "attachment", "a": "cloth", "b": "dust", "id": "a b"}])", "/couplings/0/id",
+                "bad_id", ""},
+           Case{R"([{"type": "attachment", "a": "cloth", "b": "dust", "a_points": [0, 1]}])",
+                "/couplings/0/b_points", "inconsistent", ""},
+           // These errors are known only after the systems are built.
+           Case{R"([{"type": "attachment", "a": "cloth", "b": "dust", "b_points": [1]}])",
+                "/couplings/0/b_points/0", "out_of_range", ""},
+           Case{R"([{"type": "attachment", "a": "cloth", "b": "dust", "a_points": [-10]}])",
+                "/couplings/0/a_points/0", "out_of_range", ""},
+           Case{R"([{"type": "attachment", "a": "dust", "b": "dust"}])", "/couplings/0/b_points/0",
+                "inconsistent", ""},
+           Case{R"([{"type": "attachment", "a": "clock", "b": "dust"}])", "/couplings/0/a",
+                "unsuitable_system", ""},
+       }) {
+    const auto issues = faults(c.couplings);
+    ASSERT_EQ(issues.size(), 1u) << c.couplings;
+    EXPECT_EQ(issues[0].pointer, c.pointer) << c.couplings;
+    EXPECT_EQ(issues[0].code, c.code) << c.couplings;
+    EXPECT_EQ(issues[0].did_you_mean, c.did_you_mean) << c.couplings;
+  }
+  EXPECT_TRUE(faults(R"([{"type": "attachment", "a": "cloth", "b": "dust"}])").empty());
+}
+
+TEST(CouplingScene, AllFaultsAreReportedAtOnce) {
+  EXPECT_EQ(
+      faults(R"([{"type": "attachment", "a": "x", "b": "y", "damping": -1, "linc": 1}, {"type": "glue"}])")
+          .size(),
+      5u);
+}
+
+TEST(CouplingScene, CanonicalFormReadsBackAsTheSame) {
+  const Scene first = parse_scene(scene(R"([{"type": "attachment", "a": "cloth", "b": "dust",
+    "rest_length": "20 cm"}])"));
+  const auto written = first.canonical();
+  const SceneReport again = read_scene(written);
+  ASSERT_TRUE(again.scene) << (again.errors.empty() ? "" : again.errors[0].pointer);
+  EXPECT_EQ(again.scene->canonical(), written);
+  EXPECT_EQ(written.at("couplings").at(0).at("rest_length").as_double(), 0.2);
+  EXPECT_EQ(written.at("couplings").at(0).at("id").as_string(), "attachment0");
+}
+
+TEST(CouplingScene, SchemaAndPlanNameWhatThereIs) {
+  const auto schema = scene_schema();
+  const auto& kinds = schema.at("properties").at("couplings").at("items").at("oneOf").as_array();
+  ASSERT_EQ(kinds.size(), coupling_catalogue().size());
+  for (size_t i = 0; i < kinds.size(); ++i) {
+    EXPECT_EQ(kinds[i].at("properties").at("type").at("const").as_string(), coupling_catalogue()[i].type);
+  }
+  const World coupled(parse_scene(scene(R"([{"type": "attachment", "a": "cloth", "b": "dust"}])")));
+  const World alone(parse_scene(scene("[]")));
+  size_t rows = 0;
+  for (const World::PlanEntry& e : coupled.plan()) {
+    if (e.system != "attachment0") continue;
+    EXPECT_EQ(e.profile, 3u);
+    ++rows;
+  }
+  EXPECT_EQ(rows, 2u);
+  EXPECT_EQ(alone.plan().back().row.name, "couplings");
+  EXPECT_EQ(alone.plan().back().row.status, PlanRow::Status::skipped);
+}
+
+}  // namespace
+}  // namespace truestep

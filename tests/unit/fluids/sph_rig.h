@@ -1,0 +1,83 @@
+// A liquid of particles with a state, to be stepped by tests.
+#pragma once
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+
+#include "engine/base/random.h"
+#include "engine/core/ports/medium.h"
+#include "engine/systems/sph/sph.h"
+
+namespace truestep::testing_rig {
+
+struct SphRun {
+  explicit SphRun(const sph::SphDef& def, double dt = 1.0 / 60, Vec3 gravity = {}, int threads = 1)
+      : system(def, BuildContext{.id = "s", .gravity = gravity, .dt = dt}),
+        state(system.initial_state()),
+        arena(threads),
+        h(dt) {}
+
+  void step(uint64_t count = 1, std::span<ImmersedBody> bodies = {}) {
+    for (uint64_t k = 0; k < count; ++k, ++steps) {
+      system.step(state, {.t = h * static_cast<double>(steps),
+                          .h = h,
+                          .step = steps,
+                          .workspace = workspace,
+                          .arena = arena,
+                          .bodies = bodies});
+    }
+  }
+  void seconds(double t) { step(static_cast<uint64_t>(t / h + 0.5)); }
+  double observe(std::string_view name) const {
+    Observables out;
+    system.observe(state, h * static_cast<double>(steps), out);
+    return out.find(name).value();
+  }
+  Vec3 position(size_t i) const { return RealColumn<const double>(state, sph::columns::position).vector(i); }
+  /// Moves every particle by up to `size` (m) along each axis: another start of the same flow.
+  void shake(double size, uint64_t seed) {
+    RealColumn<double> x(state, sph::columns::position);
+    for (size_t i = 0; i < state.rows(sph::columns::position); ++i) {
+      const auto u = uniform4(seed, 0, i);
+      const double across = system.setting().def.dimension == 3 ? 2 * u[2] - 1 : 0;
+      x.set_vector(i, x.vector(i) + Vec3{2 * u[0] - 1, 2 * u[1] - 1, across} * size);
+    }
+  }
+  /// Pa, the field that is read.
+  std::vector<double> pressures() const {
+    constexpr size_t kPressure = 3;
+    std::vector<double> out;
+    system.field(state, 0, kPressure, out);
+    return out;
+  }
+  Vec3 velocity(size_t i) const { return RealColumn<const double>(state, sph::columns::velocity).vector(i); }
+
+  sph::Sph system;
+  State state;
+  Workspace workspace;
+  ThreadArena arena;
+  double h;
+  uint64_t steps = 0;
+};
+
+/// The channel of Morris, Fox & Zhu 1997 (cases sph.couette and sph.poiseuille), at 40 particles across.
+inline sph::SphDef channel(sph::Method solver) {
+  sph::SphDef d;
+  d.dimension = 2, d.low = {0, 0, 0}, d.high = {5e-4, 1e-3, 1}, d.spacing = 2.5e-5;
+  d.precision = sph::Precision::f64, d.solver = solver;
+  d.xsph = 0, d.viscosity = 1e-6, d.walls = sph::Walls::no_slip, d.periodic = sph::Periodic::x;
+  d.bodies = {{.center = {2.5e-4, 5e-4, 0}, .half_extents = {2.5e-4, 5e-4, 1}}};
+  return d;
+}
+/// m/s, in its middle.
+inline double middle_speed(const SphRun& run) {
+  double sum = 0;
+  int count = 0;
+  for (size_t i = 0; i < run.system.setting().rows; ++i) {
+    if (std::abs(run.position(i).y - 5e-4) < 1.3e-5) sum += run.velocity(i).x, ++count;
+  }
+  return sum / count;
+}
+
+}  // namespace truestep::testing_rig

@@ -1,0 +1,59 @@
+// Liquids with a wrong density warn, and the suggested remedy works.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "tests/unit/fluids/sph_rig.h"
+
+namespace truestep::sph {
+namespace {
+
+using testing_rig::SphRun;
+
+SphDef pool(Method solver) {
+  SphDef d;
+  d.dimension = 2, d.high = {0.5, 1.5, 1}, d.spacing = 0.05, d.solver = solver;
+  d.bodies = {{.center = {0.25, 0.5, 0}, .half_extents = {0.25, 0.5, 1}}};
+  return d;
+}
+/// After a second at rest.
+std::vector<Warning> warnings(const SphDef& d, double dt) {
+  SphRun run(d, dt, {0, -9.81, 0});
+  run.seconds(1);
+  std::vector<Warning> out;
+  run.system.warn(run.state, dt, out);
+  return out;
+}
+
+TEST(SphWarnings, ASlowSoundIsNamedWithOneThatDoes) {
+  SphDef d = pool(Method::wcsph);
+  // The weight of a metre compresses by g H / 2 c^2, 8 % on the mean.
+  d.sound_speed = 8;
+  const auto slow = warnings(d, 1.0 / 60);
+  ASSERT_EQ(slow.size(), 1u);
+  EXPECT_EQ(slow[0].quantity, "density.mean_error");
+  EXPECT_NEAR(slow[0].value, 9.81 / 128, 0.3 * 9.81 / 128);
+  const std::string word = "a sound_speed of ";
+  const size_t at = slow[0].detail.find(word);
+  ASSERT_NE(at, std::string::npos) << slow[0].detail;
+  d.sound_speed = std::stod(slow[0].detail.substr(at + word.size()));
+  EXPECT_GT(d.sound_speed, 8);
+  EXPECT_TRUE(warnings(d, 1.0 / 60).empty());
+}
+
+TEST(SphWarnings, ACompressedLiquidIsNamedWithTheStepThatDoes) {
+  SphDef d = pool(Method::pbf);
+  // Case pbf.claims: below 1 % with four iterations.
+  EXPECT_TRUE(warnings(d, 1.0 / 60).empty());
+  d.pbf_iterations = 2;
+  const auto compressed = warnings(d, 1.0 / 60);
+  ASSERT_EQ(compressed.size(), 1u);
+  EXPECT_GT(compressed[0].value, 0.01);
+  ASSERT_GT(compressed[0].suggested_dt, 0);
+  EXPECT_TRUE(warnings(d, compressed[0].suggested_dt).empty());
+  EXPECT_TRUE(warnings(pool(Method::dfsph), 1.0 / 60).empty()) << "control: a solve to its tolerance";
+}
+
+}  // namespace
+}  // namespace truestep::sph

@@ -1,0 +1,109 @@
+// Messages at failures and limits: the state by its name, the length of the step, the limit with its number,
+// remedies that apply to equations, and rules that a table's sentences must name.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "engine/scene/catalogue.h"
+#include "engine/scene/json/json_write.h"
+#include "engine/scene/params/params.h"
+#include "engine/session/session.h"
+
+namespace truestep {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+Session session_of(const std::string& system, double dt = 0.01) {
+  return Session(std::make_shared<const World>(parse_scene(R"({"time": {"dt": )" + std::to_string(dt) +
+                                                           R"(}, "systems": [)" + system + "]}")),
+                 std::make_shared<const ThreadArena>(1));
+}
+Session equations(const std::string& rest) {
+  return session_of(R"({"type": "ode", "id": "s", )" + rest + "}");
+}
+std::string all(const std::vector<std::string>& sentences) {
+  std::string text;
+  for (const std::string& s : sentences) text += s + "\n";
+  return text;
+}
+
+TEST(FaultWords, EquationsThatFailNameTheStateAndTheStep) {
+  Session s = equations(
+      R"("states": {"calm": 1, "bread": 0}, "equations": {"calm": "-1", "bread": "1 / (calm - 0.5)^2"})");
+  s.step(100);
+  ASSERT_TRUE(s.failure());
+  EXPECT_EQ(s.failure()->step, 50u);
+  EXPECT_THAT(s.failure()->detail, HasSubstr("\"bread\""));
+  EXPECT_THAT(s.failure()->detail, Not(HasSubstr("component")));
+  // A few roundings of the time: six decimals would print 0.000000 s.
+  EXPECT_THAT(s.failure()->detail, HasSubstr("e-1"));
+  EXPECT_THAT(s.failure()->detail, Not(HasSubstr("0.000000")));
+}
+
+// A solution that ends: no method continues it, so none is offered, nor the stiffness and mass that equations
+// do not have.
+TEST(FaultWords, RemediesOfASolutionThatEnds) {
+  Session s = equations(R"("states": {"x": 1}, "equations": {"x": "x^3"})");
+  s.step(100);
+  ASSERT_TRUE(s.failure());
+  const std::string remedies = all(s.failure()->remedies);
+  EXPECT_THAT(remedies, HasSubstr("a look at the equations"));
+  EXPECT_THAT(remedies, Not(HasSubstr("mass")));
+  EXPECT_THAT(remedies, Not(HasSubstr("integrator")));
+  EXPECT_THAT(remedies, Not(HasSubstr("tolerance")));
+}
+
+// A fixed step too long for a fast decay: a method that chooses its own steps was tried and holds.
+TEST(FaultWords, RemediesOfEquationsThatAMethodCannotFollow) {
+  Session s =
+      equations(R"s("states": {"x": 1}, "equations": {"x": "-1e4 * (x - cos(t))"}, "integrator": "rk4")s");
+  s.step(2000);
+  ASSERT_TRUE(s.failure());
+  EXPECT_THAT(s.failure()->remedies, testing::Contains(HasSubstr("integrator tsit5 (held when tried")));
+}
+
+TEST(FaultWords, ABoundIsSaidWithItsNumber) {
+  const std::string sums = "sum(i, 1, 3000, sum(j, 1, 3000, x * i * j))";
+  try {
+    equations(R"("states": {"x": 1}, "equations": {"x": ")" + sums + "\"}");
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), HasSubstr("more than 400000 operations"));
+  }
+}
+
+/// The table of a kind as text: names and sentences.
+std::string table_of(std::string_view kind) {
+  for (const CatalogueRow& row : catalogue()) {
+    if (row.type == kind) return write_json(schema_of(*row.table));
+  }
+  return {};
+}
+
+TEST(FaultWords, TablesSayTheRulesThatTheyCheck) {
+  EXPECT_THAT(table_of("rigid3d"), HasSubstr("must be at right angles to axis"));
+  EXPECT_THAT(table_of("particles"), HasSubstr("either rate or bursts, not both"));
+  EXPECT_THAT(table_of("particles"), HasSubstr("either bursts or rate, not both"));
+}
+
+// Impacts that gravity alone would repeat at every step do not bounce; the plan gives the speed limit.
+TEST(FaultWords, ThePlanSaysWhichImpactsDoNotBounce) {
+  const auto plan_of = [](const char* more) {
+    const Session s = session_of(std::string(R"({"type": "rigid2d", "id": "b", "bodies": [
+      {"motion": "fixed", "shapes": [{"type": "box", "half_extents": [5, 0.5, 0.5]}]},
+      {"position": [0, 2, 0], "shapes": [{"type": "circle", "radius": 0.5}]}])") +
+                                     more + "}",
+                                 1.0 / 60);
+    std::string text;
+    for (const auto& p : s.world().plan()) text += p.row.reason + "\n";
+    return text;
+  };
+  // Half of what gravity adds in a step of 1/60 s.
+  EXPECT_THAT(plan_of(""), HasSubstr("impacts slower than 0.0818 m/s do not bounce"));
+  EXPECT_THAT(plan_of(R"(, "restitution_speed": 1)"), HasSubstr("impacts slower than 1 m/s do not bounce"));
+  EXPECT_THAT(plan_of(R"(, "restitution_speed": 0)"), HasSubstr("impacts of any speed bounce"));
+}
+
+}  // namespace
+}  // namespace truestep
