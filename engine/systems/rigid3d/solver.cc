@@ -328,7 +328,6 @@ template <class T>
 void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, const JointList& joints,
                              std::span<Contact* const> contacts, std::span<const BodyNow> now,
                              const ForceChange& change, const SolverSettings& settings, const StepInput& in) {
-  common_flags_ = settings.turning == SolverSettings::Turning::fast ? ContactGroup<T>::kSpins : 0u;
   choose_bodies(s, kinds, contacts, now);
   if (body_.empty()) return;
   const auto gathering = team_.gather(in.arena);

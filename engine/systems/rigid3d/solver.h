@@ -103,7 +103,7 @@ class ContactSolver {
   std::vector<uint32_t> listed_;
   std::vector<uint8_t> many_;  // contacts with more than two points
   std::vector<Bearing> bearings_;
-  uint32_t flags_ = 0, common_flags_ = 0;  // of any group, of all groups
+  uint32_t flags_ = 0;                  // of any group
   std::vector<uint8_t> held_, sprung_;  // per index: something else acts on the body; only springs act on it
   bool damped_ = false, springs_ = false, jointed_ = false;
 };
