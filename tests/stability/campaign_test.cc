@@ -110,6 +110,12 @@ TEST(Campaign, WhatFellIntoOthersIsPushedOutWithinASecond) {
   judge_seeds({663725, 666451, 676543, 677268});
 }
 
+// Light bodies between heavy ones and the ground that they hit within one substep (rigid_squeezed_test.cc).
+TEST(Campaign, SqueezedBodiesAreNotThrownIntoOthers) {
+  judge_seeds({125370, 128560, 138652, 138913, 144945, 851733, 874063, 876238, 960396});
+  judge_seeds({674919, 151527, 162750, 164722, 179367, 217386, 235337});
+}
+
 // Ropes almost without stretch and straight between two pins: half of their tensions were missing, and they
 // sagged too far, with more energy than they began with (861638: 2 uJ of 4.6 mJ).
 TEST(Campaign, FlatRopesBetweenPins) {

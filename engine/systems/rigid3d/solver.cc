@@ -277,9 +277,9 @@ template <class T>
 void ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
   const size_t n = body_.size();
   const auto end = static_cast<uint32_t>(n);
-  toi_correction_.assign(n + 1, {});
+  toi_correction_.assign(n + 1, {}), last_hit_.assign(n + 1, 0);
   std::copy_n(velocity_.begin(), n, start_.begin());
-  const ImpactRecords<T> bodies{velocity_.data(), change_.data(), toi_correction_.data()};
+  const ImpactRecords<T> bodies{velocity_.data(), change_.data(), toi_correction_.data(), last_hit_.data()};
   std::atomic<bool> any = false;
   each_colour(contact_lanes_, groups_, team_, [&](ContactGroup<T>& g) {
     if (!(g.flags & ContactGroup<T>::kBounces)) return;

@@ -93,6 +93,7 @@ class ContactSolver {
   std::vector<Vec3> twist_;  ///< change of spin per substep by torques, about principal axes; empty: none
   Aligned<Record8<T>> velocity_, displacement_, moved_, cross_, change_, warm_, start_, toi_correction_,
       damping_;
+  std::vector<T> last_hit_;  // s
   Aligned<ContactGroup<T>> groups_;
   JointSolver<T> joints_;
   BallSolver<T> balls_;
