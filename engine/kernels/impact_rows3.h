@@ -30,7 +30,7 @@ template <class T>
 struct ImpactRecords {
   Record8<T>* velocity;
   const Record8<T>* change;    ///< of the velocity due to forces in a substep; already in `velocity`
-  Record8<T>* toi_correction;  ///< to be added to the displacements at the end of the substep
+  Record8<T>* toi_correction;  ///< to be added to the displacements
   T* last;                     ///< s since the start of the substep, of the last impact
 };
 

@@ -15,7 +15,7 @@ template <class T>
 struct ImpactRows {
   T* rows;
   const T* push;  ///< vx vy added by forces in the small step, already in `rows`
-  /// Shift and angle, added at the end of the small step; s since its start, of the last impact.
+  /// Shift and angle, added to those of the bodies; s since its start, of the last impact.
   T* toi_correction;
   uint32_t moved;
 };

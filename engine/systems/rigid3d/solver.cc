@@ -158,7 +158,14 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
       }
     });
     // Before warm starting: impacts use the actual velocities of the bodies.
-    if (bounces) hit({T(h), T(settings.restitution_speed)}, settings.substeps - 1 - k);
+    if (bounces && hit({T(h), T(settings.restitution_speed)}, settings.substeps - 1 - k)) {
+      // What is no longer going to touch must not be slowed by the solver.
+      each_body([&](size_t i) {
+        for (int e = 0; e < 8; ++e) d[i].x[e] += toi_correction_[i].x[e];
+      });
+      each_colour(contact_lanes_, groups_, team_,
+                  [&](ContactGroup<T>& g) { update_separations(g, d, T(k * h)); });
+    }
     each_body([&](size_t i) {
       for (int e = 0; e < 8; ++e) start_[i].x[e] = v[i].x[e] += warm_[i].x[e];
     });
@@ -176,10 +183,7 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
     if (jointed_) move_jointed(T(h));
     each_body([&](size_t i) {
       for (int e = 0; e < 8 && !jointed_; ++e) d[i].x[e] += T(h) * v[i].x[e];
-      if (bounces) {
-        for (int e = 0; e < 8; ++e) d[i].x[e] += toi_correction_[i].x[e];
-        for (int e = 0; e < 8 && jointed_; ++e) moved_[i].x[e] += toi_correction_[i].x[e];
-      }
+      for (int e = 0; e < 8 && bounces && jointed_; ++e) moved_[i].x[e] += toi_correction_[i].x[e];
     });
     pass.elapsed = T((k + 1) * h);
     // Velocities must satisfy the joints at the new positions: with the directions of the old ones a swinging
@@ -274,7 +278,7 @@ void ContactSolver<T>::start_parting(const ContactPass<T>& pass) {
 }
 
 template <class T>
-void ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
+bool ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
   const size_t n = body_.size();
   const auto end = static_cast<uint32_t>(n);
   toi_correction_.assign(n + 1, {}), last_hit_.assign(n + 1, 0);
@@ -285,7 +289,7 @@ void ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
     if (!(g.flags & ContactGroup<T>::kBounces)) return;
     if (hit_contacts<Hits::bouncing>(g, bodies, end, pass)) any = true;
   });
-  if (!any) return;
+  if (!any) return false;
   // An impact is passed on through contacts that do not bounce.
   for (int round = 1; round < kImpactRounds && any; ++round) {
     any = false;
@@ -302,6 +306,7 @@ void ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
     const Vec3 turned = gyroscopic_change(own, moments_[i], substeps_left * double(pass.h)) / substeps_left;
     set_turned(i, turned);
   }
+  return true;
 }
 
 template <class T>

@@ -57,8 +57,8 @@ class ContactSolver {
   /// Load-bearing contacts, from the highest body down, and the gravity loads on them.
   void list_bearings(std::span<Contact* const> contacts, std::span<const BodyNow> now, const Vec3& up);
   void hand_down_loads(std::span<Contact* const> contacts, std::span<const BodyNow> now);
-  /// Applies bounces to contacts that close within a substep.
-  void hit(const ImpactPass<T>& pass, int substeps_left);
+  /// Applies bounces to contacts that close within a substep; false if there are none.
+  bool hit(const ImpactPass<T>& pass, int substeps_left);
   /// Marks the lanes of islands with a deep contact, and stores their impulses.
   void start_parting(const ContactPass<T>& pass);
   void store_impulses(std::span<Contact* const> contacts, const PenetrationOffsetRule& rule);
