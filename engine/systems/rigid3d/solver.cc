@@ -112,6 +112,7 @@ void ContactSolver<T>::load_bodies(const State& s, std::span<const BodyKind> kin
     const BodyKind& b = kinds[kind[body_[k]]];
     damped_ |= b.linear_damping > 0 || b.angular_damping > 0;
   }
+  flight_.resize(n);
   velocity_[n] = {}, displacement_[n] = {}, warm_[n] = {}, change_[n] = {};
   if (!damped_) return;
   damping_.resize(n);
@@ -138,7 +139,7 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
                       T(kGentlePush * settings.push_out_speed)};
   Record8<T>*v = velocity_.data(), *d = displacement_.data();
   for (size_t g = 0; g < contact_lanes_.count; ++g) flags_ |= groups_[g].flags;
-  const bool bounces = flags_ & ContactGroup<T>::kBounces;
+  const bool bounces = flags_ & ContactGroup<T>::kBounces, flies = bounces && !jointed_;
   std::atomic<bool> deep = false;
   const auto look = [&](const ContactGroup<T>& g) {
     if (any_below(depth_left(g, pass), W(0))) deep.store(true, std::memory_order_relaxed);
@@ -152,10 +153,8 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
   if (springs_) joints_.loosen(s, joints, held_, sprung_, h), kick(T(-1));
   for (int k = 0; k < settings.substeps; ++k) {
     each_body([&](size_t i) {
-      for (int e = 0; e < 8; ++e) v[i].x[e] += change_[i].x[e];
-      if (damped_) {
-        for (int e = 0; e < 8; ++e) v[i].x[e] *= damping_[i].x[e];
-      }
+      if (flies) flight_[i] = v[i];
+      act(i, v[i]);
     });
     // Before warm starting: impacts use the actual velocities of the bodies.
     if (bounces && hit({T(h), T(settings.restitution_speed)}, settings.substeps - 1 - k)) {
@@ -183,6 +182,7 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
     if (jointed_) move_jointed(T(h));
     each_body([&](size_t i) {
       for (int e = 0; e < 8 && !jointed_; ++e) d[i].x[e] += T(h) * v[i].x[e];
+      if (flies) keep_on_parabola(i, T(h));
       for (int e = 0; e < 8 && bounces && jointed_; ++e) moved_[i].x[e] += toi_correction_[i].x[e];
     });
     pass.elapsed = T((k + 1) * h);
@@ -212,6 +212,22 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
     });
   }
   if (springs_) kick(T(1));
+}
+
+template <class T>
+void ContactSolver<T>::act(size_t i, Record8<T>& v) const {
+  for (int e = 0; e < 8; ++e) v.x[e] += change_[i].x[e];
+  if (!damped_) return;
+  for (int e = 0; e < 8; ++e) v.x[e] *= damping_[i].x[e];
+}
+
+template <class T>
+void ContactSolver<T>::keep_on_parabola(size_t i, T h) {
+  Record8<T> free = flight_[i];
+  act(i, free);
+  const T* v = velocity_[i].x;
+  if (!std::equal(v, v + 6, free.x)) return;
+  for (int e = 0; e < 3; ++e) displacement_[i].x[e] -= T(0.5) * h * (v[e] - flight_[i].x[e]);
 }
 
 template <class T>

@@ -43,6 +43,11 @@ class ContactSolver {
             std::span<const BodyNow> now);
   void substeps(const State& s, const JointList& joints, const SolverSettings& settings, const StepInput& in);
   void set_turned(size_t body, const Vec3& gyroscopic);
+  /// What forces and damping make of a velocity of body i in a substep.
+  void act(size_t i, Record8<T>& v) const;
+  /// A body that nothing but forces acted on has moved by its velocity at the end of a substep, not by the
+  /// mean: up to a bounce and after it, it flies freely, also where only that one step has contacts.
+  void keep_on_parabola(size_t i, T h);
   /// With joints: moves the bodies for a substep of h with their current velocities.
   void move_jointed(T h);
   /// Bodies on which only springs act begin and end a step with half of the spring impulse of a substep.
@@ -93,7 +98,8 @@ class ContactSolver {
   std::vector<Vec3> twist_;  ///< change of spin per substep by torques, about principal axes; empty: none
   Aligned<Record8<T>> velocity_, displacement_, moved_, cross_, change_, warm_, start_, toi_correction_,
       damping_;
-  std::vector<T> last_hit_;  // s
+  std::vector<T> last_hit_;     // s
+  Aligned<Record8<T>> flight_;  // velocities before forces act, where something may bounce
   Aligned<ContactGroup<T>> groups_;
   JointSolver<T> joints_;
   BallSolver<T> balls_;
