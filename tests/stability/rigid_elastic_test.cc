@@ -34,7 +34,7 @@ enum class Shapes : uint8_t { balls, mixed };
 struct Trial {
   Shapes shapes = Shapes::balls;
   Rigid3dDef::Precision precision = Rigid3dDef::Precision::f64;
-  Vec3 gravity;
+  Vec3 gravity{};
   double restitution = 1;
 };
 
