@@ -13,6 +13,22 @@ constexpr uint32_t name_of_cut(uint32_t corner, uint32_t plane) {
   return (corner * 40503u + (plane + 1) * 25717u) & 0xffff;
 }
 
+/// Points without those that lie above another one, at less than 45 degrees from the normal: unless the
+/// bodies turn by as much, they touch after it. Where a margin exceeds a body's height, its upper corners are
+/// such points, and a body that counted them would have fewer than it stands on.
+void leave_out_covered(std::span<const ContactPoint> all, const Vec3& normal, PointList& out) {
+  for (const ContactPoint& p : all) {
+    const bool covered = std::any_of(all.begin(), all.end(), [&](const ContactPoint& q) {
+      const double above = p.separation - q.separation;
+      if (!(above > 0)) return false;
+      const Vec3 d = p.position - q.position;
+      const double along = dot(d, normal);
+      return norm2(d) - along * along < above * above;
+    });
+    if (!covered) out.point[out.count++] = p;
+  }
+}
+
 }  // namespace
 
 void FacePolygon::cut(const Vec3& outward, double offset, uint32_t plane) {
@@ -52,21 +68,31 @@ void clip_faces(const FacePolygon& reference, const Vec3& normal, FacePolygon in
 }
 
 void keep_best(std::span<const ContactPoint> list, const Vec3& normal, Manifold& out) {
+  out.count = 0;
+  const auto keep_all = [&] {
+    std::copy(list.begin(), list.end(), out.points), out.count = static_cast<int>(list.size());
+  };
+  if (list.size() <= Manifold::kMost) return keep_all();
+  double width = 0, low = list[0].separation, high = low;
+  for (const ContactPoint& p : list) {
+    width = std::max(width, norm(p.position - list[0].position));
+    low = std::min(low, p.separation), high = std::max(high, p.separation);
+  }
+  // Faces that touch all over have none.
+  constexpr double kFlat = 1e-3;
+  PointList uncovered;
+  if (high - low > kFlat * width) {
+    leave_out_covered(list, normal, uncovered), list = uncovered.all();
+    if (list.size() <= Manifold::kMost) return keep_all();
+  }
   const ContactPoint* all = list.data();
   const auto count = static_cast<int>(list.size());
-  out.count = 0;
-  if (count <= Manifold::kMost) {
-    for (int i = 0; i < count; ++i) out.points[out.count++] = all[i];
-    return;
-  }
   // The deepest first: it alone decides whether the bodies separate. Differences below a thousandth of the
   // manifold's width are noise that must not flip the choice, so a fixed direction breaks the tie; where that
   // leaves a tie (points on an edge across the direction, opposite points of a rim), the first counts.
   constexpr double kTie = 1e-6;
   const Vec3 u =
       normalized(std::fabs(normal.x) < 0.6 ? Vec3{0, -normal.z, normal.y} : Vec3{normal.z, 0, -normal.x});
-  double width = 0;
-  for (int i = 1; i < count; ++i) width = std::max(width, norm(all[i].position - all[0].position));
   const auto pick = [&](double tie, auto&& score) {
     int best = 0;
     double most = score(all[0]);

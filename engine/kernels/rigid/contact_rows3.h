@@ -80,6 +80,7 @@ struct ContactLanes {
   W root_a, root_b, turn_a[9], turn_b[9];  ///< 1/sqrt(m); S by rows
   W friction, spinning, rolling, restitution;
   W slide[3], twist, roll[3];  ///< impulses of the last step, in the world
+  W turn;                      ///< rad/s about n, of b relative to a
   W surface[3],
       surface_turn[3];  ///< velocity at a's centre and angular velocity of b's moving surface relative to a's
 };
@@ -169,6 +170,10 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
     }
     r::invert(k[1][1], k[2][1], k[2][2], g.slide_inverse);
     g.twist_inverse = in.active[0] * inverse(k[3][3]);
+    // Friction about the normal does not stop the spin within the first substep: it slips.
+    W torque(0);
+    for (int p = 0; p < g.points; ++p) torque = madd(g.lever[p], in.impulse[p], torque);
+    if (any_below(torque, g.twist_inverse * max(in.turn, -in.turn))) g.flags |= ContactGroup<T>::kSpins;
     if (g.flags & ContactGroup<T>::kRolls) r::invert(k[4][4], k[5][4], k[5][5], g.roll_k);
   }
   for (W& k : g.slide_inverse) k *= in.active[0];

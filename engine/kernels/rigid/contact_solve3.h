@@ -64,7 +64,8 @@ template <class T>
   for (int k = 0; k < 6; ++k) v[k] = madd(g.k[at(k, which)], impulse, v[k]);
 }
 
-/// Fraction of the sideways stopping impulse that friction may apply while the surfaces spin on one another.
+/// Fraction of the sideways stopping impulse that friction may apply while the surfaces spin on one another
+/// (ContactGroup::kSpins: where the friction of their spin slips, however slowly they turn).
 /// Slipping at the speed s then changes the friction of points that move at w r by no more than s / (w r):
 /// sideways friction is a drag, slide = -most s / (w r), taken implicitly. The full impulse at a centre of
 /// pressure off the axis would drive a body that spins on the spot round in circles.

@@ -7,8 +7,13 @@
 // whatever residual the passes leave: it never grows, and is conserved for e = 1 (Poisson's hypothesis; Smith
 // et al. 2012, "Reflections on simultaneous impact"). Friction follows Coulomb's law with the impulse of the
 // impact itself. A body that hits after the time tau moves at its old velocity until then, for which
-// `toi_correction` receives tau (v - v'); the approach velocity includes the forces up to that time only.
+// `toi_correction` receives tau (v - v'); the approach velocity includes the forces up to that time only. A
+// body that hits again does so from where it is then, and not before: a light body between a heavy one and
+// the floor hits each of them many times within a substep, and with times that went back and forth it left
+// the gap between them (by half a metre).
 #pragma once
+#include <algorithm>
+
 #include "engine/kernels/rigid/contact_solve3.h"
 #include "engine/kernels/rigid/impact_limits.h"
 
@@ -25,7 +30,8 @@ template <class T>
 struct ImpactRecords {
   Record8<T>* velocity;
   const Record8<T>* change;    ///< of the velocity due to forces in a substep; already in `velocity`
-  Record8<T>* toi_correction;  ///< to be added to the displacements at the end of the substep
+  Record8<T>* toi_correction;  ///< to be added to the displacements
+  T* last;                     ///< s since the start of the substep, of the last impact
 };
 
 /// The contacts of a group that take part in an impact.
@@ -39,9 +45,12 @@ bool hit_contacts(ContactGroup<T>& g, const ImpactRecords<T>& bodies, uint32_t e
   namespace r = contact_rows;
   constexpr int kPasses = 8;
   const W zero(0), one(1);
-  W a[6], b[6], v[6], speed[4], closes[4], due(0), wait(T(1e30));
+  W a[6], b[6], v[6], wa[6], wb[6], shift[6], speed[4], closes[4], due(0), wait(T(1e30));
   gather6(bodies.velocity, g.a, a), gather6(bodies.velocity, g.b, b);
   detail::relative_motion(g, a, b, v);
+  // Bodies that have hit already are on new lines, which would have begun elsewhere.
+  gather6(bodies.toi_correction, g.a, wa), gather6(bodies.toi_correction, g.b, wb);
+  detail::relative_motion(g, wa, wb, shift);
   // A contact that ends the substep within rounding of closing counts as closed: the next substep would find
   // it already stopped.
   W rounding(0);
@@ -53,16 +62,21 @@ bool hit_contacts(ContactGroup<T>& g, const ImpactRecords<T>& bodies, uint32_t e
   for (int p = 0; p < g.points; ++p) {
     const auto& at = g.place[p];
     speed[p] = nmadd(at.x, v[5], madd(at.y, v[4], v[0])) + at.drift;
-    const W reached = rounding - madd(speed[p], W(pass.h), g.place[p].separation);
+    const W gap = at.separation + nmadd(at.x, shift[5], madd(at.y, shift[4], shift[0]));
+    const W reached = rounding - madd(speed[p], W(pass.h), gap);
     // The inverse is zero in lanes without a point.
     closes[p] = where_positive(g.point_inverse[p],
                                where_positive(reached, where_positive(-speed[p], one, zero), zero), zero);
     due = where_positive(-speed[p] - W(pass.threshold), max(due, closes[p]), due);
-    const W reaches = max(g.place[p].separation, zero) / where_positive(-speed[p], -speed[p], one);
+    const W reaches = max(gap, zero) / where_positive(-speed[p], -speed[p], one);
     wait = where_positive(closes[p], min(wait, reaches), wait);
   }
   if constexpr (kHits == Hits::bouncing) due = where_positive(g.restitution, due, zero);
   if (!any_below(zero, due)) return false;
+  for (int lane = 0; lane < W::kLanes; ++lane) {
+    const T before = std::max(bodies.last[g.a[lane]], bodies.last[g.b[lane]]);
+    if (before > wait[lane]) wait.set(lane, before);
+  }
   {
     W fa[6], fb[6];
     gather6(bodies.change, g.a, fa), gather6(bodies.change, g.b, fb);
@@ -121,15 +135,18 @@ bool hit_contacts(ContactGroup<T>& g, const ImpactRecords<T>& bodies, uint32_t e
 
   W da[6] = {}, db[6] = {};
   detail::push_apart(g, f, da, db);
-  W wa[6], wb[6];
-  gather6(bodies.velocity, g.a, a), gather6(bodies.velocity, g.b, b);
-  gather6(bodies.toi_correction, g.a, wa), gather6(bodies.toi_correction, g.b, wb);
   for (int e = 0; e < 6; ++e) {
     a[e] += da[e], b[e] += db[e];
     wa[e] = nmadd(wait, da[e], wa[e]), wb[e] = nmadd(wait, db[e], wb[e]);
   }
   scatter6(bodies.velocity, g.a, end, a), scatter6(bodies.velocity, g.b, end, b);
   scatter6(bodies.toi_correction, g.a, end, wa), scatter6(bodies.toi_correction, g.b, end, wb);
+  for (int lane = 0; lane < W::kLanes; ++lane) {
+    if (!(scale[lane] > 0)) continue;
+    for (const uint32_t body : {g.a[lane], g.b[lane]}) {
+      if (body < end) bodies.last[body] = wait[lane];
+    }
+  }
   return true;
 }
 

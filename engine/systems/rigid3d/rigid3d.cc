@@ -172,9 +172,6 @@ double Rigid3d::restitution_speed(const Vec3& gravity, double dt) const {
 void Rigid3d::solve(State& s, const StepInput& in) const {
   Scratch& scratch = Rigid3d::scratch(in);
   SolverSettings settings = settings_;
-  if (scratch.parts > 1 || contacts_turn_fast(s, scratch.contacts.all(), in.h)) {
-    settings.turning = SolverSettings::Turning::fast;
-  }
   settings.restitution_speed =
       restitution_speed(load3(s.f64(columns::gravity).data(), 0), in.h * scratch.parts);
   settings.substeps = substeps(s, in.h);

@@ -67,10 +67,7 @@ class Rigid3d final : public StagedSystem, public BodyOwner, public BodySleep {
   static Scratch& scratch(const StepInput& in);
   /// True if contacts of the last step are mostly between bodies that rotate far in a step of h.
   bool contacts_turn_fast(const State& s, double h) const;
-  /// The same for the contacts of this step.
-  bool contacts_turn_fast(const State& s, std::span<Contact* const> found, double h) const;
   bool turns_fast(const State& s, uint32_t body, double h) const;
-  bool all_turn_fast(const State& s, size_t turning) const;
   void apply_forces(State& s, const StepInput& in) const;
   int substeps(const State& s, double h) const;
   void choose_substeps(State& s, const StepInput& in) const;

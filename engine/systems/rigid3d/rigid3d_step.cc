@@ -3,8 +3,7 @@
 // moved on). The stages then run once per substep, with enough substeps to keep each below a fifth of a
 // radian: a flat box on corners that were a third of a radian old sank into the ground and went away. Bodies
 // that roll or spin among many that do not rotate are left to the normal step, because the search for
-// contacts is a large part of its cost. Steps are not divided for new contacts either, but their friction
-// accounts for the rotation (contact_solve3.h).
+// contacts is a large part of its cost. Steps are not divided for new contacts either.
 #include <algorithm>
 #include <cmath>
 
@@ -26,26 +25,16 @@ bool Rigid3d::turns_fast(const State& s, uint32_t i, double h) const {
   return norm2(load3(s.f64(columns::angular_velocity).data(), i)) * (h * h) > kFastTurn * kFastTurn;
 }
 
-bool Rigid3d::all_turn_fast(const State& s, size_t turning) const {
-  if (turning == 0) return false;
-  const auto kind = s.span<uint32_t>(columns::kind), asleep = s.span<uint32_t>(columns::asleep);
-  size_t awake = 0;
-  for (size_t i = 0; i < kind.size(); ++i) awake += !asleep[i] && bodies_.kinds[kind[i]].moved_by_forces();
-  return static_cast<double>(turning) >= kMost * static_cast<double>(awake);
-}
-
 bool Rigid3d::contacts_turn_fast(const State& s, double h) const {
   const auto pairs = s.span<uint32_t>(columns::contact_bodies);
   size_t turning = 0;
   for (size_t k = 0; k < pairs.size(); k += 2)
     turning += turns_fast(s, pairs[k], h) || turns_fast(s, pairs[k + 1], h);
-  return all_turn_fast(s, turning);
-}
-
-bool Rigid3d::contacts_turn_fast(const State& s, std::span<Contact* const> found, double h) const {
-  size_t turning = 0;
-  for (const Contact* c : found) turning += turns_fast(s, c->a, h) || turns_fast(s, c->b, h);
-  return all_turn_fast(s, turning);
+  if (turning == 0) return false;
+  const auto kind = s.span<uint32_t>(columns::kind), asleep = s.span<uint32_t>(columns::asleep);
+  size_t awake = 0;
+  for (size_t i = 0; i < kind.size(); ++i) awake += !asleep[i] && bodies_.kinds[kind[i]].moved_by_forces();
+  return static_cast<double>(turning) >= kMost * static_cast<double>(awake);
 }
 
 int Rigid3d::substeps_of_turns(const State& s, double h) const {

@@ -34,7 +34,7 @@ enum class Shapes : uint8_t { balls, mixed };
 struct Trial {
   Shapes shapes = Shapes::balls;
   Rigid3dDef::Precision precision = Rigid3dDef::Precision::f64;
-  Vec3 gravity;
+  Vec3 gravity{};
   double restitution = 1;
 };
 
@@ -79,16 +79,24 @@ Energies run_room(const Trial& trial, uint64_t steps) {
   return e;
 }
 
-TEST(RigidElastic, BallsInAClosedBoxNeverGainEnergy) {
+// Also where three meet within a substep: what a hit moves away is no longer slowed by the solver for the gap
+// that it had before (1 % was lost, and 20 % with times of hits that were right but unknown to the solver).
+TEST(RigidElastic, BallsInAClosedBoxKeepTheirEnergy) {
   const Energies e = run_room({}, 100'000);
   EXPECT_LT(e.most, e.start * (1 + 1e-11));  // rounding
-  EXPECT_GT(e.end, 0.95 * e.start);
+  EXPECT_GT(e.end, e.start * (1 - 1e-11));
 }
 
-TEST(RigidElastic, SinglePrecisionGainsNoMoreThanItsRounding) {
+TEST(RigidElastic, SinglePrecisionKeepsItButForItsRounding) {
   const Energies e = run_room({.precision = Rigid3dDef::Precision::f32}, 100'000);
-  EXPECT_LT(e.most, e.start * (1 + 2e-5));
-  EXPECT_GT(e.end, 0.95 * e.start);
+  // The inverse mass of a contact is rounded by up to half an epsilon, 6e-8, in the same direction for all
+  // equal balls; a hit then changes twice that share of the energy along its normal, a third of that of two
+  // of 27 balls. 100,000 hits, ten a second each: 3e-4, of which a tenth is measured.
+  EXPECT_LT(e.most, e.start * (1 + 3e-4));
+  EXPECT_GT(e.end, e.start * (1 - 3e-4));
+  // The control: a thousandth less restitution is detected at once.
+  const Energies less = run_room({.precision = Rigid3dDef::Precision::f32, .restitution = 0.999}, 5'000);
+  EXPECT_LT(less.end, less.start * (1 - 3e-4));
 }
 
 TEST(RigidElastic, BoxesInAClosedBoxNeverGainEnergy) {

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "engine/collision/pairs/collide.h"
+#include "engine/kernels/rigid/free_rotation.h"
 #include "tests/unit/collision/collision_rig.h"
 
 namespace truestep {
@@ -270,6 +271,26 @@ TEST(CollisionPairs, PointsOfARestingFaceStayTheSame) {
   }
   // The control: a visible lean selects other points.
   EXPECT_NE(names({0, 0, 0.005}, 0), at_rest);
+}
+
+// With a margin beyond their height: upper corners touch later than the lower ones below them, however they
+// are turned about the vertical or tilted a little.
+TEST(CollisionPairs, WhatStandsOnAPlaneTouchesItWithItsLowerCorners) {
+  const Solid plate = box_solid({0.5, 0.02, 0.5});
+  for (uint64_t i = 0; i < 200; ++i) {
+    const auto u = uniform4(31, 0, i);
+    const Vec3 tilt = Vec3{u[1] - 0.5, 0, u[2] - 0.5} * 0.05;
+    const Quat turned = free_rotation::turn(tilt) * free_rotation::turn({0, 6.3 * u[0], 0});
+    const Transform at = transform_of({{0, 0.03, 0}, turned});
+    Manifold m;
+    ASSERT_TRUE(collide(plane_solid({0, 1, 0}), {}, plate, at, 0.1, m));
+    ASSERT_EQ(m.count, 4) << i;
+    for (int p = 0; p < 4; ++p) {
+      const ContactPoint& point = m.points[p];
+      const Vec3 corner = at.inverse_point(point.position + m.normal * (0.5 * point.separation));
+      EXPECT_NEAR(corner.y, -0.02, 1e-12) << i << ", point " << p;
+    }
+  }
 }
 
 }  // namespace

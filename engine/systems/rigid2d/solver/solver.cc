@@ -103,6 +103,10 @@ void Solver<T>::hit_contacts(const SolverSettings& settings, const ThreadArena& 
       if (hit<Hits::all>(p, bodies, h, threshold)) any = true;
     });
   }
+  // What is no longer going to touch must not be slowed by the solver.
+  for (size_t i = 0; i < movers_.size(); ++i) {
+    for (size_t k = 0; k < 3; ++k) rows_[8 * i + 4 + k] += toi_correction_[8 * i + k];
+  }
 }
 
 template <class T>
@@ -254,11 +258,11 @@ void Solver<T>::small_step(const Model& model, const SolverSettings& settings, c
       T* r = rows + 8 * i;
       r[4] += h * r[0], r[5] += h * r[1], r[6] += h * r[2];
       if (!bounces_) continue;
-      const T *f = flight_.data() + 8 * i, *toi = toi_correction_.data() + 8 * i;
+      const T* f = flight_.data() + 8 * i;
       // Up to a bounce and after it a body flies freely, also where only that one step has contacts.
       const bool free = i < moved && !model.light[movers_[i]].jointed && std::equal(f, f + 3, r);
       const T late = free ? T(0.5) * h : T(0);
-      for (int k = 0; k < 3; ++k) r[4 + k] += toi[k] - late * (r[k] - f[4 + k]);
+      for (int k = 0; k < 3; ++k) r[4 + k] -= late * (r[k] - f[4 + k]);
     }
   });
 

@@ -173,7 +173,7 @@ class Solver {
   uint32_t moved_ = 0;            // rows below it take impulses
   Aligned<T> rows_;
   Aligned<T> push_;            // per row: change of vx vy w per small step, damping factors
-  Aligned<T> toi_correction_;  // per row: shift and angle of bodies that hit within the small step
+  Aligned<T> toi_correction_;  // per row: shift, angle and time of bodies that hit within the small step
   Aligned<T> flight_;          // per row, where some bounce: vx vy w as forces leave them, and before
   bool bounces_ = false;
   std::atomic<bool> deep_ = false;  // some contact overlaps deeply

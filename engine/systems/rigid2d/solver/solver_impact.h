@@ -2,7 +2,8 @@
 // step faster than a threshold bounce as pairs, one after the other, until none approaches. For the two
 // points of a contact with normal speeds u:  l >= 0, K l + u >= 0, complementary, solved exactly; then
 //   impulse = (1 + e) s l,   s = -(l . u) / (l . K l),
-// which changes the kinetic energy by -(1 - e^2) (l . u)^2 / (2 l . K l), never up.
+// which changes the kinetic energy by -(1 - e^2) (l . u)^2 / (2 l . K l), never up. As in space, a body that
+// hits again within a small step does so from where it is then, and not before its last hit.
 #pragma once
 #include "engine/kernels/rigid/impact_limits.h"
 #include "engine/systems/rigid2d/solver/solver_contact.h"
@@ -13,8 +14,9 @@ namespace truestep::rigid2d {
 template <class T>
 struct ImpactRows {
   T* rows;
-  const T* push;      ///< vx vy added by forces in the small step, already in `rows`
-  T* toi_correction;  ///< shift and angle, added at the end of the small step
+  const T* push;  ///< vx vy added by forces in the small step, already in `rows`
+  /// Shift and angle, added to those of the bodies; s since its start, of the last impact.
+  T* toi_correction;
   uint32_t moved;
 };
 
@@ -29,6 +31,8 @@ bool hit(const ContactPack<T>& c, const ImpactRows<T>& bodies, T h, T threshold)
   Ends<T> e(bodies.rows, c.a, c.b);
   W u[2], closes[2], separation[2], vx, vy, due = zero, wait = W::all(T(1e30));
   separations(c, e, separation);
+  // Bodies that have hit already are on new lines, which would have begun elsewhere.
+  Ends<T> correction(bodies.toi_correction, c.a, c.b);
   // A small step that ends within rounding of a hit includes the hit: in the next one it would already have
   // been stopped.
   W rounding = zero;
@@ -36,6 +40,8 @@ bool hit(const ContactPack<T>& c, const ImpactRows<T>& bodies, T h, T threshold)
   rounding *= W::all(impact_rounding<T> * h);
   for (int i = 0; i < 2; ++i) {
     const auto& p = c.point[i];
+    correction.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
+    separation[i] += madd(vx, c.nx, vy * c.ny);
     e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
     u[i] = madd(vx, c.nx, vy * c.ny);
     const W reached = rounding - madd(u[i], W::all(h), separation[i]);
@@ -47,6 +53,7 @@ bool hit(const ContactPack<T>& c, const ImpactRows<T>& bodies, T h, T threshold)
   }
   if constexpr (kHits == Hits::bouncing) due = select(c.restitution > zero, due, zero);
   if (!any_below(zero, due)) return false;
+  wait = max(wait, max(correction.a[3], correction.b[3]));
   {
     W fa[8], fb[8];
     gather_rows8(bodies.push, c.a, fa), gather_rows8(bodies.push, c.b, fb);
@@ -85,11 +92,12 @@ bool hit(const ContactPack<T>& c, const ImpactRows<T>& bodies, T h, T threshold)
   e.push(-(drag * c.ny), drag * c.nx, ax, ay, bx, by);
   e.store(bodies.rows, bodies.moved);
 
-  Ends<T> correction(bodies.toi_correction, c.a, c.b);
   for (int i = 0; i < 3; ++i) {
     correction.a[i] = nmadd(wait, e.a[i] - before.a[i], correction.a[i]);
     correction.b[i] = nmadd(wait, e.b[i] - before.b[i], correction.b[i]);
   }
+  correction.a[3] = select(scale > zero, wait, correction.a[3]);
+  correction.b[3] = select(scale > zero, wait, correction.b[3]);
   correction.store(bodies.toi_correction, bodies.moved);
   return true;
 }

@@ -13,9 +13,6 @@ struct SolverSettings {
   double push_out_speed = 3;
   std::optional<double> contact_hertz;  ///< absent: a fixed fraction of the substeps' rate
   double contact_damping_ratio = 10;
-  /// Whether touching bodies rotate far in a step: friction between faces that spin on one another then grips
-  /// less across the slide.
-  enum class Turning : uint8_t { slow, fast } turning = Turning::slow;
 };
 
 /// Angular frequency of contacts as springs, rad/s, for substeps of h (s).

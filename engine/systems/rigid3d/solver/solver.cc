@@ -112,6 +112,7 @@ void ContactSolver<T>::load_bodies(const State& s, std::span<const BodyKind> kin
     const BodyKind& b = kinds[kind[body_[k]]];
     damped_ |= b.linear_damping > 0 || b.angular_damping > 0;
   }
+  flight_.resize(n);
   velocity_[n] = {}, displacement_[n] = {}, warm_[n] = {}, change_[n] = {};
   if (!damped_) return;
   damping_.resize(n);
@@ -138,7 +139,7 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
                       T(kGentlePush * settings.push_out_speed)};
   Record8<T>*v = velocity_.data(), *d = displacement_.data();
   for (size_t g = 0; g < contact_lanes_.count; ++g) flags_ |= groups_[g].flags;
-  const bool bounces = flags_ & ContactGroup<T>::kBounces;
+  const bool bounces = flags_ & ContactGroup<T>::kBounces, flies = bounces && !jointed_;
   std::atomic<bool> deep = false;
   const auto look = [&](const ContactGroup<T>& g) {
     if (any_below(depth_left(g, pass), W(0))) deep.store(true, std::memory_order_relaxed);
@@ -152,13 +153,18 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
   if (springs_) joints_.loosen(s, joints, held_, sprung_, h), kick(T(-1));
   for (int k = 0; k < settings.substeps; ++k) {
     each_body([&](size_t i) {
-      for (int e = 0; e < 8; ++e) v[i].x[e] += change_[i].x[e];
-      if (damped_) {
-        for (int e = 0; e < 8; ++e) v[i].x[e] *= damping_[i].x[e];
-      }
+      if (flies) flight_[i] = v[i];
+      act(i, v[i]);
     });
     // Before warm starting: impacts use the actual velocities of the bodies.
-    if (bounces) hit({T(h), T(settings.restitution_speed)}, settings.substeps - 1 - k);
+    if (bounces && hit({T(h), T(settings.restitution_speed)}, settings.substeps - 1 - k)) {
+      // What is no longer going to touch must not be slowed by the solver.
+      each_body([&](size_t i) {
+        for (int e = 0; e < 8; ++e) d[i].x[e] += toi_correction_[i].x[e];
+      });
+      each_colour(contact_lanes_, groups_, team_,
+                  [&](ContactGroup<T>& g) { update_separations(g, d, T(k * h)); });
+    }
     each_body([&](size_t i) {
       for (int e = 0; e < 8; ++e) start_[i].x[e] = v[i].x[e] += warm_[i].x[e];
     });
@@ -176,10 +182,8 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
     if (jointed_) move_jointed(T(h));
     each_body([&](size_t i) {
       for (int e = 0; e < 8 && !jointed_; ++e) d[i].x[e] += T(h) * v[i].x[e];
-      if (bounces) {
-        for (int e = 0; e < 8; ++e) d[i].x[e] += toi_correction_[i].x[e];
-        for (int e = 0; e < 8 && jointed_; ++e) moved_[i].x[e] += toi_correction_[i].x[e];
-      }
+      if (flies) keep_on_parabola(i, T(h));
+      for (int e = 0; e < 8 && bounces && jointed_; ++e) moved_[i].x[e] += toi_correction_[i].x[e];
     });
     pass.elapsed = T((k + 1) * h);
     // Velocities must satisfy the joints at the new positions: with the directions of the old ones a swinging
@@ -208,6 +212,22 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
     });
   }
   if (springs_) kick(T(1));
+}
+
+template <class T>
+void ContactSolver<T>::act(size_t i, Record8<T>& v) const {
+  for (int e = 0; e < 8; ++e) v.x[e] += change_[i].x[e];
+  if (!damped_) return;
+  for (int e = 0; e < 8; ++e) v.x[e] *= damping_[i].x[e];
+}
+
+template <class T>
+void ContactSolver<T>::keep_on_parabola(size_t i, T h) {
+  Record8<T> free = flight_[i];
+  act(i, free);
+  const T* v = velocity_[i].x;
+  if (!std::equal(v, v + 6, free.x)) return;
+  for (int e = 0; e < 3; ++e) displacement_[i].x[e] -= T(0.5) * h * (v[e] - flight_[i].x[e]);
 }
 
 template <class T>
@@ -274,18 +294,18 @@ void ContactSolver<T>::start_parting(const ContactPass<T>& pass) {
 }
 
 template <class T>
-void ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
+bool ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
   const size_t n = body_.size();
   const auto end = static_cast<uint32_t>(n);
-  toi_correction_.assign(n + 1, {});
+  toi_correction_.assign(n + 1, {}), last_hit_.assign(n + 1, 0);
   std::copy_n(velocity_.begin(), n, start_.begin());
-  const ImpactRecords<T> bodies{velocity_.data(), change_.data(), toi_correction_.data()};
+  const ImpactRecords<T> bodies{velocity_.data(), change_.data(), toi_correction_.data(), last_hit_.data()};
   std::atomic<bool> any = false;
   each_colour(contact_lanes_, groups_, team_, [&](ContactGroup<T>& g) {
     if (!(g.flags & ContactGroup<T>::kBounces)) return;
     if (hit_contacts<Hits::bouncing>(g, bodies, end, pass)) any = true;
   });
-  if (!any) return;
+  if (!any) return false;
   // An impact is passed on through contacts that do not bounce.
   for (int round = 1; round < kImpactRounds && any; ++round) {
     any = false;
@@ -302,6 +322,7 @@ void ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
     const Vec3 turned = gyroscopic_change(own, moments_[i], substeps_left * double(pass.h)) / substeps_left;
     set_turned(i, turned);
   }
+  return true;
 }
 
 template <class T>
@@ -328,7 +349,6 @@ template <class T>
 void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, const JointList& joints,
                              std::span<Contact* const> contacts, std::span<const BodyNow> now,
                              const ForceChange& change, const SolverSettings& settings, const StepInput& in) {
-  common_flags_ = settings.turning == SolverSettings::Turning::fast ? ContactGroup<T>::kSpins : 0u;
   choose_bodies(s, kinds, contacts, now);
   if (body_.empty()) return;
   const auto gathering = team_.gather(in.arena);

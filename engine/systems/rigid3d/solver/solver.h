@@ -43,6 +43,11 @@ class ContactSolver {
             std::span<const BodyNow> now);
   void substeps(const State& s, const JointList& joints, const SolverSettings& settings, const StepInput& in);
   void set_turned(size_t body, const Vec3& gyroscopic);
+  /// What forces and damping make of a velocity of body i in a substep.
+  void act(size_t i, Record8<T>& v) const;
+  /// A body that nothing but forces acted on has moved by its velocity at the end of a substep, not by the
+  /// mean: up to a bounce and after it, it flies freely, also where only that one step has contacts.
+  void keep_on_parabola(size_t i, T h);
   /// With joints: moves the bodies for a substep of h with their current velocities.
   void move_jointed(T h);
   /// Bodies on which only springs act begin and end a step with half of the spring impulse of a substep.
@@ -57,8 +62,8 @@ class ContactSolver {
   /// Load-bearing contacts, from the highest body down, and the gravity loads on them.
   void list_bearings(std::span<Contact* const> contacts, std::span<const BodyNow> now, const Vec3& up);
   void hand_down_loads(std::span<Contact* const> contacts, std::span<const BodyNow> now);
-  /// Applies bounces to contacts that close within a substep.
-  void hit(const ImpactPass<T>& pass, int substeps_left);
+  /// Applies bounces to contacts that close within a substep; false if there are none.
+  bool hit(const ImpactPass<T>& pass, int substeps_left);
   /// Marks the lanes of islands with a deep contact, and stores their impulses.
   void start_parting(const ContactPass<T>& pass);
   void store_impulses(std::span<Contact* const> contacts, const PenetrationOffsetRule& rule);
@@ -93,6 +98,8 @@ class ContactSolver {
   std::vector<Vec3> twist_;  ///< change of spin per substep by torques, about principal axes; empty: none
   Aligned<Record8<T>> velocity_, displacement_, moved_, cross_, change_, warm_, start_, toi_correction_,
       damping_;
+  std::vector<T> last_hit_;     // s
+  Aligned<Record8<T>> flight_;  // velocities before forces act, where something may bounce
   Aligned<ContactGroup<T>> groups_;
   JointSolver<T> joints_;
   BallSolver<T> balls_;
@@ -103,7 +110,7 @@ class ContactSolver {
   std::vector<uint32_t> listed_;
   std::vector<uint8_t> many_;  // contacts with more than two points
   std::vector<Bearing> bearings_;
-  uint32_t flags_ = 0, common_flags_ = 0;  // of any group, of all groups
+  uint32_t flags_ = 0;                  // of any group
   std::vector<uint8_t> held_, sprung_;  // per index: something else acts on the body; only springs act on it
   bool damped_ = false, springs_ = false, jointed_ = false;
 };

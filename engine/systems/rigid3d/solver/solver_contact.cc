@@ -30,7 +30,7 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
   const auto end = static_cast<uint32_t>(body_.size());
   ContactGroup<T>& g = groups_[group];
   ContactLanes<T> in{};
-  g.points = 0, g.flags = common_flags_;
+  g.points = 0, g.flags = 0;
   for (int lane = 0; lane < W::kLanes; ++lane) {
     const uint32_t k = contact_lanes_.member[group * W::kLanes + lane];
     g.a[lane] = g.b[lane] = end;
@@ -47,8 +47,9 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
       in.separation[p].set(lane, T(c.manifold.points[p].separation - c.penetration_offset - c.uneven[p]));
       in.impulse[p].set(lane, T(c.impulse[p]));
     }
+    const Vec3 turn_a = load3(w, c.a), turn_b = load3(w, c.b), &n = c.manifold.normal;
+    in.turn.set(lane, T(dot(n, turn_b - turn_a)));
     if (ka.turned_round || kb.turned_round) {
-      const Vec3 turn_a = load3(w, c.a), turn_b = load3(w, c.b), &n = c.manifold.normal;
       const Transform at_a = turned(ka, now[c.a].at.rotation, turn_a, c.ahead, xa),
                       at_b = turned(kb, now[c.b].at.rotation, turn_b, c.ahead, xb);
       for (int p = 0; p < c.manifold.count; ++p) {

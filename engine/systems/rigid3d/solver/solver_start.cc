@@ -6,6 +6,7 @@
 // loads.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "engine/kernels/rigid/bearing.h"
 #include "engine/rigid/islands.h"
@@ -22,6 +23,9 @@ constexpr size_t kLoadSweeps = 2000, kLoadGroups = 200'000;
 constexpr double kBears = 0.3;
 /// Largest offset at the start, as a fraction of the smaller body's reach: loaded springs store energy.
 constexpr double kMostStart = 0.02;
+/// Multiple of the scalar's epsilon by which offsets stay below the yields: with offsets that are larger by
+/// rounding bodies would be lifted, by a nanometre in single precision.
+constexpr double kBelowYield = 32;
 
 }  // namespace
 
@@ -146,7 +150,8 @@ void ContactSolver<T>::find_loads(const State& s, std::span<const BodyKind> kind
   }
   find_resting();
   const auto kind = s.span<uint32_t>(columns::kind);
-  const double gives_way = penetration_offset_at_rest(penetration_offset_rule(settings, step));
+  const double gives_way = (1 - kBelowYield * std::numeric_limits<T>::epsilon()) *
+                           penetration_offset_at_rest(penetration_offset_rule(settings, step));
   for (size_t k = 0; k < contact_lanes_.count; ++k) {
     ContactGroup<T>& g = groups_[k];
     for (int lane = 0; lane < W::kLanes; ++lane) {
