@@ -21,6 +21,7 @@ import { isGround } from "./shapes";
 import { Strings } from "./strings";
 import { SystemView, type Has, type Visibility } from "./system_view";
 import { heightOf, setUpright, upOf, upward } from "./upright";
+import { widest } from "./value_range";
 
 const kCheckEvery = 200; // ms between two checks whether the scene has outgrown its frame
 const kSmall = 4000; // rows whose names follow them with every frame
@@ -54,6 +55,8 @@ export class Stage {
   private flat = false;
   /** Floors of bodies and points are determined once; a plane has a position of its own. */
   private floor = 0;
+  /** s; of the frame on the screen. */
+  private time = 0;
 
   constructor(canvas: HTMLCanvasElement) {
     this.painter = new Painter(canvas, this.viewHeight, {
@@ -198,12 +201,15 @@ export class Stage {
       const fields = fieldsOf(view);
       if (fields.length > 0) view.update(fields, this.show);
     };
-    const highest = (): number => this.pointViews().reduce((most, view) => Math.max(most, view.highest), 0);
-    const before = (this.show.highest = highest());
+    // Going back in time begins the range of the colours anew.
+    if (frame.time < this.time) for (const view of this.pointViews()) view.forgetRange();
+    this.time = frame.time;
+    const common = (): [number, number] | undefined => widest(this.pointViews().map((view) => view.ownRange));
+    const before = (this.show.common = common());
     for (const view of this.views.values()) update(view);
-    // One colour bar explains all systems: what is not the highest takes its colours from what is.
-    this.show.highest = highest();
-    if (this.show.highest > before) for (const view of this.pointViews()) if (view.highest > 0 && view.highest < this.show.highest) update(view);
+    // One colour bar explains all systems: what does not reach as far takes its colours from what does.
+    const now = (this.show.common = common());
+    if (now && before && (now[0] < before[0] || now[1] > before[1])) for (const view of this.pointViews()) if (view.ownRange) update(view);
     this.strings.update((id) => {
       const view = this.views.get(id);
       return view instanceof SystemView ? view : undefined;
@@ -267,7 +273,8 @@ export class Stage {
     this.framed = true;
     this.sinceCheck = performance.now();
     const now = this.reach();
-    this.extent = Math.max(now.ball().radius, 0.2);
+    const { radius: size } = now.ball();
+    this.extent = Math.max(size, Math.min(0.2, 20 * size)) || 0.2;
     this.drawShapes();
     this.strings.reachOf((x, y, z) => now.add(x, y, z));
     let lowest = Infinity;
@@ -293,7 +300,7 @@ export class Stage {
 
   private fitGround(): void {
     const { center, radius } = this.framing.seen.ball();
-    this.bounds = new Sphere(new Vector3().fromArray(center), Math.max(radius, 0.05));
+    this.bounds = new Sphere(new Vector3().fromArray(center), radius || 0.05);
     const plane = this.topology?.shapes.some(isGround);
     // Anything that swings below the guessed floor lowers it.
     const low = this.framing.seen.bottom(upward.toArray());

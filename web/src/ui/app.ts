@@ -1,6 +1,6 @@
 // The viewer as a whole: which session is on the screen, and what the buttons do to it.
-import { ProblemError } from "../client/problem";
-import { Service, type Scene, type Session } from "../client/rest";
+import { ProblemError, type Problem } from "../client/problem";
+import { Service, type Instability, type Scene, type Session } from "../client/rest";
 import type { PlaybackState } from "../client/gen/truestep/v1/stream_pb";
 import { infoOf, type SceneInfo } from "../render/scene_info";
 import { Stage } from "../render/stage";
@@ -16,7 +16,7 @@ import { Look } from "./look";
 import { Page } from "./page";
 import { Past } from "./past";
 import { Plot } from "./plot";
-import { clearProblems, dismissProblems, showProblem } from "./problems";
+import { clearProblems, dismissProblems, showProblem, type Action } from "./problems";
 import { Readout } from "./readout";
 import { fail, unstable, warn } from "./reports";
 import { showScale } from "./scale";
@@ -53,6 +53,8 @@ export class App {
   private packed: string | undefined;
   private time = 0;
   private ended = false;
+  /** s; where the session became unstable, until it has left that state. */
+  private stoppedAt: number | undefined;
 
   constructor() {
     this.interaction = new Interaction(this.stage, this.canvas, {
@@ -145,7 +147,7 @@ export class App {
     if (shared.eye && shared.target) this.stage.framing.view = { eye: shared.eye, target: shared.target };
     if (this.scene) this.editor.set(this.scene);
     markScene(this.galleryName);
-    if (session.instability) unstable(session.instability);
+    if (session.instability) this.unstable(session.instability);
     for (const { system, detail } of session.warnings ?? []) warn(`system "${system}": ${detail}`);
   }
 
@@ -164,11 +166,14 @@ export class App {
     this.info = infoOf(this.scene);
     this.time = Number(session.time ?? 0);
     this.ended = false;
+    this.stoppedAt = undefined;
     this.speed.offer(this.info.dt ?? session.dt, this.own ? speedAtFirst(this.info.dt, this.info.duration) : Number(session.speed ?? 1));
     this.stage.clear(session.viewer ?? {}, this.info);
     this.look.following(false);
     showScale(undefined);
+    // As in pictures: colours show values where the scene names a field.
     this.stage.show.colorBy = session.viewer?.color_by ?? "";
+    this.stage.show.bySpeed = this.stage.show.colorBy !== "";
     this.timeline.offer(this.info.duration, this.info.dt);
     this.plot.clear(this.info.observables);
     const fill = (): void => this.past.request(session.id, (history) => this.id === session.id && this.plot.fill(history));
@@ -198,6 +203,7 @@ export class App {
         else if (event.kind === "warning") warn(event.detail);
       },
       shown: (frame) => {
+        if (this.stoppedAt !== undefined && frame.time < this.stoppedAt - 0.5 * (this.info.dt ?? 0)) this.recovered();
         this.time = frame.time;
         this.timeline.shown(frame.time);
         this.end();
@@ -210,7 +216,40 @@ export class App {
   /** The session knows more than the event: what would have helped. */
   private async explain(id: string, detail: string): Promise<void> {
     const session = await this.service.session(id).catch(() => undefined);
-    if (this.id === id) unstable(session?.instability ?? { detail });
+    if (this.id === id) this.unstable(session?.instability ?? { detail });
+  }
+
+  /** The session has stopped at its last good step: from there it can only go back. */
+  private unstable(instability: Instability): void {
+    const { suggested_dt: dt } = instability;
+    const { scene } = this;
+    const actions: Action[] = [{ label: "Start again", run: () => this.reset() }];
+    // A tenth below the limit, as at the limit itself errors still grow.
+    const shorter = dt && Number((0.9 * dt).toPrecision(2));
+    if (scene && shorter) actions.push({ label: `Start with a step of ${shorter} s`, run: () => void this.attempt(() => this.create(withStep(scene, shorter), undefined)) });
+    unstable(instability, actions);
+    this.stoppedAt = this.time;
+  }
+
+  private reset(): void {
+    this.act(async (id) => {
+      await this.service.reset(id);
+      this.recovered();
+      this.ended = false;
+      this.plot.clear(this.info.observables);
+      this.interaction.clear();
+    });
+  }
+
+  /** The session is no longer where it became unstable. */
+  private recovered(): void {
+    this.stoppedAt = undefined;
+    dismissProblems("instability");
+  }
+
+  private fail(error: unknown): void {
+    if (error instanceof ProblemError && error.problem.code === "instability") this.unstable(error.problem as Problem & Instability);
+    else fail(error);
   }
 
   /** Pauses a plot or field once at the end of its scene. */
@@ -241,12 +280,7 @@ export class App {
     const controls: Controls = {
       playOrPause: () => this.act((id) => (this.playing ? this.service.pause(id) : this.service.play(id, this.speed.value))),
       step: () => this.step(1),
-      reset: () => this.act(async (id) => {
-        await this.service.reset(id);
-        this.ended = false;
-        this.plot.clear(this.info.observables);
-        this.interaction.clear();
-      }),
+      reset: () => this.reset(),
       look: (side) => this.look.from(side),
       follow: () => this.look.following(!this.stage.framing.following),
       theme: () => this.look.otherTheme(),
@@ -304,7 +338,7 @@ export class App {
     try {
       await action();
     } catch (error) {
-      fail(error);
+      this.fail(error);
     }
   }
 
@@ -315,4 +349,9 @@ export class App {
     const hint = this.speed.playing(state.speed, state.achievedSpeed, this.info.dt);
     if (hint) this.page.hint(hint);
   }
+}
+
+/** The same scene with another step. */
+function withStep(scene: Scene, dt: number): Scene {
+  return { ...scene, time: { ...(scene.time as Record<string, unknown> | undefined), dt } };
 }

@@ -1,14 +1,15 @@
 // What goes wrong, as cards: warnings, instabilities, refusals and faults of the page.
 import { ProblemError, problemOf } from "../client/problem";
 import type { Instability } from "../client/rest";
-import { showProblem } from "./problems";
+import { showProblem, type Action } from "./problems";
 
 export function warn(detail: string): void {
   showProblem({ title: "Warning", status: 0, code: "warning", detail }, "warning");
 }
 
-export function unstable(instability: Instability): void {
-  showProblem({ title: "The simulation became unstable", status: 0, code: "instability", ...instability });
+/** Why the session stands at its last good step, and what can be done about it. */
+export function unstable({ detail, last_good_step, suggested_dt, remedies }: Instability, actions: Action[]): void {
+  showProblem({ title: "The simulation became unstable", status: 0, code: "instability", detail, last_good_step, suggested_dt, remedies }, "error", actions);
 }
 
 export function fail(error: unknown): void {
