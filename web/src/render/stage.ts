@@ -44,6 +44,8 @@ export class Stage {
   private readonly shapes = new ShapeGroup();
   private topology: Topology | undefined;
   private framed = false;
+  /** With all bodies. */
+  private complete = false;
   private sinceCheck = 0;
   private extent = 1;
   private bounds = new Sphere(new Vector3(), 1);
@@ -99,7 +101,7 @@ export class Stage {
     this.flat = false;
     this.strings.set([]);
     this.labels.set([]);
-    this.framed = false;
+    this.framed = this.complete = false;
     this.handle.hide();
     this.invalidate(true);
   }
@@ -209,13 +211,17 @@ export class Stage {
     for (const view of this.views.values()) update(view);
     // One colour bar explains all systems: what does not reach as far takes its colours from what does.
     const now = (this.show.common = common());
-    if (now && before && (now[0] < before[0] || now[1] > before[1])) for (const view of this.pointViews()) if (view.ownRange) update(view);
+    if (now && (!before || now[0] < before[0] || now[1] > before[1])) for (const view of this.pointViews()) if (view.ownRange) update(view);
     this.strings.update((id) => {
       const view = this.views.get(id);
       return view instanceof SystemView ? view : undefined;
     });
-    if (!this.framed && this.views.size > 0) this.frameScene();
-    else if (performance.now() - this.sinceCheck >= kCheckEvery) this.followGrowth();
+    // The first frame may come before orientations have been asked for: bodies are where they belong one frame later.
+    const placed = this.pointViews().every((view) => view.placed);
+    if ((!this.framed || (placed && !this.complete)) && this.views.size > 0) {
+      this.complete = placed;
+      this.frameScene();
+    } else if (performance.now() - this.sinceCheck >= kCheckEvery) this.followGrowth();
     else if (this.labelled && this.rows() < kSmall) this.nameSystems();
     if (this.framing.following) this.track();
     this.invalidate(true);

@@ -58,6 +58,8 @@ export class SystemView {
   /** Which of the lines are drawn, and their rows. */
   private kept: number[] = [];
   private drawn = new Uint32Array(0);
+  /** Bodies, if there are any, are at their rows. */
+  placed = true;
   private bodyRange: [number, number] | undefined;
   private scratch = new Float32Array(0);
   /** Of its own values. */
@@ -84,6 +86,7 @@ export class SystemView {
     this.triangles = uints(topology.triangles);
     if (topology.visuals.length > 0) {
       this.bodies = new Bodies(topology, floor);
+      this.placed = this.bodies.rows === 0;
       this.group.add(this.bodies.group);
     }
     if (topology.pointRadius > 0) this.points = new PointCloud(topology.pointRadius, this.fill(), viewHeight);
@@ -184,6 +187,7 @@ export class SystemView {
     const turn = fields.find((field) => field.system === this.id && field.field === this.names.orientation);
     this.turns = turn?.data;
     if (!this.bodies || !turn || this.count < this.bodies.rows || turn.count < this.bodies.rows) return;
+    this.placed = true;
     const asleep = fields.find((field) => field.system === this.id && field.field === this.names.asleep)?.data;
     const { shades } = this;
     const [low, high] = this.rangeOf(show);
