@@ -13,6 +13,7 @@ import { markScene, showGallery } from "./gallery";
 import { Interaction } from "./interact";
 import { Live } from "./live";
 import { Look } from "./look";
+import { Neighbours } from "./neighbours";
 import { Page } from "./page";
 import { Past } from "./past";
 import { Plot } from "./plot";
@@ -40,6 +41,7 @@ export class App {
   private readonly editor = new Editor(this.service, (scene) => this.create(scene, undefined));
   private readonly interaction: Interaction;
   private readonly speed = new SpeedChoice();
+  private readonly neighbours = new Neighbours();
   private readonly past = new Past((id, points) => this.service.history(id, points));
   private readonly timeline = new Timeline((time) => this.act((id) => this.seek(id, time)), (text) => this.page.hint(text));
   private id: string | undefined;
@@ -153,7 +155,7 @@ export class App {
 
   private leave(): void {
     this.live.close();
-    if (this.id !== undefined && this.own) void this.service.deleteSession(this.id).catch(() => undefined);
+    if (this.id !== undefined && this.own && !this.neighbours.share(this.id)) void this.service.deleteSession(this.id).catch(() => undefined);
     this.page.lesson(undefined);
     this.page.accuracy(undefined);
     markScene(undefined);
@@ -161,6 +163,7 @@ export class App {
 
   private async show(session: Session): Promise<void> {
     this.id = session.id;
+    this.neighbours.show(session.id);
     this.scene = await this.service.sessionScene(session.id).catch(() => undefined);
     if (this.id !== session.id) return;
     this.info = infoOf(this.scene);
@@ -296,7 +299,8 @@ export class App {
       layout: () => this.page.layout(),
       // The session is paused where it is.
       left: () => {
-        if (this.id !== undefined && this.own && this.playing) void fetch(`/v1/sessions/${encodeURIComponent(this.id)}/pause`, { method: "POST", keepalive: true, headers: { "content-type": "application/json" }, body: "{}" });
+        this.neighbours.show(undefined);
+        if (this.id !== undefined && this.own && this.playing && !this.neighbours.share(this.id)) void fetch(`/v1/sessions/${encodeURIComponent(this.id)}/pause`, { method: "POST", keepalive: true, headers: { "content-type": "application/json" }, body: "{}" });
       },
     };
     installControls(controls, this.stage.show, this.marks);
