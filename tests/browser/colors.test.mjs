@@ -122,4 +122,12 @@ test("a scene as small as atoms is seen, and the wheel changes its picture", asy
   await until(page, async () => (await hueOf(page)).count < 0.7 * count, "it is farther away");
 });
 
+test("the switch of colours is there where something has the field", async () => {
+  const curve = { type: "ode", id: "curve", states: { x: 1, y: 0 }, equations: { x: "-y", y: "x" }, plot: ["x", "y"] };
+  await open(page, url, { time: { dt: 0.01 }, systems: [curve] });
+  assert.ok(await page.locator("#show-speed").isHidden(), "a curve has no speed");
+  await open(page, url, { ...still, systems: [water] });
+  assert.ok(await page.locator("#show-speed").isVisible(), "control: water has");
+});
+
 test("nothing complained", () => assert.deepEqual(bad, []));

@@ -1,5 +1,6 @@
 // The picture: camera, ground, shapes and systems. The painter says when it is drawn.
 import { PerspectiveCamera, Scene, Sphere, Vector3, type IUniform } from "three";
+import { meaning } from "../client/parts";
 import type { ViewerSettings } from "../client/rest";
 import type { DecodedFrame, FieldArray } from "../client/decode";
 import type { Marks, Part, Shape, SystemTopology, Topology } from "../client/gen/truestep/v1/stream_pb";
@@ -232,6 +233,13 @@ export class Stage {
   applyVisibility(): void {
     for (const view of this.views.values()) view.apply(this.show);
     this.invalidate(true);
+  }
+
+  /** Something on the screen has the field that colours would show. */
+  get colorable(): boolean {
+    const name = this.show.colorBy || "speed";
+    const has = (part: Part): boolean => part.fields.some((field) => field.name === name) || (name === "speed" && meaning(part, "velocity") !== undefined);
+    return [...this.parts].some(([id, part]) => !part.lattice && (this.views.has(id) || part.elements === "lines") && has(part));
   }
 
   /** Only grids are on the screen. */
