@@ -138,6 +138,16 @@ test("a grid coloured by a number carries no arrows of its velocity", async () =
   assert.ok((await dark("velocity")) > 200, "control: arrows of a velocity");
 });
 
+test("the names of axes are read in full on a phone", async () => {
+  await page.setViewportSize({ width: 390, height: 844 });
+  await page.goto(`${url}/?gallery=robertson`);
+  await until(page, async () => (await page.$$('.labels [data-kind="axis"]')).length > 1, "axes have names");
+  await page.waitForTimeout(800);
+  const ends = await page.$$eval('.labels [data-kind="axis"]', (names) => names.map((name) => [name.textContent, name.getBoundingClientRect().left, name.getBoundingClientRect().right]));
+  for (const [name, left, right] of ends) assert.ok(left >= 0 && right <= 390, `${name} goes from ${left} to ${right}`);
+  await page.setViewportSize({ width: 1280, height: 800 });
+});
+
 test("all controls of a scene of springs and bodies fit a phone", async () => {
   await page.setViewportSize({ width: 390, height: 844 });
   await page.goto(`${url}/?gallery=wrecking_ball`);
