@@ -3,7 +3,7 @@ import { PerspectiveCamera, Scene, Sphere, Vector3, type IUniform } from "three"
 import { meaning } from "../client/parts";
 import type { ViewerSettings } from "../client/rest";
 import type { DecodedFrame, FieldArray } from "../client/decode";
-import type { Marks, Part, Shape, SystemTopology, Topology } from "../client/gen/truestep/v1/stream_pb";
+import type { Marks, Part, Shape, Topology } from "../client/gen/truestep/v1/stream_pb";
 import { Extent } from "./extent";
 import { Framing, type Inset, type Side } from "./framing";
 import { Ground } from "./ground";
@@ -21,6 +21,7 @@ import { ShapeGroup, reachOfShape } from "./shape_group";
 import { isGround } from "./shapes";
 import { Strings } from "./strings";
 import { SystemView, type Has, type Visibility } from "./system_view";
+import { sameTopology } from "./topologies";
 import { heightOf, setUpright, upOf, upward } from "./upright";
 import { widest } from "./value_range";
 
@@ -370,10 +371,4 @@ export class Stage {
 function floorUnder(low: number, bodies: boolean, radius: number): number {
   if (bodies) return low - 0.02 * radius;
   return low >= -1e-3 * radius && low < 1.5 * radius ? 0 : low - 0.15 * radius;
-}
-
-const sameBytes = (a: Uint8Array, b: Uint8Array): boolean => a.length === b.length && a.every((byte, k) => byte === b[k]);
-
-function sameTopology(a: SystemTopology, b: SystemTopology): boolean {
-  return a.pointRadius === b.pointRadius && sameBytes(a.lines, b.lines) && sameBytes(a.triangles, b.triangles) && sameBytes(a.instances, b.instances) && a.visuals.length === b.visuals.length && a.color.join() === b.color.join();
 }
