@@ -75,6 +75,42 @@ test("a card about a server that was away goes when the server is back", async (
   bad = bad.filter((text) => !/ERR_FAILED/.test(text));
 });
 
+test("a page that leaves a session does not take it away from another page", async () => {
+  const context = await browser.newContext();
+  const [first, second] = [await context.newPage(), await context.newPage()];
+  try {
+    await first.goto(`${url}/?gallery=flag`);
+    await until(first, async () => new URL(first.url()).searchParams.has("session"), "it has a session");
+    const id = new URL(first.url()).searchParams.get("session");
+    await second.goto(`${url}/?session=${id}`);
+    await until(second, async () => (await second.textContent("#read-frame")) !== "0", "the second page shows it");
+    await first.evaluate(() => [...document.querySelectorAll(".scene .run")].at(-1).click());
+    await until(first, async () => ![id, null].includes(new URL(first.url()).searchParams.get("session")), "the first page shows another scene");
+    await second.waitForTimeout(500);
+    const { status } = await session(id);
+    assert.equal(status, "playing");
+    assert.equal(await second.locator("#problems .card").count(), 0);
+    // A page that is closed leaves it playing, too.
+    await first.goto(`${url}/?gallery=flag`);
+    await until(first, async () => ![id, null].includes(new URL(first.url()).searchParams.get("session")), "another one");
+    const other = new URL(first.url()).searchParams.get("session");
+    await second.goto(`${url}/?session=${other}`);
+    await until(second, async () => (await second.textContent("#read-frame")) !== "0", "the second page shows it, too");
+    await first.goto("about:blank");
+    await second.waitForTimeout(500);
+    assert.equal((await session(other)).status, "playing");
+    // The control: of the last page that shows it, it is paused, and ended when that shows another one.
+    await first.goto(`${url}/?gallery=flag`);
+    await until(first, async () => new URL(first.url()).searchParams.has("session"), "a session of its own");
+    const alone = new URL(first.url()).searchParams.get("session");
+    await until(first, async () => (await first.textContent("#read-frame")) !== "0", "it is shown");
+    await first.evaluate(() => [...document.querySelectorAll(".scene .run")].at(-1).click());
+    await until(first, async () => (await session(alone)).status === 404, "it is gone");
+  } finally {
+    await context.close();
+  }
+});
+
 test("water whose gravity is along z lies, seen from its camera", async () => {
   const pool = { type: "heightfield_wave", id: "pool", cells: [32, 32], size: [8, 8], origin: [-4, -4, 0], bed: "-0.3" };
   await open(page, url, { time: { dt: 0.01 }, gravity: [0, 0, -9.81], viewer: { color_map: "water", range: [-1, 1], height: 1, camera: { eye: [0, -8.5, 8], target: [0, 0, 0] } }, systems: [pool] });
@@ -100,6 +136,16 @@ test("a grid coloured by a number carries no arrows of its velocity", async () =
   };
   assert.equal(await dark("vorticity"), 0);
   assert.ok((await dark("velocity")) > 200, "control: arrows of a velocity");
+});
+
+test("the names of axes are read in full on a phone", async () => {
+  await page.setViewportSize({ width: 390, height: 844 });
+  await page.goto(`${url}/?gallery=robertson`);
+  await until(page, async () => (await page.$$('.labels [data-kind="axis"]')).length > 1, "axes have names");
+  await page.waitForTimeout(800);
+  const ends = await page.$$eval('.labels [data-kind="axis"]', (names) => names.map((name) => [name.textContent, name.getBoundingClientRect().left, name.getBoundingClientRect().right]));
+  for (const [name, left, right] of ends) assert.ok(left >= 0 && right <= 390, `${name} goes from ${left} to ${right}`);
+  await page.setViewportSize({ width: 1280, height: 800 });
 });
 
 test("all controls of a scene of springs and bodies fit a phone", async () => {

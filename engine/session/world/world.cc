@@ -5,10 +5,10 @@
 #include <limits>
 
 #include "engine/base/errors.h"
+#include "engine/base/text/short_number.h"
 #include "engine/core/equations/configuration.h"
 #include "engine/core/lattice.h"
 #include "engine/integrators/table/integrators.h"
-#include "engine/scene/json/json_write.h"
 
 namespace truestep {
 
@@ -77,7 +77,7 @@ void World::watch_energy(WorldState& state, size_t i, double t, Workspace& works
   const auto now = systems_[i]->energy(state.systems[i], t, workspace.object<Workspace>(id(i)), arena);
   if (!now) return;
   const auto unstable = [&](const std::string& what) { return Instability(id(i), "energy", -1, what); };
-  const auto joules = [](double v) { return write_json(boost::json::value(v)) + " J"; };
+  const auto joules = [](double v) { return short_number(v) + " J"; };
   if (!std::isfinite(now->kinetic) || !std::isfinite(now->potential))
     throw unstable(std::string(std::isfinite(now->kinetic) ? "potential" : "kinetic") +
                    " energy became non-finite");

@@ -17,53 +17,19 @@ import {
   Encoding,
   Policy,
   ServerMessageSchema,
-  type Event as StreamEvent,
   type Frame,
   type Hello,
   type Marks,
-  type Observables,
-  type PlaybackState,
   type Reply,
   type Shape,
   type Topology,
 } from "./gen/truestep/v1/stream_pb";
+import { Credit } from "./credit";
+import type { StreamEvents, StreamOptions, StreamState } from "./stream_types";
+
+export type { StreamEvents, StreamOptions, StreamState } from "./stream_types";
 
 export const kSubprotocol = "truestep.v1.proto";
-const kCalm = 120; // iterations of the consumer before one more frame may be in flight
-const kLeast = 2; // the frame in use, and the next one on its way
-
-export type StreamState = "connecting" | "open" | "waiting" | "closed";
-
-export interface StreamEvents {
-  hello: Hello;
-  topology: Topology;
-  /** Where the shapes are at the step of the frame that frames() gives next, in the order of the topology. */
-  shapes: Shape[];
-  /** Contacts and joints of that frame, where `marks` asks for them. */
-  marks: Marks;
-  observables: Observables;
-  event: StreamEvent;
-  playback: PlaybackState;
-  problem: Problem;
-  /** What the connection does; `waiting` is the pause before the next attempt. */
-  state: StreamState;
-}
-
-export interface StreamOptions {
-  /** Fields to ask for, given what the server has and how it is drawn; default: position. Asked again when either changes. */
-  fields?: (hello: Hello, topology: Topology | undefined) => string[];
-  /** Whether contacts and joints are wanted; asked with `fields`. */
-  marks?: () => { contacts: boolean; joints: boolean };
-  rate?: number;
-  credit?: number;
-  observables?: boolean;
-  /** The WebSocket class; Node before 22 has none of its own. */
-  webSocket?: typeof WebSocket;
-  /** First and longest pause between attempts, ms. */
-  backoff?: { first: number; longest: number };
-  /** Asked when a connection fails: a problem that makes further attempts pointless, or undefined. */
-  probe?: () => Promise<Problem | undefined>;
-}
 
 type ClientInit = MessageInitShape<typeof ClientMessageSchema>;
 type Handlers = { [K in keyof StreamEvents]: Set<(value: StreamEvents[K]) => void> };
@@ -97,7 +63,6 @@ export class Stream {
   /** What belongs to `newest` besides its fields; it inherits the shapes of frames that were replaced. */
   private shapes: Shape[] | undefined;
   private marks: Marks | undefined;
-  private owed = 0;
   private wake: (() => void) | undefined;
   private failure: Problem | undefined;
   private greeting: Hello | undefined;
@@ -105,9 +70,7 @@ export class Stream {
   /** What the server was asked for last. */
   private asked = "";
   private encoding = Encoding.F32;
-  /** Frames that may be in flight now, and turns of the consumer since that changed. */
-  private window = 0;
-  private calm = 0;
+  private readonly credit: Credit;
 
   /** Frames that arrived and frames that a newer one replaced before they were used. */
   received = 0;
@@ -117,6 +80,7 @@ export class Stream {
     private readonly url: string,
     private readonly options: StreamOptions,
   ) {
+    this.credit = new Credit(options.credit ?? 4);
     this.open();
   }
 
@@ -194,20 +158,8 @@ export class Stream {
   }
 
   private returnCredit(): void {
-    let frames = this.owed;
-    if (frames === 0) return;
-    this.owed = 0;
-    ++this.calm;
-    if (frames > 1 && this.window > kLeast) {
-      --this.window;
-      --frames;
-      this.calm = 0;
-    } else if (this.calm >= kCalm && this.window < this.credit) {
-      ++this.window;
-      ++frames;
-      this.calm = 0;
-    }
-    this.send({ kind: { case: "credit", value: { frames } } });
+    const frames = this.credit.take();
+    if (frames > 0) this.send({ kind: { case: "credit", value: { frames } } });
   }
 
   private emit<K extends keyof StreamEvents>(kind: K, value: StreamEvents[K]): void {
@@ -244,12 +196,12 @@ export class Stream {
     switch (kind.case) {
       case "frame":
         ++this.received;
-        ++this.owed;
+        this.credit.arrived();
         this.take(kind.value, arrived, buffer.byteLength);
         break;
       case "hello":
         this.attempts = 0;
-        this.owed = 0;
+        this.credit.forget();
         this.greeting = kind.value;
         this.decoder = new Decoder();
         this.topology = undefined;
@@ -309,10 +261,6 @@ export class Stream {
     }
   }
 
-  private get credit(): number {
-    return this.options.credit ?? 4;
-  }
-
   private wanted(): { fields: string[]; contacts: boolean; joints: boolean } {
     const fields = (this.greeting && this.options.fields?.(this.greeting, this.topology)) ?? [];
     return { fields, contacts: false, joints: false, ...this.options.marks?.() };
@@ -321,8 +269,7 @@ export class Stream {
   private subscribe(): void {
     const wanted = this.wanted();
     this.asked = JSON.stringify(wanted);
-    this.window = this.credit;
-    this.calm = 0;
+    this.credit.granted();
     this.send({
       kind: {
         case: "subscribe",
@@ -331,7 +278,7 @@ export class Stream {
           rate: this.options.rate ?? 60,
           encoding: this.encoding,
           policy: Policy.LATEST,
-          credit: this.credit,
+          credit: this.credit.most,
           observables: this.options.observables ?? false,
         },
       },

@@ -12,7 +12,6 @@ import { bodyFragment, bodyVertex, paletteColor, rampUniform } from "./shading";
 import { lightUniforms, upward } from "./upright";
 
 const kMany = 400; // instances of a round shape, drawn with fewer triangles beyond
-const kDarkest = 0.055; // linear
 const kWide = 2.5; // a fixed body this many times wider than everything that moves is a floor
 
 const motionColor = new Map([
@@ -256,15 +255,9 @@ function baseGeometry(kind: string, count: number, topology: SystemTopology): Bu
 /** A number in [-1, 1] that differs between neighbouring rows. */
 const shade = (row: number): number => (Math.imul(row + 1, 2654435761) >>> 8) / 8388608 - 1;
 
-/** Black things are drawn dark grey, so that their shape stays visible. */
-function lifted(color: Color): Color {
-  const lack = kDarkest - Math.max(color.r, color.g, color.b);
-  return lack > 0 ? color.addScalar(lack) : color;
-}
-
 function colorOf({ visual }: Part, row: number): Color {
   const [r, g, b] = visual.color;
-  if (r !== undefined && g !== undefined && b !== undefined) return lifted(new Color().setRGB(r, g, b, SRGBColorSpace));
+  if (r !== undefined && g !== undefined && b !== undefined) return new Color().setRGB(r, g, b, SRGBColorSpace);
   const color = (motionColor.get(visual.motion) ?? paletteColor(visual.group)).clone();
   return visual.motion === Motion.DYNAMIC ? color.multiplyScalar(1 + 0.16 * shade(row)) : color;
 }

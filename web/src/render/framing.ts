@@ -12,6 +12,8 @@ const kGrow = 1.22; // room for more when it outgrew its frame
 const kMove = 550; // ms of a move of the camera
 const kLargest = 12; // times the first extent: anything farther away has left the scene
 const kAuthored = 0.8; // share of a scene's own frame that matters
+const kPoint = 0.05; // m; stands for the size of a scene that is a single point
+const kStill = 1e-5; // of the camera's distance: less is no movement
 const kAspect = 4 / 3; // of the pictures that scenes' cameras are made for
 
 export type Side = "scene" | "front" | "side" | "top";
@@ -48,6 +50,7 @@ export class Framing {
   private inset: Inset = { left: 0, right: 0, top: 0, bottom: 0 };
   private readonly center = new Vector3();
   private centered = false;
+  private readonly last = new Vector3();
   private motion: { since: number; eye: [Vector3, Vector3]; target: [Vector3, Vector3] } | undefined;
 
   constructor(
@@ -135,7 +138,7 @@ export class Framing {
   /** The first frame of a scene is known. */
   begin(now: Extent): void {
     this.seen.merge(now);
-    this.first = Math.max(now.ball().radius, this.authored.ball().radius, 1e-6);
+    this.first = Math.max(now.ball().radius, this.authored.ball().radius) || kPoint;
     if (!this.held) this.aim(1, false);
     this.ranges();
   }
@@ -211,6 +214,11 @@ export class Framing {
       this.changed();
     }
     this.controls.update();
+    // The controls themselves only report what moves by a millimetre.
+    const { position } = this.camera;
+    if (position.distanceTo(this.last) <= kStill * position.distanceTo(this.controls.target)) return;
+    this.last.copy(position);
+    this.changed();
   }
 
   /** The part kept in a shared address. */
@@ -255,7 +263,7 @@ export class Framing {
 
   /** Near and far planes and distances of the wheel, for a scene of this size. */
   private ranges(): void {
-    const radius = Math.max(this.seen.ball().radius, this.authored.ball().radius, 0.05);
+    const radius = Math.max(this.seen.ball().radius, this.authored.ball().radius) || kPoint;
     this.camera.near = radius / 200;
     this.camera.far = radius * 80;
     Object.assign(this.controls, { minDistance: radius * 0.05, maxDistance: radius * 40 });

@@ -89,7 +89,7 @@ export class Ground {
   /** Puts the ground at this height and sizes disc, grid and light for a scene inside `bounds`. */
   fit(bounds: Sphere, height: number): void {
     const { center, radius } = bounds;
-    const fade = Math.max(2.2 * radius, 1e-3);
+    const fade = 2.2 * radius;
     this.object.position.copy(center).addScaledVector(upward, height - heightOf(center.x, center.y, center.z));
     this.object.quaternion.copy(turnUp);
     this.uniforms.across!.value.copy(turned(1, 0, 0));

@@ -78,7 +78,6 @@ export class PointCloud {
   private quads = true;
   private center: BufferAttribute = new BufferAttribute(new Float32Array(0), 3);
   private value: BufferAttribute = new BufferAttribute(new Float32Array(0), 1);
-  private top = 1e-6;
   private shown: [number, number] | undefined;
 
   constructor(radius: number, color: Color, viewHeight: IUniform<number>) {
@@ -89,8 +88,8 @@ export class PointCloud {
     };
   }
 
-  /** Takes `count` positions and, if the server sends it, a value per point to colour by. */
-  update(positions: Float32Array, count: number, values: Float32Array | undefined, range?: number[], highest = 0): void {
+  /** Takes `count` positions and, if the server sends it, a value per point to colour by, with the range of the colours. */
+  update(positions: Float32Array, count: number, values: Float32Array | undefined, range: readonly [number, number] = [0, 1]): void {
     if (count > this.capacity || !this.object) this.allocate(Math.max(16, Math.ceil(count * 1.25)));
     (this.center.array as Float32Array).set(positions.subarray(0, 3 * count));
     upload(this.center, 3 * count);
@@ -98,11 +97,7 @@ export class PointCloud {
     if (values) {
       (this.value.array as Float32Array).set(values.subarray(0, count));
       upload(this.value, count);
-      let top = 1e-6;
-      for (let k = 0; k < count; ++k) if (values[k]! > top) top = values[k]!;
-      // Follow the fastest point up at once and down slowly, so that colours do not flicker.
-      this.top = Number.isFinite(top) ? Math.max(top, this.top * 0.99) : this.top;
-      const [low = 0, high = Math.max(this.top, highest)] = range ?? [];
+      const [low, high] = range;
       this.uniforms.valueScale!.value = high > low ? 1 / (high - low) : 0;
       this.uniforms.valueStart!.value = low;
       this.shown = [low, high];
@@ -112,11 +107,6 @@ export class PointCloud {
     const geometry = (this.object as Mesh).geometry as InstancedBufferGeometry;
     if (this.quads) geometry.instanceCount = count;
     else geometry.setDrawRange(0, count);
-  }
-
-  /** The highest of its own values, which falls slowly. */
-  get highest(): number {
-    return this.shown ? this.top : 0;
   }
 
   /** Lowest and highest value of the colours. */

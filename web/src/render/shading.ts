@@ -3,30 +3,35 @@
 import { Color, Vector3, type IUniform } from "three";
 import { colorTable, type ColorMap } from "./fields/color_map";
 import { paletteHex } from "./fields/color_stops";
+import { lightUniforms } from "./upright";
 
 export type Theme = "dark" | "light";
 
 /** Colours of everything around the scene; all of them change in place with the theme. */
 export const scenery = { background: new Color(), ground: new Color(), lines: new Color(), ink: new Color(), shadow: { value: 0.62 } };
 
-const themes: Record<Theme, { background: string; ground: string; lines: string; ink: string; shadow: number }> = {
-  dark: { background: "#0f1319", ground: "#2c3340", lines: "#566072", ink: "#a3aebd", shadow: 0.68 },
-  light: { background: "#eef1f5", ground: "#dbe0e8", lines: "#b6bfcc", ink: "#4a5564", shadow: 0.34 },
+// `least`, linear: what is darker is drawn as bright as this, so that black things keep their shape on a dark ground.
+const themes: Record<Theme, { background: string; ground: string; lines: string; ink: string; shadow: number; least: number }> = {
+  dark: { background: "#0f1319", ground: "#2c3340", lines: "#566072", ink: "#a3aebd", shadow: 0.68, least: 0.085 },
+  light: { background: "#eef1f5", ground: "#dbe0e8", lines: "#b6bfcc", ink: "#4a5564", shadow: 0.34, least: 0.02 },
 };
 
 export function setTheme(theme: Theme): void {
-  const { background, ground, lines, ink, shadow } = themes[theme];
+  const { background, ground, lines, ink, shadow, least } = themes[theme];
   scenery.background.set(background);
   scenery.ground.set(ground);
   scenery.lines.set(lines);
   scenery.ink.set(ink);
   scenery.shadow.value = shadow;
+  lightUniforms.least.value = least;
 }
 setTheme("dark");
 
 export const shadeGlsl = /* glsl */ `
 uniform vec3 upward, keyLight;
+uniform float least;
 vec3 shade(vec3 albedo, vec3 n, vec3 toEye) {
+  albedo += max(0.0, least - max(albedo.r, max(albedo.g, albedo.b)));
   vec3 sky = mix(vec3(0.13, 0.12, 0.14), vec3(0.34, 0.39, 0.47), 0.5 + 0.5 * dot(n, upward));
   float key = max(dot(n, keyLight), 0.0);
   float gloss = pow(max(dot(n, normalize(keyLight + toEye)), 0.0), 36.0);
@@ -58,9 +63,7 @@ export function setRamp(map: ColorMap): void {
   const color = new Color();
   rampUniform.value = Array.from({ length: kStops }, (_, k) => {
     color.setRGB(table[3 * k]! / 255, table[3 * k + 1]! / 255, table[3 * k + 2]! / 255, "srgb");
-    // The dark end of a map would be invisible on a dark ground.
-    const lift = 0.045 * (1 - k / (kStops - 1));
-    return new Vector3(color.r + lift, color.g + lift, color.b + lift);
+    return new Vector3(color.r, color.g, color.b);
   });
 }
 setRamp("viridis");

@@ -1,8 +1,9 @@
 // The picture: camera, ground, shapes and systems. The painter says when it is drawn.
 import { PerspectiveCamera, Scene, Sphere, Vector3, type IUniform } from "three";
+import { meaning } from "../client/parts";
 import type { ViewerSettings } from "../client/rest";
 import type { DecodedFrame, FieldArray } from "../client/decode";
-import type { Marks, Part, Shape, SystemTopology, Topology } from "../client/gen/truestep/v1/stream_pb";
+import type { Marks, Part, Shape, Topology } from "../client/gen/truestep/v1/stream_pb";
 import { Extent } from "./extent";
 import { Framing, type Inset, type Side } from "./framing";
 import { Ground } from "./ground";
@@ -20,7 +21,9 @@ import { ShapeGroup, reachOfShape } from "./shape_group";
 import { isGround } from "./shapes";
 import { Strings } from "./strings";
 import { SystemView, type Has, type Visibility } from "./system_view";
+import { sameTopology } from "./topologies";
 import { heightOf, setUpright, upOf, upward } from "./upright";
+import { widest } from "./value_range";
 
 const kCheckEvery = 200; // ms between two checks whether the scene has outgrown its frame
 const kSmall = 4000; // rows whose names follow them with every frame
@@ -43,6 +46,8 @@ export class Stage {
   private readonly shapes = new ShapeGroup();
   private topology: Topology | undefined;
   private framed = false;
+  /** With all bodies. */
+  private complete = false;
   private sinceCheck = 0;
   private extent = 1;
   private bounds = new Sphere(new Vector3(), 1);
@@ -54,6 +59,8 @@ export class Stage {
   private flat = false;
   /** Floors of bodies and points are determined once; a plane has a position of its own. */
   private floor = 0;
+  /** s; of the frame on the screen. */
+  private time = 0;
 
   constructor(canvas: HTMLCanvasElement) {
     this.painter = new Painter(canvas, this.viewHeight, {
@@ -96,7 +103,7 @@ export class Stage {
     this.flat = false;
     this.strings.set([]);
     this.labels.set([]);
-    this.framed = false;
+    this.framed = this.complete = false;
     this.handle.hide();
     this.invalidate(true);
   }
@@ -198,18 +205,25 @@ export class Stage {
       const fields = fieldsOf(view);
       if (fields.length > 0) view.update(fields, this.show);
     };
-    const highest = (): number => this.pointViews().reduce((most, view) => Math.max(most, view.highest), 0);
-    const before = (this.show.highest = highest());
+    // Going back in time begins the range of the colours anew.
+    if (frame.time < this.time) for (const view of this.pointViews()) view.forgetRange();
+    this.time = frame.time;
+    const common = (): [number, number] | undefined => widest(this.pointViews().map((view) => view.ownRange));
+    const before = (this.show.common = common());
     for (const view of this.views.values()) update(view);
-    // One colour bar explains all systems: what is not the highest takes its colours from what is.
-    this.show.highest = highest();
-    if (this.show.highest > before) for (const view of this.pointViews()) if (view.highest > 0 && view.highest < this.show.highest) update(view);
+    // One colour bar explains all systems: what does not reach as far takes its colours from what does.
+    const now = (this.show.common = common());
+    if (now && (!before || now[0] < before[0] || now[1] > before[1])) for (const view of this.pointViews()) if (view.ownRange) update(view);
     this.strings.update((id) => {
       const view = this.views.get(id);
       return view instanceof SystemView ? view : undefined;
     });
-    if (!this.framed && this.views.size > 0) this.frameScene();
-    else if (performance.now() - this.sinceCheck >= kCheckEvery) this.followGrowth();
+    // The first frame may come before orientations have been asked for: bodies are where they belong one frame later.
+    const placed = this.pointViews().every((view) => view.placed);
+    if ((!this.framed || (placed && !this.complete)) && this.views.size > 0) {
+      this.complete = placed;
+      this.frameScene();
+    } else if (performance.now() - this.sinceCheck >= kCheckEvery) this.followGrowth();
     else if (this.labelled && this.rows() < kSmall) this.nameSystems();
     if (this.framing.following) this.track();
     this.invalidate(true);
@@ -220,6 +234,13 @@ export class Stage {
   applyVisibility(): void {
     for (const view of this.views.values()) view.apply(this.show);
     this.invalidate(true);
+  }
+
+  /** Something on the screen has the field that colours would show. */
+  get colorable(): boolean {
+    const name = this.show.colorBy || "speed";
+    const has = (part: Part): boolean => part.fields.some((field) => field.name === name) || (name === "speed" && meaning(part, "velocity") !== undefined);
+    return [...this.parts].some(([id, part]) => !part.lattice && (this.views.has(id) || part.elements === "lines") && has(part));
   }
 
   /** Only grids are on the screen. */
@@ -267,7 +288,8 @@ export class Stage {
     this.framed = true;
     this.sinceCheck = performance.now();
     const now = this.reach();
-    this.extent = Math.max(now.ball().radius, 0.2);
+    const { radius: size } = now.ball();
+    this.extent = Math.max(size, Math.min(0.2, 20 * size)) || 0.2;
     this.drawShapes();
     this.strings.reachOf((x, y, z) => now.add(x, y, z));
     let lowest = Infinity;
@@ -293,7 +315,7 @@ export class Stage {
 
   private fitGround(): void {
     const { center, radius } = this.framing.seen.ball();
-    this.bounds = new Sphere(new Vector3().fromArray(center), Math.max(radius, 0.05));
+    this.bounds = new Sphere(new Vector3().fromArray(center), radius || 0.05);
     const plane = this.topology?.shapes.some(isGround);
     // Anything that swings below the guessed floor lowers it.
     const low = this.framing.seen.bottom(upward.toArray());
@@ -349,10 +371,4 @@ export class Stage {
 function floorUnder(low: number, bodies: boolean, radius: number): number {
   if (bodies) return low - 0.02 * radius;
   return low >= -1e-3 * radius && low < 1.5 * radius ? 0 : low - 0.15 * radius;
-}
-
-const sameBytes = (a: Uint8Array, b: Uint8Array): boolean => a.length === b.length && a.every((byte, k) => byte === b[k]);
-
-function sameTopology(a: SystemTopology, b: SystemTopology): boolean {
-  return a.pointRadius === b.pointRadius && sameBytes(a.lines, b.lines) && sameBytes(a.triangles, b.triangles) && sameBytes(a.instances, b.instances) && a.visuals.length === b.visuals.length && a.color.join() === b.color.join();
 }

@@ -11,6 +11,8 @@ import { kindColors, WideLines } from "./lines";
 import { PointCloud } from "./points";
 import { paletteColor } from "./shading";
 import { Surface } from "./fields/surface";
+import { ValueRange, widest } from "./value_range";
+import { extremes, mine, sizes, values, type Names } from "./values";
 
 const kMarked = 128; // points
 const kNet = 1500; // lines
@@ -21,12 +23,12 @@ export interface Visibility {
   surface: boolean;
   /** Colour points by their speed, or by the field named in the scene, if the server sends it. */
   bySpeed: boolean;
-  /** Name of that field; "" for speed, and only where a system has no colour of its own. */
+  /** Name of that field; "" for speed. */
   colorBy: string;
   /** Lowest and highest value of the colours, if given by the scene. */
   range?: number[];
-  /** Without a range: the highest value on the screen, so that one colour bar explains all systems. */
-  highest?: number;
+  /** Without a range: the lowest and highest value on the screen, so that one colour bar explains all systems. */
+  common?: [number, number];
 }
 
 /** Which switches have an effect. */
@@ -57,8 +59,12 @@ export class SystemView {
   /** Which of the lines are drawn, and their rows. */
   private kept: number[] = [];
   private drawn = new Uint32Array(0);
+  /** Bodies, if there are any, are at their rows. */
+  placed = true;
   private bodyRange: [number, number] | undefined;
-  private bodyTop: number | undefined;
+  private scratch = new Float32Array(0);
+  /** Of its own values. */
+  private readonly own = new ValueRange();
   private readonly triangles: Uint32Array;
   private readonly color: Color | undefined;
   private readonly names: Names;
@@ -81,6 +87,7 @@ export class SystemView {
     this.triangles = uints(topology.triangles);
     if (topology.visuals.length > 0) {
       this.bodies = new Bodies(topology, floor);
+      this.placed = this.bodies.rows === 0;
       this.group.add(this.bodies.group);
     }
     if (topology.pointRadius > 0) this.points = new PointCloud(topology.pointRadius, this.fill(), viewHeight);
@@ -114,10 +121,12 @@ export class SystemView {
     const position = fields.find((field) => field.system === this.id && field.field === this.names.position);
     if (position) this.take(position);
     this.mark();
+    this.shades = show.bySpeed ? values(mine(fields, this.id), show.colorBy || "speed", this.names, this.room) : undefined;
+    if (this.shades) this.own.take(this.shades, this.shades.length);
+    else this.own.forget();
     this.carry(fields, show);
     this.colorLines(fields, show);
-    this.shades = show.bySpeed && (show.colorBy || !this.color) ? values(mine(fields, this.id), show.colorBy, this.names) : undefined;
-    this.points?.update(this.positions, this.count, this.shades, show.range, show.highest);
+    this.points?.update(this.positions, this.count, this.shades, this.rangeOf(show));
     if (this.points?.object && !this.points.object.parent) {
       this.points.object.layers.enable(1);
       this.group.add(this.points.object);
@@ -179,12 +188,13 @@ export class SystemView {
     const turn = fields.find((field) => field.system === this.id && field.field === this.names.orientation);
     this.turns = turn?.data;
     if (!this.bodies || !turn || this.count < this.bodies.rows || turn.count < this.bodies.rows) return;
-    const speed = show.bySpeed && show.colorBy ? values(mine(fields, this.id), show.colorBy, this.names) : undefined;
+    this.placed = true;
     const asleep = fields.find((field) => field.system === this.id && field.field === this.names.asleep)?.data;
-    this.bodyTop = speed?.reduce((most, v) => Math.max(most, v), 1e-6);
-    const [low, high] = rangeOf(show, this.bodyTop ?? 1);
-    this.bodyRange = speed ? [low, high] : undefined;
-    this.bodies.update(this.positions, turn.data, speed?.map((v) => v - low) ?? asleep, high > low ? 1 / (high - low) : 0, speed !== undefined);
+    const { shades } = this;
+    const [low, high] = this.rangeOf(show);
+    this.bodyRange = shades ? [low, high] : undefined;
+    const scale = high > low ? 1 / (high - low) : 0;
+    this.bodies.update(this.positions, turn.data, shades?.map((v) => v - low) ?? asleep, shades ? scale : 1, shades !== undefined);
   }
 
   private fill(): Color {
@@ -196,7 +206,7 @@ export class SystemView {
     if (this.points || this.bodies || this.triangles.length > 0 || this.count === 0 || this.count > kMarked) return;
     let longest = 0;
     for (let k = 0; k < 3 * this.count; ++k) longest = Math.max(longest, Math.abs(this.positions[k]! - this.positions[k % 3]!));
-    this.points = new PointCloud(Math.max(Math.min(0.08, 0.35 / (this.count - 1 || 1)) * longest, 1e-3), this.fill(), this.viewHeight);
+    this.points = new PointCloud(Math.min(0.08, 0.35 / (this.count - 1 || 1)) * longest || 1e-3, this.fill(), this.viewHeight);
   }
 
   private take(field: FieldArray): void {
@@ -271,9 +281,24 @@ export class SystemView {
     return this.lineScale ?? this.points?.range ?? this.bodyRange;
   }
 
-  /** The highest of its own values that colours show. */
-  get highest(): number {
-    return Math.max(this.points?.highest ?? 0, this.bodyTop ?? 0);
+  /** Lowest and highest of its own values that colours show. */
+  get ownRange(): [number, number] | undefined {
+    return this.own.ends;
+  }
+
+  /** The next frame is not the successor of the last one. */
+  forgetRange(): void {
+    this.own.forget();
+  }
+
+  /** Where values are computed, frame after frame. */
+  private readonly room = (count: number): Float32Array => {
+    if (this.scratch.length < count) this.scratch = new Float32Array(count);
+    return this.scratch.subarray(0, count);
+  };
+
+  private rangeOf({ range, common }: Visibility): [number, number] {
+    return range?.length === 2 ? (range as [number, number]) : (widest([common, this.own.ends]) ?? [0, 1]);
   }
 
   /** New arrays, with lines and triangles over them; a topology with invalid rows is not drawn. */
@@ -292,59 +317,4 @@ export class SystemView {
     this.lines = undefined;
     if (inside(this.pairs)) this.string();
   }
-}
-
-/** Fields by what they mean. */
-interface Names {
-  position: string | undefined;
-  orientation: string | undefined;
-  asleep: string | undefined;
-  velocity: string | undefined;
-}
-
-/** Lowest and highest value of the colours of what has `top` as its own highest. */
-function rangeOf({ range, highest = 0 }: Visibility, top: number): [number, number] {
-  return range?.length === 2 ? (range as [number, number]) : [0, Math.max(top, highest)];
-}
-
-const mine = (fields: FieldArray[], id: string): FieldArray[] => fields.filter((field) => field.system === id);
-
-/** One number per row: the value, or the length of a vector. */
-function sizes({ count, width, data }: FieldArray): Float32Array {
-  const out = new Float32Array(count);
-  for (let r = 0; r < count; ++r) {
-    let sum = 0;
-    for (let c = 0; c < width; ++c) sum += data[r * width + c]! ** 2;
-    out[r] = width === 1 ? data[r]! : Math.sqrt(sum);
-  }
-  return out;
-}
-
-function extremes(values: ArrayLike<number>): [number, number] {
-  let low = Infinity;
-  let high = -Infinity;
-  for (let k = 0; k < values.length; ++k) {
-    if (values[k]! < low) low = values[k]!;
-    if (values[k]! > high) high = values[k]!;
-  }
-  return low <= high ? [low, high] : [0, 1];
-}
-
-let scratch = new Float32Array(0);
-
-/** A value per point: the named field, otherwise speed, otherwise the length of velocity; undefined without any. */
-function values(fields: FieldArray[], name: string, names: Names): Float32Array | undefined {
-  for (const wanted of [name, "speed"]) {
-    const scalar = fields.find((field) => field.field === wanted && field.width === 1);
-    if (scalar) return scalar.data instanceof Float32Array ? scalar.data : Float32Array.from(scalar.data);
-  }
-  const velocity = fields.find((field) => field.field === names.velocity && field.width === 3);
-  if (!velocity) return undefined;
-  const { count, data } = velocity;
-  if (scratch.length < count) scratch = new Float32Array(count);
-  for (let k = 0; k < count; ++k) {
-    const x = data[3 * k]!, y = data[3 * k + 1]!, z = data[3 * k + 2]!;
-    scratch[k] = Math.sqrt(x * x + y * y + z * z);
-  }
-  return scratch.subarray(0, count);
 }

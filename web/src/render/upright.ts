@@ -14,7 +14,7 @@ export const keyDirection = key.clone();
 /** Turns y to `upward`. */
 export const turnUp = new Quaternion();
 /** For every material that uses shadeGlsl. */
-export const lightUniforms: Record<string, IUniform<Vector3>> = { upward: { value: upward }, keyLight: { value: keyDirection } };
+export const lightUniforms = { upward: { value: upward }, keyLight: { value: keyDirection }, least: { value: 0 } } satisfies Record<string, IUniform>;
 
 /** The axis that is up in a scene, as in the service's pictures; gravity along no axis leaves y. */
 export function upOf(gravity: Vec | undefined, camera?: Vec): [number, number, number] {

@@ -1,35 +1,32 @@
 // The viewer as a whole: which session is on the screen, and what the buttons do to it.
-import { showScale } from "./scale";
-import { connect, type Stream } from "../client/stream";
-import { ProblemError, problemOf } from "../client/problem";
+import { ProblemError, type Problem } from "../client/problem";
 import { Service, type Instability, type Scene, type Session } from "../client/rest";
-import { infoOf, type SceneInfo } from "../render/scene_info";
-import type { Side } from "../render/framing";
-import type { Theme } from "../render/shading";
-import { partsOf } from "../client/parts";
 import type { PlaybackState } from "../client/gen/truestep/v1/stream_pb";
+import { infoOf, type SceneInfo } from "../render/scene_info";
 import { Stage } from "../render/stage";
 import type { Accuracy } from "../studies/accuracy";
 import { packScene, readShared, writeShared, type Shared } from "./address";
-import { Compact } from "./compact";
-import { installControls, type Controls } from "./controls";
+import { installControls, showPlaying, type Controls } from "./controls";
 import { byId } from "./dom";
 import { Editor } from "./editor";
-import { fieldsOf } from "./fields";
 import { markScene, showGallery } from "./gallery";
 import { Interaction } from "./interact";
+import { Live } from "./live";
+import { Look } from "./look";
+import { Neighbours } from "./neighbours";
 import { Page } from "./page";
+import { Past } from "./past";
 import { Plot } from "./plot";
-import { clearProblems, dismissProblems, showProblem } from "./problems";
+import { clearProblems, dismissProblems, showProblem, type Action } from "./problems";
 import { Readout } from "./readout";
+import { fail, unstable, warn } from "./reports";
+import { showScale } from "./scale";
 import { installShortcuts } from "./shortcuts";
 import { SpeedChoice } from "./speed_choice";
 import { speedAtFirst } from "./speeds";
 import { Timeline } from "./timeline";
 
-const kHistory = 1500; // points of a plot's past
 const kAddress = 1200; // ms between two updates of the address
-const kMarks = 5000; // pictures that leave a performance mark, for scripts/measure.mjs
 
 export class App {
   private readonly service = new Service();
@@ -37,19 +34,20 @@ export class App {
   private readonly stage = new Stage(this.canvas);
   private readonly page = new Page(this.stage);
   private readonly plot = new Plot();
+  private readonly look = new Look(this.stage, this.plot);
   private readonly readout = new Readout();
+  private readonly marks = { contacts: false, joints: false };
+  private readonly live = new Live({ stage: this.stage, page: this.page, plot: this.plot, readout: this.readout, marks: this.marks });
   private readonly editor = new Editor(this.service, (scene) => this.create(scene, undefined));
   private readonly interaction: Interaction;
   private readonly speed = new SpeedChoice();
-  private readonly compact = new Compact();
+  private readonly neighbours = new Neighbours();
+  private readonly past = new Past((id, points) => this.service.history(id, points));
   private readonly timeline = new Timeline((time) => this.act((id) => this.seek(id, time)), (text) => this.page.hint(text));
-  private stream: Stream | undefined;
   private id: string | undefined;
   /** True for a session that this page created and therefore ends when it opens the next one. */
   private own = false;
   private playing = false;
-  private readonly marks = { contacts: false, joints: false };
-  private measured = 0;
   private info: SceneInfo = infoOf(undefined);
   /** The session's scene, with its defaults; undefined until it has been received. */
   private scene: Scene | undefined;
@@ -57,17 +55,17 @@ export class App {
   private packed: string | undefined;
   private time = 0;
   private ended = false;
-  private filling = false;
+  /** s; where the session became unstable, until it has left that state. */
+  private stoppedAt: number | undefined;
 
   constructor() {
     this.interaction = new Interaction(this.stage, this.canvas, {
-      send: (body) => void this.stream?.command(body).catch((error: unknown) => this.fail(error)),
-      ask: async (body) => void (await this.stream?.command(body)),
-      post: (body) => this.stream?.post(body),
+      send: (body) => void this.live.command(body).catch((error: unknown) => fail(error)),
+      ask: (body) => this.live.command(body),
+      post: (body) => this.live.post(body),
       say: (text) => this.page.hint(text),
     });
     this.speed.offer(undefined, 1);
-    this.theme((localStorage.getItem("theme") as Theme | null) ?? "dark");
     this.wire();
   }
 
@@ -152,12 +150,12 @@ export class App {
     if (this.scene) this.editor.set(this.scene);
     markScene(this.galleryName);
     if (session.instability) this.unstable(session.instability);
-    for (const { system, detail } of session.warnings ?? []) this.warn(`system "${system}": ${detail}`);
+    for (const { system, detail } of session.warnings ?? []) warn(`system "${system}": ${detail}`);
   }
 
   private leave(): void {
-    this.stream?.close();
-    if (this.id !== undefined && this.own) void this.service.deleteSession(this.id).catch(() => undefined);
+    this.live.close();
+    if (this.id !== undefined && this.own && !this.neighbours.share(this.id)) void this.service.deleteSession(this.id).catch(() => undefined);
     this.page.lesson(undefined);
     this.page.accuracy(undefined);
     markScene(undefined);
@@ -165,20 +163,25 @@ export class App {
 
   private async show(session: Session): Promise<void> {
     this.id = session.id;
+    this.neighbours.show(session.id);
     this.scene = await this.service.sessionScene(session.id).catch(() => undefined);
     if (this.id !== session.id) return;
     this.info = infoOf(this.scene);
     this.time = Number(session.time ?? 0);
     this.ended = false;
+    this.stoppedAt = undefined;
     this.speed.offer(this.info.dt ?? session.dt, this.own ? speedAtFirst(this.info.dt, this.info.duration) : Number(session.speed ?? 1));
     this.stage.clear(session.viewer ?? {}, this.info);
-    this.following(false);
+    this.look.following(false);
     showScale(undefined);
+    // As in pictures: colours show values where the scene names a field.
     this.stage.show.colorBy = session.viewer?.color_by ?? "";
+    this.stage.show.bySpeed = this.stage.show.colorBy !== "";
     this.timeline.offer(this.info.duration, this.info.dt);
     this.plot.clear(this.info.observables);
-    this.plot.onGap = () => this.fillPlot(session.id);
-    this.fillPlot(session.id);
+    const fill = (): void => this.past.request(session.id, (history) => this.id === session.id && this.plot.fill(history));
+    this.plot.onGap = fill;
+    fill();
     this.readout.clear();
     this.interaction.clear();
     this.page.title(session.title ?? session.name ?? "");
@@ -191,38 +194,26 @@ export class App {
     document.body.classList.add("running");
     this.page.layout();
     this.playback(undefined);
-    const stream = connect(this.service.streamUrl(session.id, location.origin), { observables: true, credit: 4, fields: (hello, topology) => fieldsOf(this.stage.show, hello, topology), marks: () => this.marks });
-    this.stream = stream;
-    const mine = <T>(handler: (value: T) => void) => (value: T) => {
-      if (this.stream === stream) handler(value);
-    };
-    this.page.connection("connecting");
-    stream.on("state", mine((state) => {
-      this.page.connection(state);
-      if (state === "open") dismissProblems("unreachable");
-      if (state === "closed") this.playback(undefined);
-    }));
-    stream.on("hello", mine((hello) => {
-      const parts = partsOf(hello);
-      this.compact.greet(hello);
-      this.stage.setParts(parts);
-    }));
-    stream.on("topology", mine((topology) => {
-      this.compact.connect(topology);
-      this.stage.setTopology(topology);
-      this.page.toggles();
-    }));
-    stream.on("shapes", mine((shapes) => this.stage.moveShapes(shapes)));
-    stream.on("marks", mine((marks) => this.stage.setMarks(marks)));
-    stream.on("playback", mine((state) => this.playback(state)));
-    stream.on("observables", mine((observables) => this.plot.add(observables)));
-    stream.on("problem", mine((problem) => showProblem(problem)));
-    stream.on("event", mine((event) => {
-      if (event.kind === "instability") void this.explain(session.id, event.detail);
-      else if (/error|fail|full/.test(event.kind)) showProblem({ title: event.kind.replaceAll("_", " "), status: 0, code: event.kind, detail: event.detail });
-      else if (event.kind === "warning") this.warn(event.detail);
-    }));
-    void this.consume(stream);
+    this.live.open(this.service.streamUrl(session.id, location.origin), {
+      state: (state) => {
+        if (state === "open") dismissProblems("unreachable");
+        if (state === "closed") this.playback(undefined);
+      },
+      playback: (state) => this.playback(state),
+      event: (event) => {
+        if (event.kind === "instability") void this.explain(session.id, event.detail);
+        else if (/error|fail|full/.test(event.kind)) showProblem({ title: event.kind.replaceAll("_", " "), status: 0, code: event.kind, detail: event.detail });
+        else if (event.kind === "warning") warn(event.detail);
+      },
+      shown: (frame) => {
+        if (this.stoppedAt !== undefined && frame.time < this.stoppedAt - 0.5 * (this.info.dt ?? 0)) this.recovered();
+        this.time = frame.time;
+        this.timeline.shown(frame.time);
+        this.end();
+        this.interaction.follow();
+      },
+      failed: (error) => fail(error),
+    });
   }
 
   /** The session knows more than the event: what would have helped. */
@@ -231,39 +222,37 @@ export class App {
     if (this.id === id) this.unstable(session?.instability ?? { detail });
   }
 
-  private readonly warn = (detail: string): void => showProblem({ title: "Warning", status: 0, code: "warning", detail }, "warning");
-
+  /** The session has stopped at its last good step: from there it can only go back. */
   private unstable(instability: Instability): void {
-    showProblem({ title: "The simulation became unstable", status: 0, code: "instability", ...instability });
+    const { suggested_dt: dt } = instability;
+    const { scene } = this;
+    const actions: Action[] = [{ label: "Start again", run: () => this.reset() }];
+    // A tenth below the limit, as at the limit itself errors still grow.
+    const shorter = dt && Number((0.9 * dt).toPrecision(2));
+    if (scene && shorter) actions.push({ label: `Start with a step of ${shorter} s`, run: () => void this.attempt(() => this.create(withStep(scene, shorter), undefined)) });
+    unstable(instability, actions);
+    this.stoppedAt = this.time;
   }
 
-  private async consume(stream: Stream): Promise<void> {
-    try {
-      for await (const frame of stream.frames()) {
-        if (this.stream !== stream) break;
-        stream.encode(this.compact.choose(frame));
-        await this.stage.present(frame);
-        showScale(this.stage.colorScale);
-        this.time = frame.time;
-        this.timeline.shown(frame.time);
-        this.end();
-        if (this.measured++ < kMarks) performance.mark(this.measured === 1 ? "first-picture" : "picture");
-        this.interaction.follow();
-        this.readout.shown(frame, stream.superseded);
-      }
-    } catch (error) {
-      if (this.stream === stream) this.fail(error);
-    }
+  private reset(): void {
+    this.act(async (id) => {
+      await this.service.reset(id);
+      this.recovered();
+      this.ended = false;
+      this.plot.clear(this.info.observables);
+      this.interaction.clear();
+    });
   }
 
-  /** Fetches earlier samples from the service: at the start, and where frames are missing. */
-  private fillPlot(id: string): void {
-    if (this.filling) return;
-    this.filling = true;
-    const done = (): void => void setTimeout(() => (this.filling = false), 1500);
-    this.service.history(id, kHistory).then((history) => {
-      if (this.id === id) this.plot.fill(history);
-    }, () => undefined).finally(done);
+  /** The session is no longer where it became unstable. */
+  private recovered(): void {
+    this.stoppedAt = undefined;
+    dismissProblems("instability");
+  }
+
+  private fail(error: unknown): void {
+    if (error instanceof ProblemError && error.problem.code === "instability") this.unstable(error.problem as Problem & Instability);
+    else fail(error);
   }
 
   /** Pauses a plot or field once at the end of its scene. */
@@ -277,33 +266,15 @@ export class App {
 
   /** Keeps in the address how to return to what is on the screen. */
   private address(): void {
-    if (this.id === undefined || this.stream?.state !== "open") return;
+    if (this.id === undefined || this.live.state !== "open") return;
     const { framing } = this.stage;
     const hash = writeShared({ gallery: this.galleryName, packed: this.packed, time: this.time, ...(framing.held ? framing.view : {}) });
     const next = `/?session=${encodeURIComponent(this.id)}${hash}`;
     if (`${location.pathname}${location.search}${location.hash}` !== next) history.replaceState(null, "", next);
   }
 
-  private theme(theme: Theme): void {
-    document.documentElement.dataset.theme = theme;
-    localStorage.setItem("theme", theme);
-    this.stage.setTheme(theme);
-    this.plot.restyle();
-    byId("theme").setAttribute("aria-pressed", String(theme === "light"));
-  }
-
-  private following(on: boolean): void {
-    this.stage.framing.follow(on);
-    byId("view-follow").setAttribute("aria-pressed", String(on));
-  }
-
-  private look(side: Side): void {
-    this.following(false);
-    this.stage.frameAll(side);
-  }
-
   private async measureTrip(): Promise<void> {
-    if (document.hidden || this.stream?.state !== "open") return;
+    if (document.hidden || this.live.state !== "open") return;
     await this.service.roundTrip().then((ms) => this.readout.roundTrip(ms), () => undefined);
   }
 
@@ -312,28 +283,24 @@ export class App {
     const controls: Controls = {
       playOrPause: () => this.act((id) => (this.playing ? this.service.pause(id) : this.service.play(id, this.speed.value))),
       step: () => this.step(1),
-      reset: () => this.act(async (id) => {
-        await this.service.reset(id);
-        this.ended = false;
-        this.plot.clear(this.info.observables);
-        this.interaction.clear();
-      }),
-      look: (side) => this.look(side),
-      follow: () => this.following(!this.stage.framing.following),
-      theme: () => this.theme(document.documentElement.dataset.theme === "light" ? "dark" : "light"),
+      reset: () => this.reset(),
+      look: (side) => this.look.from(side),
+      follow: () => this.look.following(!this.stage.framing.following),
+      theme: () => this.look.otherTheme(),
       shown: (key) => {
         this.stage.applyVisibility();
-        if (key === "bySpeed") this.stream?.resubscribe();
+        if (key === "bySpeed") this.live.resubscribe();
       },
       marked: () => {
         if (!this.marks.contacts && !this.marks.joints) this.stage.setMarks(undefined);
-        this.stream?.resubscribe();
+        this.live.resubscribe();
       },
       panel: (which) => this.page.panel(which),
       layout: () => this.page.layout(),
       // The session is paused where it is.
       left: () => {
-        if (this.id !== undefined && this.own && this.playing) void fetch(`/v1/sessions/${encodeURIComponent(this.id)}/pause`, { method: "POST", keepalive: true, headers: { "content-type": "application/json" }, body: "{}" });
+        this.neighbours.show(undefined);
+        if (this.id !== undefined && this.own && this.playing && !this.neighbours.share(this.id)) void fetch(`/v1/sessions/${encodeURIComponent(this.id)}/pause`, { method: "POST", keepalive: true, headers: { "content-type": "application/json" }, body: "{}" });
       },
     };
     installControls(controls, this.stage.show, this.marks);
@@ -355,7 +322,7 @@ export class App {
   private act(action: (id: string) => Promise<void>): void {
     const { id } = this;
     if (id === undefined) return;
-    void this.attempt(() => (this.stream?.state === "closed" ? this.revive() : action(id)));
+    void this.attempt(() => (this.live.state === "closed" ? this.revive() : action(id)));
   }
 
   private async seek(id: string, time: number): Promise<void> {
@@ -379,21 +346,16 @@ export class App {
     }
   }
 
-  private fail(error: unknown): void {
-    if (!(error instanceof ProblemError)) console.error(error);
-    const problem = problemOf(error);
-    // The connection line already says so, and the next attempt is under way.
-    if (problem.code !== "connection_lost") showProblem(problem);
-  }
-
   private playback(state: PlaybackState | undefined): void {
     this.playing = state?.playing ?? false;
-    const button = byId("play");
-    button.querySelector("use")?.setAttribute("href", this.playing ? "#i-pause" : "#i-play");
-    button.setAttribute("aria-label", this.playing ? "Pause" : "Play");
-    button.title = this.playing ? "Pause (Space)" : "Play (Space)";
+    showPlaying(this.playing);
     if (!state?.playing || state.speed <= 0) return;
     const hint = this.speed.playing(state.speed, state.achievedSpeed, this.info.dt);
     if (hint) this.page.hint(hint);
   }
+}
+
+/** The same scene with another step. */
+function withStep(scene: Scene, dt: number): Scene {
+  return { ...scene, time: { ...(scene.time as Record<string, unknown> | undefined), dt } };
 }

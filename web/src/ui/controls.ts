@@ -72,3 +72,11 @@ export function installControls(controls: Controls, show: Pick<Visibility, Switc
   const layout = new ResizeObserver(() => controls.layout());
   for (const id of ["app", "side", "panel"]) layout.observe(byId(id));
 }
+
+/** The play button shows what it would do. */
+export function showPlaying(playing: boolean): void {
+  const button = byId("play");
+  button.querySelector("use")?.setAttribute("href", playing ? "#i-pause" : "#i-play");
+  button.setAttribute("aria-label", playing ? "Pause" : "Play");
+  button.title = playing ? "Pause (Space)" : "Play (Space)";
+}

@@ -9,8 +9,8 @@ export interface Coloring {
 }
 
 /**
- * What the colours of grids show; positions; for rows with bodies also orientations and sleep states; and for points the field by which the scene
- * colours them, or their speed if they have no colour of their own.
+ * What the colours of grids show; positions; for rows with bodies also orientations and sleep states; and, where points and bodies are
+ * coloured by a value, that field: the one that the scene names, otherwise their speed.
  */
 export function fieldsOf({ colorBy, bySpeed }: Coloring, hello: Hello, topology: Topology | undefined): string[] {
   const parts = partsOf(hello);
@@ -25,8 +25,8 @@ export function fieldsOf({ colorBy, bySpeed }: Coloring, hello: Hello, topology:
     const bodies = drawn.visuals.length > 0;
     want(meaning(part, "position"));
     if (bodies) for (const what of ["orientation", "asleep"]) want(meaning(part, what));
-    const colored = (drawn.pointRadius > 0 && (colorBy || drawn.color.length === 0)) || (bodies && colorBy);
-    if (bySpeed && colored) want(has(colorBy) ?? has("speed") ?? meaning(part, "velocity"));
+    const shown = colorBy || "speed";
+    if (bySpeed && (drawn.pointRadius > 0 || bodies)) want(has(shown) ?? (shown === "speed" ? meaning(part, "velocity") : undefined));
     // Values of a system's lines are in a separate part.
     const lines = [...parts.values()].find((one) => one.elements === "lines" && one.system === drawn.system);
     if (bySpeed && colorBy && lines?.fields.some((field) => field.name === colorBy)) want(colorBy);

@@ -71,7 +71,9 @@ export class Page {
   toggles(): void {
     const { points, lines, surface, bodies } = this.stage.has;
     byId("show-points").hidden = !points;
-    byId("show-speed").hidden = !points && !((bodies || lines) && this.stage.show.colorBy);
+    const { bySpeed, colorBy } = this.stage.show;
+    byId("show-speed").hidden = !this.stage.colorable || (!points && !bodies && !(lines && colorBy));
+    byId("show-speed").setAttribute("aria-pressed", String(bySpeed));
     byId("show-contacts").hidden = byId("show-joints").hidden = !bodies;
     byId("show-lines").hidden = !lines;
     byId("show-surface").hidden = !surface;

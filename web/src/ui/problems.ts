@@ -31,8 +31,17 @@ function remedyList(problem: Problem): HTMLElement | undefined {
   return make("section", { class: "remedies" }, make("h3", {}, "What would help"), make("ul", {}, ...remedies.map((remedy) => make("li", {}, String(remedy)))));
 }
 
+/** What a card offers to do about its problem. */
+export interface Action {
+  label: string;
+  run: () => void;
+}
+
+/** Numbers that a card states besides its sentence, and their units. */
+const facts: Record<string, string> = { last_good_step: "", suggested_dt: " s", suggested_integrator: "", limit: "", estimate: "" };
+
 /** Shows a card for `problem`; the same problem again replaces its card. */
-export function showProblem(problem: Problem, tone: "error" | "warning" = "error"): void {
+export function showProblem(problem: Problem, tone: "error" | "warning" = "error", actions: Action[] = []): void {
   const list = byId("problems");
   const key = `${problem.code} ${problem.detail ?? ""}`;
   for (const old of [...list.children]) if ((old as HTMLElement).dataset.key === key) old.remove();
@@ -48,8 +57,9 @@ export function showProblem(problem: Problem, tone: "error" | "warning" = "error
   const detail = remedies ? problem.detail?.replace(/; try .*$/s, "") : problem.detail;
   if (detail && detail !== problem.title) card.append(make("p", {}, detail));
   if (remedies) card.append(remedies);
-  const extras = ["last_good_step", "suggested_dt", "suggested_integrator", "limit", "estimate"].filter((name) => problem[name] !== undefined);
-  if (extras.length > 0) card.append(make("dl", { class: "extras" }, ...extras.map((name) => make("div", {}, make("dt", {}, name.replaceAll("_", " ")), make("dd", {}, rounded(problem[name]))))));
+  const extras = Object.keys(facts).filter((name) => problem[name] !== undefined);
+  if (extras.length > 0) card.append(make("dl", { class: "extras" }, ...extras.map((name) => make("div", {}, make("dt", {}, name.replaceAll("_", " ")), make("dd", {}, `${rounded(problem[name])}${facts[name]}`)))));
+  if (actions.length > 0) card.append(make("p", { class: "actions" }, ...actions.map(({ label, run }) => make("button", { class: "fix", type: "button", onclick: run }, label))));
   const issues = [...(problem.errors ?? []), ...(problem.suggestions ?? [])];
   if (issues.length > 0) card.append(make("ul", { class: "issues" }, ...issues.slice(0, 12).map((issue) => issueItem(issue))));
   if (problem.trace_id) card.append(make("p", { class: "trace" }, `trace ${problem.trace_id}`));

@@ -1,0 +1,133 @@
+// The colours of a scene in the viewer are those of its pictures: without a field a system has its own colour, with one the map's,
+// over the range of the data; what is black or as small as an atom can still be seen. Runs against the executable in
+// TRUESTEP_BINARY.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { openChromium, serveBinary } from "./chromium.mjs";
+import { ask, open, pixels, until } from "./pixels.mjs";
+
+const kFree = { x: 60, y: 70, width: 880, height: 600 }; // no panel is there
+const kSaturated = 0.25; // of a pixel: (max - min) / max of its channels; ground and background have less
+const kSameHue = 12; // degrees: light and shade of the two renderers differ, colours do not
+
+let url;
+let stop;
+let browser;
+let page;
+let picture;
+let bad = [];
+
+before(async () => {
+  ({ url, stop } = await serveBinary(process.env.TRUESTEP_BINARY));
+  ({ browser, page, bad } = await openChromium());
+  picture = await browser.newPage({ viewport: { width: 1280, height: 800 } });
+});
+
+after(async () => {
+  await browser?.close();
+  await stop?.();
+});
+
+/** Hue in degrees of all coloured pixels together, and how many there are. */
+async function hueOf(where, clip = kFree) {
+  const shot = await pixels(where, clip);
+  const found = shot.where((r, g, b) => {
+    const most = Math.max(r, g, b);
+    return most > 40 && most - Math.min(r, g, b) > kSaturated * most;
+  });
+  const sum = [0, 0, 0];
+  for (const [x, y] of found) shot.at(x, y).forEach((c, k) => (sum[k] += c));
+  const [r, g, b] = sum;
+  return { hue: (180 / Math.PI) * Math.atan2(Math.sqrt(3) * (g - b), 2 * r - g - b), count: found.length };
+}
+
+async function drawn(id) {
+  await picture.goto(`${url}/v1/sessions/${id}/picture.png?width=1280&height=800&theme=dark`);
+  return hueOf(picture, { x: 60, y: 70, width: 1160, height: 560 });
+}
+
+const apart = (a, b) => Math.abs(((a - b + 540) % 360) - 180);
+
+const still = { time: { dt: 0.005 }, gravity: [0, -9.81, 0] };
+const water = { type: "sph", id: "water", low: [0, 0, 0], high: [1, 1, 0.5], spacing: 0.05, bodies: [{ center: [0.25, 0.3, 0.25], half_extents: [0.25, 0.3, 0.25] }] };
+
+test("water without a field has one and the same colour in viewer and picture; the switch shows speed", async () => {
+  const id = await open(page, url, { ...still, systems: [water] });
+  await ask(url, `/v1/sessions/${id}/step`, { steps: 40 });
+  await until(page, async () => (await page.textContent("#read-step")) === "40", "40 steps");
+  assert.equal(await page.getAttribute("#show-speed", "aria-pressed"), "false");
+  const [own, sent] = [await hueOf(page), await drawn(id)];
+  assert.ok(Math.min(own.count, sent.count) > 2000, `${own.count} and ${sent.count} coloured pixels`);
+  assert.ok(apart(own.hue, sent.hue) < kSameHue, `${own.hue} in the viewer, ${sent.hue} in the picture`);
+  await page.keyboard.press("m");
+  assert.ok(await page.locator("#scale").isHidden(), "no legend explains a colour of its own");
+  await page.keyboard.press("c");
+  await until(page, () => page.locator("#scale").isVisible(), "a legend");
+  assert.match(await page.textContent("#scale"), /speed \(m\/s\)/);
+  // The control: colours of values are not all blue, as the first ones were.
+  const green = async () => (await pixels(page, kFree)).where((r, g, b) => g > 70 && g > 1.15 * b && g > 1.15 * r).length;
+  const many = await green();
+  await page.keyboard.press("c");
+  await until(page, () => page.locator("#scale").isHidden(), "no legend");
+  const none = await green();
+  assert.ok(many > 200 && none < 20, `${many} green pixels by speed, ${none} without`);
+});
+
+test("the range of the colours goes from the lowest to the highest value, as in pictures", async () => {
+  const id = await open(page, url, { ...still, viewer: { color_by: "density" }, systems: [water] });
+  await ask(url, `/v1/sessions/${id}/step`, { steps: 40 });
+  await until(page, async () => (await page.textContent("#read-step")) === "40", "40 steps");
+  const frame = await (await fetch(`${url}/v1/sessions/${id}/frames/latest?fields=density`, { headers: { accept: "application/json" } })).json();
+  const values = JSON.stringify(frame).match(/"density".*?\[([-\d.,e+\s]+)\]/s)[1].split(",").map(Number);
+  const least = Math.min(...values);
+  assert.ok(least > 300, `${least} kg/m^3`);
+  const low = await page.$eval("#scale", (bar) => Number(bar.children[2].textContent.replaceAll(",", "")));
+  assert.ok(low > 300, `the legend begins at ${low}, no water is lighter than ${least}`);
+});
+
+test("a body without the field that colours the rest keeps its colour", async () => {
+  const body = { type: "rigid3d", id: "body", bodies: [{ type: "sphere", radius: 0.15, position: [0.25, 0.9, 0.25], color: [0.9, 0.1, 0.1], motion: "fixed" }] };
+  await open(page, url, { ...still, viewer: { color_by: "density", labels: false }, systems: [water, body] });
+  const red = (await pixels(page, kFree)).where((r, g, b) => r > 70 && r > 3 * g && r > 3 * b);
+  assert.ok(red.length > 500, `${red.length} red pixels`);
+});
+
+test("the low end of a colour map has the colour of its legend", async () => {
+  const id = await open(page, url, { ...still, gravity: [0, 0, 0], viewer: { color_by: "speed", range: [0, 10] }, systems: [water] });
+  const [own, sent] = [await hueOf(page), await drawn(id)];
+  assert.ok(apart(own.hue, sent.hue) < kSameHue, `${own.hue} in the viewer, ${sent.hue} in the picture`);
+  // viridis begins with rgb(68, 1, 84): hardly any green.
+  const shot = await pixels(page, kFree);
+  const purple = shot.where((r, g, b) => b > 50 && g < 0.5 * r);
+  assert.ok(purple.length > 0.6 * own.count, `${purple.length} of ${own.count} pixels are purple`);
+});
+
+test("black balls are seen on a dark ground", async () => {
+  const balls = { type: "particles", id: "balls", positions: [[-0.5, 0.5, 0], [0.5, 0.5, 0]], radius: 0.3, draw_radius: 0.3, color: [0, 0, 0] };
+  await open(page, url, { ...still, gravity: [0, 0, 0], systems: [balls] });
+  const shot = await pixels(page, kFree);
+  const background = shot.at(70, 80);
+  const seen = shot.where((r, g, b) => r + g + b > background[0] + background[1] + background[2] + 60);
+  // Lit as if they were black, only highlights and rims would: a seventh of this.
+  assert.ok(seen.length > 100_000, `${seen.length} pixels stand out`);
+});
+
+test("a scene as small as atoms is seen, and the wheel changes its picture", async () => {
+  const argon = { type: "molecular", id: "argon", kinds: [{ name: "Ar", sigma: 3.4e-10, epsilon: 1.6568e-21 }], lattice: { cells: [3, 3, 3], number_density: 2.0714e28 }, cutoff: 7e-10, skin: 1e-10, draw_radius: 1.2e-10, color: [0.15, 0.45, 0.75] };
+  await open(page, url, { time: { dt: 1e-14 }, gravity: [0, 0, 0], systems: [argon] });
+  const { count } = await hueOf(page);
+  assert.ok(count > 20000, `${count} pixels of argon`);
+  await page.mouse.move(500, 370);
+  for (let k = 0; k < 5; ++k) await page.mouse.wheel(0, 240);
+  await until(page, async () => (await hueOf(page)).count < 0.7 * count, "it is farther away");
+});
+
+test("the switch of colours is there where something has the field", async () => {
+  const curve = { type: "ode", id: "curve", states: { x: 1, y: 0 }, equations: { x: "-y", y: "x" }, plot: ["x", "y"] };
+  await open(page, url, { time: { dt: 0.01 }, systems: [curve] });
+  assert.ok(await page.locator("#show-speed").isHidden(), "a curve has no speed");
+  await open(page, url, { ...still, systems: [water] });
+  assert.ok(await page.locator("#show-speed").isVisible(), "control: water has");
+});
+
+test("nothing complained", () => assert.deepEqual(bad, []));

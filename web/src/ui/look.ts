@@ -1,0 +1,37 @@
+// How the page and its picture look: the theme, from which side, and whether the camera follows what moves.
+import type { Side } from "../render/framing";
+import type { Theme } from "../render/shading";
+import type { Stage } from "../render/stage";
+import { byId } from "./dom";
+import type { Plot } from "./plot";
+
+export class Look {
+  constructor(
+    private readonly stage: Stage,
+    private readonly plot: Plot,
+  ) {
+    this.theme((localStorage.getItem("theme") as Theme | null) ?? "dark");
+  }
+
+  theme(theme: Theme): void {
+    document.documentElement.dataset.theme = theme;
+    localStorage.setItem("theme", theme);
+    this.stage.setTheme(theme);
+    this.plot.restyle();
+    byId("theme").setAttribute("aria-pressed", String(theme === "light"));
+  }
+
+  otherTheme(): void {
+    this.theme(document.documentElement.dataset.theme === "light" ? "dark" : "light");
+  }
+
+  following(on: boolean): void {
+    this.stage.framing.follow(on);
+    byId("view-follow").setAttribute("aria-pressed", String(on));
+  }
+
+  from(side: Side): void {
+    this.following(false);
+    this.stage.frameAll(side);
+  }
+}
