@@ -166,8 +166,8 @@ Remedies try_remedies(const World& world, const WorldState& before, uint64_t fai
     if (!(parts <= most)) continue;
     const int64_t finer = static_cast<int64_t>(parts) * substeps;
     if (!trials.holds(finer)) continue;
-    out.dt = expected && parts == divisions[0] ? *hint : dt / parts;
-    out.sentences.push_back("a step of at most " + short_number(*out.dt, 2) + " s, or " +
+    out.dt = dt / parts;
+    out.sentences.push_back("a step of " + short_number(*out.dt, 4) + " s, or " +
                             std::to_string(finer) + " substeps of the present step" + tried);
     break;
   }

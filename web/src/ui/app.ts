@@ -227,8 +227,7 @@ export class App {
     const { suggested_dt: dt } = instability;
     const { scene } = this;
     const actions: Action[] = [{ label: "Start again", run: () => this.reset() }];
-    // A tenth below the limit, as at the limit itself errors still grow.
-    const shorter = dt && Number((0.9 * dt).toPrecision(2));
+    const shorter = dt && Number(dt.toPrecision(4));
     if (scene && shorter) actions.push({ label: `Start with a step of ${shorter} s`, run: () => void this.attempt(() => this.create(withStep(scene, shorter), undefined)) });
     unstable(instability, actions);
     this.stoppedAt = this.time;
