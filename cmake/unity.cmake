@@ -5,7 +5,7 @@
 # bodies in space an eighth). Under sanitizers nobody counts that.
 set(joined_apart
     # names of others
-    export_vtu.cc saved_session.cc session_folder.cc osmesa_context.cc flocking_def.cc crowd_observe.cc
+    export_vtu.cc recording_commands.cc saved_session.cc session_folder.cc osmesa_context.cc flocking_def.cc crowd_observe.cc
     msh_sections.cc obj.cc mercurius.cc solver_pack.cc heightfield_wave.cc heightfield_observe.cc mesh_ewald.cc contact.cc
     liquid.cc linear_tree.cc skeleton_observe.cc hull_faces.cc ply.cc method_search.cc work_precision.cc bdf2.cc rosenbrock.cc radau5.cc implicit_dense.cc joint_build.cc joint_def.cc sph_def.cc
     # exceptions of tests
