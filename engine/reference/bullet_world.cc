@@ -114,7 +114,7 @@ void BulletWorld::add_joint(const State& s, size_t k) {
   const uint32_t* held = s.span<uint32_t>(columns::joint_bodies).data() + 2 * k;
   const Joint& j = scene_->joints[k];
   joints_[k] = bullet_joint(scene_->joint_defs[k], j, body(held[0]), body(held[1]));
-  world_.addConstraint(joints_[k].get(), j.touch == JointDef::Touch::no);
+  world_.addConstraint(joints_[k].get(), !j.collide);
 }
 
 void BulletWorld::remember(const State& s) {

@@ -124,8 +124,8 @@ std::vector<std::string> statistics(const CrossCheckParams& p, const System& sys
   system.observe(system.initial_state(), 0, now);
   std::vector<std::string> out;
   if (p.statistics.empty() && kind != RigidKind::none) {
-    for (const char* name : {"energy.kinetic", "energy.potential", "energy.total", "penetration",
-                             "penetration.max", "joints.gap", "joint.gap"}) {
+    for (const char* name :
+         {"energy.kinetic", "energy.potential", "energy.total", "penetration", "joints.gap"}) {
       if (now.find(name)) out.push_back(name);
     }
   }

@@ -35,7 +35,7 @@ void PointCommands::apply_at_once(State& s, const Command& c, std::span<const do
       return;
     }
     default:
-      refuse_command("kind", "unsupported_command", std::string(others_),
+      refuse_command("type", "unsupported_command", std::string(others_),
                      "push, impulse, drag, release, pin, unpin, set_parameter");
   }
 }

@@ -44,6 +44,7 @@ class Checker {
     const SceneHeader& h = built_.scene.header;
     for (size_t i = 0; i < h.probes.size(); ++i) probe(h.probes[i], "/probes/" + std::to_string(i));
     if (h.recording) recording(*h.recording);
+    color(h.viewer.color_by);
     if (h.accuracy) accuracy(*h.accuracy);
     if (h.observables.empty() && h.expect.empty()) return;
     known_ = known_observables(built_);
@@ -139,11 +140,25 @@ class Checker {
     }
   }
 
+  /// Whether every system of the scene could be built, so that all fields are known.
+  bool complete() const {
+    return !built_.systems.empty() && built_.lost_ids.empty() &&
+           std::find(built_.systems.begin(), built_.systems.end(), nullptr) == built_.systems.end();
+  }
+
+  // As pictures look for it: a field of any part, or the speed of what has velocities.
+  void color(const std::string& by) {
+    if (by.empty() || !complete()) return;
+    std::vector<std::string> names = table_.field_names("");
+    const auto moves = [](const PartTable::Entry& part) { return part.info().find(Meaning::velocity); };
+    if (std::any_of(table_.begin(), table_.end(), moves)) names.emplace_back("speed");
+    if (std::find(names.begin(), names.end(), by) != names.end()) return;
+    issues_.push_back({"/viewer/color_by", "unknown_field", "nothing in this scene has this field",
+                       quoted(by), listed(names), nearest_name(by, names), ""});
+  }
+
   void recording(const RecordingParams& r) {
-    if (built_.systems.empty() || !built_.lost_ids.empty()) return;
-    for (const auto& system : built_.systems) {
-      if (!system) return;
-    }
+    if (!complete()) return;
     std::vector<std::string> names;
     for (const PartTable::Entry& part : table_) {
       for (const FieldInfo& f : part.info().fields) {

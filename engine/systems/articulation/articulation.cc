@@ -231,7 +231,7 @@ void Articulation::apply(State& s, const Command& c) const {
                      "gravity, <link>.torque");
     }
     default:
-      refuse_command("kind", "unsupported_command", "an articulation takes no such command",
+      refuse_command("type", "unsupported_command", "an articulation takes no such command",
                      "push, impulse, set_parameter");
   }
 }

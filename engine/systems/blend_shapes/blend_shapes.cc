@@ -186,7 +186,7 @@ FieldView BlendShapes::field(const State& s, size_t, size_t which, std::vector<d
 void BlendShapes::apply(State& s, const Command& c) const {
   check_command_numbers(c);
   if (c.kind != CommandKind::set_parameter) {
-    refuse_command("kind", "bad_command", "a blended surface moves as prescribed", "set_parameter");
+    refuse_command("type", "unsupported_command", "a blended surface moves as prescribed", "set_parameter");
   }
   if (driver_.apply(s, kControl, c)) return;
   std::string all;

@@ -183,7 +183,7 @@ void Crowd::apply(State& s, const Command& c) const {
     return store3(v, i, load3(v, i) + push / s.f64(Columns::mass)[i]);
   }
   if (c.kind != CommandKind::set_parameter) {
-    refuse_command("kind", "not_possible",
+    refuse_command("type", "not_possible",
                    def_.model == Model::orca
                        ? "people of model orca choose their velocity and cannot be pushed"
                        : "people take only impulse and set_parameter",

@@ -189,7 +189,7 @@ void Flocking::touch(State& s, const StepInput& in) const {
 void Flocking::apply(State& s, const Command& c) const {
   check_command_numbers(c);
   if (c.kind != CommandKind::set_parameter) {
-    refuse_command("kind", "not_possible", "members of a flock have no mass and cannot be pushed",
+    refuse_command("type", "not_possible", "members of a flock have no mass and cannot be pushed",
                    "set_parameter");
   }
   if (c.name == "goal") {

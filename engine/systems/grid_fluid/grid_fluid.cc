@@ -230,7 +230,8 @@ void GridFluid::apply(State& s, const Command& c) const {
       refuse_command("value", "out_of_range", "a steady flow needs viscosity above 0", "> 0");
     s.f64(numbers_)[kViscosity] = c.value;
   } else if (c.kind == CommandKind::impulse) {
-    if (stream_) refuse_command("kind", "unknown_command", "a steady flow takes no impulse", "set_parameter");
+    if (stream_)
+      refuse_command("type", "unsupported_command", "a steady flow takes no impulse", "set_parameter");
     if (!c.at) refuse_command("at", "missing", "an impulse on a fluid needs the point where it acts");
     const mac::MacGrid& g = model_.grid;
     const double at[] = {c.at->x, c.at->y, c.at->z}, vector[] = {c.vector.x, c.vector.y, c.vector.z};
@@ -261,7 +262,8 @@ void GridFluid::apply(State& s, const Command& c) const {
       flow.project(f, 0, 0);
     }
   } else {
-    refuse_command("kind", "unknown_command", "grid_fluid takes no such command", "impulse, set_parameter");
+    refuse_command("type", "unsupported_command", "grid_fluid takes no such command",
+                   "impulse, set_parameter");
   }
   s.f64(numbers_)[kLastStep] = 0;
 }

@@ -128,7 +128,7 @@ void Heat::apply(State& s, const Command& c) const {
     if (!(c.value > 0)) refuse_command("value", "out_of_range", "the diffusivity must be positive", "> 0");
     s.f64(kConstants)[0] = c.value;
   } else {
-    refuse_command("kind", "unknown_command", "heat takes no such command", "impulse, set_parameter");
+    refuse_command("type", "unsupported_command", "heat takes no such command", "impulse, set_parameter");
   }
   EquationStepper::forget(s);
 }

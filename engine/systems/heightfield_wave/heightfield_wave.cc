@@ -193,7 +193,7 @@ void HeightfieldWave::apply(State& s, const Command& c) const {
     for (size_t a = 0; a < basin_.dimensions; ++a)
       s.f64(static_cast<State::Column>(kX + a))[row] += vector[a] / (def_.density * basin_.cell_area());
   } else {
-    refuse_command("kind", "unknown_command", "heightfield_wave takes no such command",
+    refuse_command("type", "unsupported_command", "heightfield_wave takes no such command",
                    "impulse, set_parameter");
   }
 }

@@ -228,7 +228,7 @@ FieldView Keyframes::field(const State& s, size_t part, size_t which, std::vecto
 void Keyframes::apply(State& s, const Command& c) const {
   check_command_numbers(c);
   if (c.kind != CommandKind::set_parameter) {
-    refuse_command("kind", "bad_command", "shapes of keyframes move as prescribed", "set_parameter");
+    refuse_command("type", "unsupported_command", "shapes of keyframes move as prescribed", "set_parameter");
   }
   if (driver_.apply(s, kControl, c)) return;
   std::string all;

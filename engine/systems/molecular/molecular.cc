@@ -81,7 +81,7 @@ std::unique_ptr<const Molecular> Molecular::make(const MolecularDef& def, const 
 void Molecular::apply(State& s, const Command& c) const {
   check_command_numbers(c);
   if (c.kind != CommandKind::set_parameter) {
-    refuse_command("kind", "not_possible", "atoms take no other command", "set_parameter");
+    refuse_command("type", "not_possible", "atoms take no other command", "set_parameter");
   }
   const MolecularDef& d = atoms_.def();
   const bool temperature = c.name == "temperature" && d.thermostat,

@@ -212,7 +212,7 @@ void Mpm::apply(State& s, const Command& c) const {
     return;
   }
   if (c.kind != CommandKind::set_parameter) {
-    refuse_command("kind", "not_supported", "material particles take only impulses and parameters",
+    refuse_command("type", "unsupported_command", "material particles take only impulses and parameters",
                    "impulse, set_parameter");
   }
   if (c.name != "gravity") {

@@ -42,7 +42,7 @@ void Nbody::apply(State& s, const Command& c) const {
   const std::string method(integrator().name);
   if ((method == kHermiteName || method == kMercuriusName) &&
       (c.kind == CommandKind::push || c.kind == CommandKind::drag)) {
-    refuse_command("kind", "unsupported_command",
+    refuse_command("type", "unsupported_command",
                    "the integrator " + method + " supports no forces but gravity",
                    "impulse, release, set_parameter");
   }
@@ -71,7 +71,7 @@ void Nbody::apply(State& s, const Command& c) const {
     default:
       break;
   }
-  refuse_command("kind", "unsupported_command", "bodies take push, impulse, drag and release",
+  refuse_command("type", "unsupported_command", "bodies take push, impulse, drag and release",
                  "push, impulse, drag, release, set_parameter");
 }
 

@@ -140,7 +140,7 @@ std::optional<double> Ode::limit(Limit which, const State& s, double h) const {
 
 void Ode::apply(State& s, const Command& c) const {
   if (c.kind != CommandKind::set_parameter) {
-    refuse("/kind", "unsupported_command", "an ode system takes no such command", "set_parameter");
+    refuse("/type", "unsupported_command", "an ode system takes no such command", "set_parameter");
   }
   const auto target = model_.find(c.name);
   if (!target) {

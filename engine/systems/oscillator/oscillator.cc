@@ -74,7 +74,7 @@ class Oscillator : public ForceSystem {
         set_parameter(state, c);
         break;
       default:
-        refuse("/kind", "an oscillator takes no such command", "push, impulse, set_parameter");
+        refuse("/type", "an oscillator takes no such command", "push, impulse, set_parameter");
     }
     state.f64(C::kDisturbed)[0] = 1;
   }

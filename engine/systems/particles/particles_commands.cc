@@ -60,7 +60,7 @@ void Particles::apply(State& s, const Command& c) const {
           s, c.index == -1 ? std::nullopt : std::optional(id_of(s, checked_row(s, c))));
     case CommandKind::spawn: {
       if (s.rows(columns::position) >= particles_.capacity()) {
-        refuse_command("kind", "full", "the system has reached its largest number of particles",
+        refuse_command("type", "full", "the system has reached its largest number of particles",
                        std::to_string(particles_.capacity()));
       }
       append_particle(s, {c.vector, c.velocity, particles_.def().mass, s.f64(columns::time)[0],
@@ -82,7 +82,7 @@ void Particles::apply(State& s, const Command& c) const {
     case CommandKind::unpin:
       break;
   }
-  refuse_command("kind", "unsupported_command", "particles cannot be pinned; drag one instead",
+  refuse_command("type", "unsupported_command", "particles cannot be pinned; drag one instead",
                  "push, impulse, drag, release, spawn, remove, set_parameter");
 }
 

@@ -109,7 +109,7 @@ class Pendulum final : public ForceSystem {
       case CommandKind::set_parameter:
         return set_parameter(s, c);
       default:
-        refuse("/kind", "a pendulum takes no such command", "push, impulse, set_parameter");
+        refuse("/type", "a pendulum takes no such command", "push, impulse, set_parameter");
     }
   }
 

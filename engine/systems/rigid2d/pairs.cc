@@ -94,11 +94,11 @@ bool passes(const Model& model, const State& s, const Hit& h, const flat::Contac
   return b.one_way && through(b, h.body_b, h.body_a, -contact.normal, pose_of(s, h.body_b));
 }
 
-/// Where a shape is seen by the other of a pair, `apart` m from it. Nothing says where shapes at exactly one
-/// place could part: they are seen a millionth of their size apart, in a direction of the pair's own. With
-/// one direction for all, many bodies would form a line that hardly parts.
-Pose seen_apart(const Hit& h, Pose b_in_a, double apart, double size) {
-  if (apart > 1e-12 * size) return b_in_a;
+/// Where a shape is seen by the other of a pair, `apart2` m^2 from it. Nothing says where shapes at exactly
+/// one place could part: they are seen a millionth of their size apart, in a direction of the pair's own.
+/// With one direction for all, many bodies would form a line that hardly parts.
+Pose seen_apart(const Hit& h, Pose b_in_a, double apart2, double size) {
+  if (apart2 > 1e-24 * size * size) return b_in_a;
   const auto u = uniform4(0, h.a, h.b);
   const Vec2 aside = flat::unit(Vec2{u[0] - 0.5, u[1] - 0.5});
   b_in_a.p = b_in_a.p + 1e-6 * size * aside;
@@ -110,8 +110,8 @@ void touch_pair(const Model& model, const State& s, const Pairs& p, Hit& h, flat
   const double margin = model.margin + flat::norm(p.ahead[h.body_b] - p.ahead[h.body_a]);
   const flat::Outline &of_a = model.shapes[h.a].outline, &of_b = model.shapes[h.b].outline;
   const Pose b_in_a = a.to(b);
-  const double apart = flat::norm(b_in_a * of_b.center - of_a.center);
-  const Pose seen = seen_apart(h, b_in_a, apart, model.light[h.body_b].inner);
+  const Vec2 between = b_in_a * of_b.center - of_a.center;
+  const Pose seen = seen_apart(h, b_in_a, flat::dot(between, between), model.light[h.body_b].inner);
   if (!flat::touch(of_a, of_b, seen, margin, contact)) return;
   contact.normal = a.q * contact.normal;
   for (uint32_t k = 0; k < contact.points; ++k) contact.point[k].at = a.q * contact.point[k].at;

@@ -21,8 +21,7 @@ class Rigid2d final : public StagedSystem {
   State initial_state() const override;
   /// The bodies; their solids are built at the first use.
   Ports ports() const override;
-  /// energy.kinetic/potential/total (J), momentum.x/y (kg m/s), momentum.angular (kg m^2/s, about the
-  /// origin), contacts, penetration.max (m), joint.gap (m), joints.broken, awake, sensor.overlaps.
+  /// What rigid2d_outputs lists.
   void observe(const State& state, double t, Observables& out) const override;
   /// Defined without joints, user forces, moving surfaces and kinematic bodies: energy stored in joints is
   /// not counted.

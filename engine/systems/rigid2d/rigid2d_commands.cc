@@ -95,7 +95,7 @@ void Rigid2d::apply(State& s, const Command& c) const {
     case CommandKind::spawn:
       break;
   }
-  refuse_command("kind", "unsupported_command",
+  refuse_command("type", "unsupported_command",
                  "this system has only the bodies of its scene: none can be spawned",
                  "push, impulse, drag, release, pin, unpin, remove, set_parameter");
 }

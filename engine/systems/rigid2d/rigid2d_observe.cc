@@ -52,37 +52,45 @@ void Rigid2d::observe(const State& s, double, Observables& out) const {
   const double *x = s.f64(columns::position).data(), *v = s.f64(columns::velocity).data();
   const auto w = s.f64(columns::angular_velocity), g = s.f64(columns::parameters);
   const auto status = s.span<uint32_t>(columns::status);
-  double kinetic = 0, potential = spring_energy(model_, s), power = 0, px = 0, py = 0, spin = 0;
-  size_t awake = 0;
+  double linear = 0, turning = 0, potential = spring_energy(model_, s), power = 0, fastest = 0;
+  double px = 0, py = 0, spin = 0;
+  size_t awake = 0, count = 0;
   for (size_t i = 0; i < model_.count(); ++i) {
     const Body& b = model_.bodies[i];
-    if (b.motion != Motion::dynamic || (status[i] & kRemoved)) continue;
+    if (status[i] & kRemoved) continue;
+    ++count;
+    if (b.motion != Motion::dynamic) continue;
     const Vec2 at{x[3 * i], x[3 * i + 1]}, u{v[3 * i], v[3 * i + 1]};
-    kinetic += 0.5 * b.mass * flat::dot(u, u) + 0.5 * b.inertia * w[i] * w[i];
+    linear += 0.5 * b.mass * flat::dot(u, u), turning += 0.5 * b.inertia * w[i] * w[i];
     potential -= b.mass * b.gravity_scale * (g[0] * at.x + g[1] * at.y);
     potential -= b.torque * s.f64(columns::angle)[i] + (b.force_turns ? 0 : flat::dot(b.force, at));
     if (b.force_turns) power += flat::dot(pose_of(s, i).q * b.force, u);
     px += b.mass * u.x, py += b.mass * u.y;
     spin += b.mass * flat::cross(at, u) + b.inertia * w[i];
     awake += is_moved(model_.light[i], status[i]);
+    fastest = std::max(fastest, std::sqrt(flat::dot(u, u)));
   }
+  const double kinetic = linear + turning;
   out.add("energy.kinetic", kinetic, "J");
+  out.add("energy.rotation", turning, "J");
   out.add("energy.potential", potential, "J");
   out.add("energy.total", kinetic + potential, "J");
   if (!model_.forced.empty()) out.add("power.applied", power, "W");
   out.add("momentum.x", px, "kg m/s");
   out.add("momentum.y", py, "kg m/s");
-  out.add("momentum.angular", spin, "kg m^2/s");
-  out.add("contacts", static_cast<double>(s.rows(columns::contact_key)), "1");
-  out.add("penetration.max", deepest(model_, s), "m");
+  out.add("angular_momentum.z", spin, "kg m^2/s");
+  out.add("speed.largest", fastest, "m/s");
+  out.add("count", static_cast<double>(count), "1");
   out.add("awake", static_cast<double>(awake), "1");
+  out.add("contacts", static_cast<double>(s.rows(columns::contact_key)), "1");
+  out.add("penetration", deepest(model_, s), "m");
   if (!model_.joints.empty()) {
     const auto broken = s.span<uint32_t>(columns::joint_broken);
-    out.add("joint.gap", widest_gap(model_, s), "m");
+    out.add("joints.gap", widest_gap(model_, s), "m");
     out.add("joints.broken", static_cast<double>(std::count(broken.begin(), broken.end(), 1u)), "1");
   }
   if (std::any_of(model_.bodies.begin(), model_.bodies.end(), [](const Body& b) { return b.sensor; })) {
-    out.add("sensor.overlaps", static_cast<double>(sensor_overlaps(s)), "1");
+    out.add("sensed", static_cast<double>(sensor_overlaps(s)), "1");
   }
 }
 

@@ -164,7 +164,7 @@ void ContactList::find(State& s, std::span<const BodyKind> kinds, std::span<cons
   joined_.clear();
   const auto held = s.span<uint32_t>(columns::joint_bodies);
   for (size_t k = 0; k < joints.size(); ++k) {
-    if (joints[k].touch == JointDef::Touch::yes || s.span<uint32_t>(columns::joint_broken)[k]) continue;
+    if (joints[k].collide || s.span<uint32_t>(columns::joint_broken)[k]) continue;
     const auto [low, high] = std::minmax(held[2 * k], held[2 * k + 1]);
     joined_.push_back(uint64_t{low} << 32 | high);
   }

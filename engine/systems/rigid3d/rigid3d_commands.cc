@@ -62,7 +62,7 @@ void Rigid3d::apply(State& s, const Command& c) const {
           s, c.index == -1 ? std::nullopt : std::optional(s.span<uint64_t>(columns::id)[checked_body(s, c)]));
     case CommandKind::spawn: {
       if (s.rows(columns::position) >= most_bodies_) {
-        refuse_command("kind", "full", "the system has its maximum number of bodies",
+        refuse_command("type", "full", "the system has its maximum number of bodies",
                        std::to_string(most_bodies_));
       }
       // "name" is the id of an entry of "bodies"; the default is the last dynamic entry.
@@ -97,7 +97,7 @@ void Rigid3d::apply(State& s, const Command& c) const {
     case CommandKind::unpin:
       break;
   }
-  refuse_command("kind", "unsupported_command", "bodies cannot be pinned; drag one instead",
+  refuse_command("type", "unsupported_command", "bodies cannot be pinned; drag one instead",
                  "push, impulse, drag, release, spawn, remove, set_parameter");
 }
 

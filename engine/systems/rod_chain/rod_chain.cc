@@ -107,7 +107,7 @@ class RodChain final : public StagedSystem {
                        "gravity");
       return store3(s.f64(kGravity).data(), 0, c.vector);
     }
-    refuse_command("kind", "unsupported_command", "a chain of rods takes no such command",
+    refuse_command("type", "unsupported_command", "a chain of rods takes no such command",
                    "impulse, set_parameter");
   }
 

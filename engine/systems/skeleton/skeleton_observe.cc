@@ -99,7 +99,8 @@ void Skeleton::apply(State& s, const Command& c) const {
       dragged = -1;
       return;
     default:
-      refuse_command("kind", "bad_command", "a skeleton moves as prescribed", "set_parameter, drag, release");
+      refuse_command("type", "unsupported_command", "a skeleton moves as prescribed",
+                     "set_parameter, drag, release");
   }
 }
 

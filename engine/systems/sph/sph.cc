@@ -216,7 +216,7 @@ void Sph::apply(State& s, const Command& c) const {
     return;
   }
   if (c.kind != CommandKind::set_parameter) {
-    refuse_command("kind", "not_supported", "fluid particles take only impulses and parameters",
+    refuse_command("type", "unsupported_command", "fluid particles take only impulses and parameters",
                    "impulse, set_parameter");
   }
   if (c.name != "gravity") {

@@ -162,7 +162,7 @@ void Wave::apply(State& s, const Command& c) const {
       refuse_command("name", "unknown_parameter", "no parameter " + c.name + " to set", "speed, damping");
     }
   } else {
-    refuse_command("kind", "unknown_command", "waves take no such command", "impulse, set_parameter");
+    refuse_command("type", "unsupported_command", "waves take no such command", "impulse, set_parameter");
   }
   EquationStepper::forget(s);
 }

@@ -19,7 +19,7 @@ TEST(FlatBodies, BallsInThePlaneKeepMomentum) {
     const auto sums = [&] {
       Momenta m = of_points(run);
       m.linear += Vec3{run.observe("flat.momentum.x"), run.observe("flat.momentum.y"), 0};
-      m.angular += Vec3{0, 0, run.observe("flat.momentum.angular")};
+      m.angular += Vec3{0, 0, run.observe("flat.angular_momentum.z")};
       return m;
     };
     const Momenta before = sums();

@@ -58,7 +58,7 @@ TEST(FemCommands, WhatIsPrescribedIsNotHit) {
 
 TEST(FemCommands, SayWhatTheyCannotDo) {
   const FemRun run(block());
-  EXPECT_EQ(refused(run, {.kind = CommandKind::spawn}), "/kind");
+  EXPECT_EQ(refused(run, {.kind = CommandKind::spawn}), "/type");
   EXPECT_EQ(refused(run, {.kind = CommandKind::pin, .index = 27}), "/index");
   EXPECT_EQ(refused(run, {.kind = CommandKind::set_parameter, .value = 1, .name = "colour"}), "/name");
   EXPECT_EQ(refused(run, {.kind = CommandKind::set_parameter, .value = 0, .name = "youngs_modulus"}),

@@ -131,7 +131,7 @@ TEST(GridFluidFaults, SteadyFlowsAreRefusedWhatTheyDoNotHave) {
   GridFlow run(d, 0.1);
   run.steps(1);
   const auto refused = [&](Command c) { return pointer_of([&] { run.system->apply(run.state, c); }); };
-  EXPECT_EQ(refused({.kind = CommandKind::impulse, .vector = {1, 0, 0}}), "/kind");
+  EXPECT_EQ(refused({.kind = CommandKind::impulse, .vector = {1, 0, 0}}), "/type");
   EXPECT_EQ(refused({.kind = CommandKind::set_parameter, .value = 0, .name = "viscosity"}), "/value");
 }
 
@@ -171,7 +171,7 @@ TEST(GridFluidFaults, CommandsToALiquidAreRefused) {
   d.bodies = {box_of_liquid({0, 0, -1}, {0.5, 0.5, 1})};
   LiquidRun run(d, 0.1);
   const auto refused = [&](Command c) { return pointer_of([&] { run.system->apply(run.state, c); }); };
-  EXPECT_EQ(refused({.kind = CommandKind::set_parameter, .value = 1, .name = "viscosity"}), "/kind");
+  EXPECT_EQ(refused({.kind = CommandKind::set_parameter, .value = 1, .name = "viscosity"}), "/type");
   EXPECT_EQ(refused({.kind = CommandKind::impulse, .index = 0, .vector = {1, 0, 1}}), "/vector");
 }
 
@@ -233,7 +233,7 @@ TEST(GridFluidFaults, CommandsAreRefused) {
   EXPECT_EQ(refused({.kind = CommandKind::set_parameter, .value = -1, .name = "viscosity"}), "/value");
   EXPECT_EQ(refused({.kind = CommandKind::impulse, .vector = {1, 0, 0}}), "/at");
   EXPECT_EQ(refused({.kind = CommandKind::impulse, .vector = {1, 0, 0}, .at = Vec3{2, 0, 0}}), "/at");
-  EXPECT_EQ(refused({.kind = CommandKind::pin}), "/kind");
+  EXPECT_EQ(refused({.kind = CommandKind::pin}), "/type");
   EXPECT_EQ(refused({.kind = CommandKind::impulse, .vector = {1, 0, 0}, .at = Vec3{0.5, 0.5, 0}}),
             "nothing was refused");
   EXPECT_GT(run.observed("energy.kinetic"), 0);

@@ -57,7 +57,7 @@ TEST(HeightfieldWaveFaults, CommandsAreRefused) {
   EXPECT_EQ(refused({.kind = CommandKind::impulse, .vector = {1, 0, 0}}), "/at");
   EXPECT_EQ(refused({.kind = CommandKind::impulse, .vector = {1, 0, 0}, .at = Vec3{2, 0, 0}}), "/at");
   EXPECT_EQ(refused({.kind = CommandKind::impulse, .vector = {1, 0, 0}, .at = Vec3{0.9, 0.5, 0}}), "/at");
-  EXPECT_EQ(refused({.kind = CommandKind::pin}), "/kind");
+  EXPECT_EQ(refused({.kind = CommandKind::pin}), "/type");
   EXPECT_EQ(refused({.kind = CommandKind::impulse, .vector = {3, 0, 0}, .at = Vec3{0.2, 0.5, 0}}),
             "nothing was refused");
   EXPECT_NEAR(run.observed("momentum.x"), 3, 1e-12);

@@ -114,7 +114,7 @@ TEST(NbodyCommands, PushHitDragAndWhatIsRefused) {
   EXPECT_EQ(refused(run, {.kind = CommandKind::impulse, .index = 1}), "/index") << "it has no mass";
   EXPECT_EQ(refused(run, {.kind = CommandKind::impulse, .index = 2}), "/index");
   EXPECT_EQ(refused(run, {.kind = CommandKind::drag, .index = 0}), "/value");
-  EXPECT_EQ(refused(run, {.kind = CommandKind::pin, .index = 0}), "/kind");
+  EXPECT_EQ(refused(run, {.kind = CommandKind::pin, .index = 0}), "/type");
   EXPECT_EQ(refused(run, {.kind = CommandKind::set_parameter, .value = 1, .name = "gravity"}), "/name");
   EXPECT_EQ(refused(run, {.kind = CommandKind::set_parameter, .value = -1, .name = "softening"}), "/value");
   EXPECT_EQ(refused(run, {.kind = CommandKind::set_parameter, .value = 2, .name = "gravitational_constant"}),
@@ -127,8 +127,8 @@ TEST(NbodyCommands, HermitesSchemeTakesNoOtherForces) {
   d.integrator = "hermite";
   NbodyRun run(d, 0.1);
   EXPECT_EQ(refused(run, {.kind = CommandKind::push, .index = 0, .vector = {0, 5, 0}, .duration = 1}),
-            "/kind");
-  EXPECT_EQ(refused(run, {.kind = CommandKind::drag, .index = 0, .vector = {9, 0, 0}, .value = 4}), "/kind");
+            "/type");
+  EXPECT_EQ(refused(run, {.kind = CommandKind::drag, .index = 0, .vector = {9, 0, 0}, .value = 4}), "/type");
   EXPECT_EQ(refused(run, {.kind = CommandKind::impulse, .index = 0, .vector = {2, 0, 0}}), "") << "control";
 }
 

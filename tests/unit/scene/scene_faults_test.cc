@@ -168,5 +168,14 @@ TEST(NearestName, OnlyNamesThatAreNear) {
   EXPECT_EQ(nearest_name("temperature", names), "");
 }
 
+TEST(SceneFaults, ColorOfAFieldThatNothingHasIsNamed) {
+  const auto found = faults(rope(R"("viewer": {"color_by": "strian"})"));
+  ASSERT_TRUE(found.contains("/viewer/color_by"));
+  EXPECT_EQ(text_of(found.at("/viewer/color_by"), "did_you_mean"), "strain");
+  for (const char* known : {"speed", "strain", "velocity"}) {
+    EXPECT_TRUE(faults(rope(R"("viewer": {"color_by": ")" + std::string(known) + R"("})")).empty()) << known;
+  }
+}
+
 }  // namespace
 }  // namespace truestep

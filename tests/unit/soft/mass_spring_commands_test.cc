@@ -120,7 +120,7 @@ TEST(MassSpringCommands, NonsenseIsRefusedAndChangesNothing) {
   EXPECT_EQ(refused_member(run, command(CommandKind::pin, 11)), "/index");
   EXPECT_EQ(refused_member(run, command(CommandKind::push, -1)), "/index");
   EXPECT_EQ(refused_member(run, command(CommandKind::push, 3, {nan, 0, 0})), "/vector");
-  EXPECT_EQ(refused_member(run, command(CommandKind::spawn, 0)), "/kind");
+  EXPECT_EQ(refused_member(run, command(CommandKind::spawn, 0)), "/type");
   Command c = command(CommandKind::set_parameter, -1);
   c.name = "stifness";
   EXPECT_EQ(refused_member(run, c), "/name");

@@ -130,13 +130,13 @@ TEST(Rigid2dValidation, MomentumStaysInAClosedSystem) {
      {"type": "grid", "nx": 4, "ny": 4, "origin": [9, 1, 0], "spacing": [0.7, 0.7, 0], "body": {"velocity": [-3, 0.5, 0], "shapes": [{"type": "circle", "radius": 0.3}]}}])",
           1.0 / 60);
   const double px = t.observed("momentum.x"), py = t.observed("momentum.y"),
-               turning = t.observed("momentum.angular");
+               turning = t.observed("angular_momentum.z");
   const double energy = t.observed("energy.kinetic");
   t.steps(300);
   EXPECT_NEAR(t.observed("momentum.x"), px, 1e-9 * 1e5);
   EXPECT_NEAR(t.observed("momentum.y"), py, 1e-9 * 1e5);
   // Impulses act at anchors that are one step old: a part in a thousand.
-  EXPECT_NEAR(t.observed("momentum.angular"), turning, 0.02 * std::abs(turning) + 500);
+  EXPECT_NEAR(t.observed("angular_momentum.z"), turning, 0.02 * std::abs(turning) + 500);
   EXPECT_LT(t.observed("energy.kinetic"), energy);
 }
 

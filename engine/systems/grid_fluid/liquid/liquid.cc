@@ -202,7 +202,7 @@ void Liquid::draw(const State&, double t, Wish wishes, Drawing& out) const {
 void Liquid::apply(State& s, const Command& c) const {
   check_command_numbers(c);
   if (c.kind != CommandKind::impulse)
-    refuse_command("kind", "unknown_command", "a liquid on a grid takes no such command", "impulse");
+    refuse_command("type", "unsupported_command", "a liquid on a grid takes no such command", "impulse");
   refuse_place(c, "particle");
   const size_t row = checked_command_row(c, rows_, "particle");
   if (model_.grid.dimensions == 2 && c.vector.z != 0)

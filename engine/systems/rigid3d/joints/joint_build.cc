@@ -227,7 +227,7 @@ class Builder {
   void add(size_t entry, const GearJointDef& d) {
     Joint j;
     j.id = d.id, j.form = Joint::Form::gear, j.bodies = {kNoBody, kNoBody}, j.ratio = d.ratio;
-    j.touch = JointDef::Touch::yes;
+    j.collide = true;
     gears_.push_back({entry, out_.joints.size()});
     out_.joints.push_back(j);
   }
@@ -254,7 +254,7 @@ class Builder {
       m.joint.id = k == 0 ? d.id : d.id.empty() ? "" : d.id + "." + std::to_string(k);
       m.joint.break_force = d.break_force.value_or(kUnbounded);
       m.joint.break_torque = d.break_torque.value_or(kUnbounded);
-      m.joint.touch = d.touch;
+      m.joint.collide = d.collide;
       m.joint.springs_only =
           !m.drives.empty() &&
           std::all_of(m.drives.begin(), m.drives.end(),

@@ -15,7 +15,7 @@ TableOf<D>& add_common(TableOf<D>& t) {
   std::optional<Vec3> D::*anchor = &JointDef::anchor;
   std::optional<double> D::*force = &JointDef::break_force;
   std::optional<double> D::*torque = &JointDef::break_torque;
-  JointDef::Touch D::*touch = &JointDef::touch;
+  bool D::*collide = &JointDef::collide;
   int64_t D::*repeat = &JointDef::repeat;
   int64_t D::*step = &JointDef::step;
   Vec3 D::*offset = &JointDef::offset;
@@ -25,7 +25,7 @@ TableOf<D>& add_common(TableOf<D>& t) {
       .vector("anchor", anchor, "m", any(), "point in the world at t = 0; absent: midway between the bodies")
       .number("break_force", force, "N", above(0), "force at which it breaks; absent: never")
       .number("break_torque", torque, "N m", above(0), "torque at which it breaks; absent: never")
-      .choice("touch", touch, {"no", "yes"}, "whether its bodies collide with one another")
+      .boolean("collide", collide, "whether its bodies collide with one another")
       .integer("repeat", repeat, between(1, kMostBodies), "number of joints like this one")
       .integer("step", step, between(1, kMostBodies),
                "added to rows a and b from one joint to the next; -1 stays")

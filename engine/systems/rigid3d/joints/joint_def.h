@@ -15,7 +15,7 @@ struct JointDef {
   int64_t a = -1, b = 0;
   std::optional<Vec3> anchor;
   std::optional<double> break_force, break_torque;
-  enum class Touch : uint8_t { no, yes } touch = Touch::no;
+  bool collide = false;
   int64_t repeat = 1, step = 1;
   Vec3 offset;
 };

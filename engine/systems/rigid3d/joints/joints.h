@@ -45,7 +45,7 @@ struct Joint {
   /// Limits in N and N m on rows 0 to 2 and 3 to 5 of a pose, each taken together.
   double max_force = kUnbounded, max_torque = kUnbounded;
   double break_force = kUnbounded, break_torque = kUnbounded;
-  JointDef::Touch touch = JointDef::Touch::no;
+  bool collide = false;
   /// A gear: coordinates of two drives, first + ratio second = 0.
   std::array<uint32_t, 2> geared{};
   double ratio = 1;
