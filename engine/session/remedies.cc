@@ -167,8 +167,8 @@ Remedies try_remedies(const World& world, const WorldState& before, uint64_t fai
     const int64_t finer = static_cast<int64_t>(parts) * substeps;
     if (!trials.holds(finer)) continue;
     out.dt = dt / parts;
-    out.sentences.push_back("a step of " + short_number(*out.dt, 4) + " s, or " +
-                            std::to_string(finer) + " substeps of the present step" + tried);
+    out.sentences.push_back("a step of " + short_number(*out.dt, 4) + " s, or " + std::to_string(finer) +
+                            " substeps of the present step" + tried);
     break;
   }
   const size_t index = world.index_of(system);
