@@ -31,7 +31,9 @@ TEST(PictureLegend, WithoutWordsItIsTheField) {
 
 // A grid that has no such field shows its first one: that is not what the scene has words for.
 TEST(PictureLegend, ItIsNotThatOfTheFieldShownInstead) {
-  EXPECT_EQ(label(R"({"color_by": "depth", "legend": "depth of the pool"})"), label("{}"));
+  PictureLook look;
+  look.color_by = "depth";
+  EXPECT_EQ(label(R"({"color_by": "scalar", "legend": "smoke"})", look), label("{}"));
 }
 
 TEST(PictureLegend, ItNeedsAFieldToSpeakOf) {
