@@ -25,6 +25,7 @@
 #include "engine/systems/sph/sph.h"
 #include "engine/systems/wave/wave.h"
 #include "engine/systems/xpbd/xpbd.h"
+#include "engine/systems/xpbd/xpbd_resolution.h"
 
 namespace truestep {
 
@@ -197,7 +198,9 @@ std::span<const CatalogueRow> catalogue() {
        {"the stretch of a hanging rope is m g / k, whatever the step", "pinned points do not move",
         "constraints conserve momentum", "the same bits on any number of threads"},
        "",
-       &xpbd::xpbd_outputs()},
+       &xpbd::xpbd_outputs(),
+       10,
+       &xpbd::xpbd_resolution()},
       {"fem",
        "solids",
        "elastic bodies of finite elements, in space and in the plane, moving or in equilibrium",
