@@ -121,7 +121,7 @@ TEST_F(Refining, ASceneThatHasNoResolutionSaysWhatHas) {
   const Error e = refused(convergence(oscillator, R"("refine":"space")"));
   EXPECT_EQ(e.code(), "scene_invalid");
   EXPECT_EQ(e.issues().at(0).pointer, "/refine");
-  for (const char* has : {"heat (cells)", "wave (cells)", "mass_spring (", "xpbd ("})
+  for (const char* has : {"heat (cells)", "wave (cells)", "mass_spring (", "xpbd (", "rod_chain (links)"})
     EXPECT_THAT(e.issues().at(0).allowed, testing::HasSubstr(has));
   const Error method =
       refused(convergence(rod(R"("order":"2")", true), R"("refine":"space","integrator":"rk4")"));
@@ -200,15 +200,15 @@ TEST_F(Refining, PositionBasedShapesStayTheSame) {
   EXPECT_EQ(number(system(block, 3), "damping"), 0.01);
 }
 
-// A hanging rope whose oscillation dies: positions settle at rho g (L - s/2) s / (E A), and lumped masses at
-// the ends are exact for it at the points, so that what is left is the step of the method.
+// A rope that stretches under its weight, against the finest: measured 3.8e-4, 1.1e-4 and 2.2e-5, by substeps
+// of the same length at all resolutions.
 TEST_F(Refining, APositionBasedRopeConverges) {
   const std::string rope = R"({"schema_version":"1.0","name":"rope","gravity":[0,-10,0],
     "time":{"dt":0.01,"duration":0.2},"systems":[{"type":"xpbd","id":"r","density":0.5,"stiffness":4000,
     "internal_damping":2,"pinned":["first"],"rope":{"from":[0,0,0],"to":[0,-1,0],"links":8}}]})";
   const auto r = run(convergence(rope, R"("refine":"space","budget":20,"halvings":3)"));
   EXPECT_EQ(r.table.rows.size(), 4u) << json::serialize(r.summary);
-  EXPECT_LT(std::get<double>(r.table.rows[2][4]), 0.5 * std::get<double>(r.table.rows[0][4]))
+  EXPECT_LT(std::get<double>(r.table.rows[2][4]), 0.1 * std::get<double>(r.table.rows[0][4]))
       << json::serialize(r.summary);
 }
 
@@ -225,6 +225,31 @@ TEST_F(Refining, WhatBelongsToPointsOfAClothIsNamed) {
   EXPECT_THAT(why(R"("density":1,"scheme":"pbd",)"), testing::HasSubstr("use xpbd"));
   EXPECT_THAT(why(R"("density":1,"pins":[3],)"), testing::HasSubstr("pinned"));
   EXPECT_THAT(why(R"("density":1,"loads":[{"point":8,"mass":1}],)"), testing::HasSubstr("loads"));
+}
+
+// Rods of half the length with half the mass: their ends approach a thread that swings down. Compared are the
+// ends that all resolutions share, as no centres are shared. Measured 0.033, 0.015 and 0.0040.
+TEST_F(Refining, AChainOfRodsBecomesAThread) {
+  const std::string chain = R"({"schema_version":"1.0","name":"chain","gravity":[0,-10,0],
+    "time":{"dt":0.01,"duration":0.2},"systems":[{"type":"rod_chain","id":"c","links":8,"length":0.125,
+    "mass":0.25}]})";
+  const Refinement ladder(parse_json(chain), "", context);
+  const json::value fine = ladder.document(3).at("systems").at(0);
+  EXPECT_EQ(fine.at("links").to_number<int>(), 16);
+  EXPECT_EQ(fine.at("length").as_double(), 0.0625);
+  EXPECT_EQ(fine.at("mass").as_double(), 0.125);
+  const auto r = run(convergence(chain, R"("refine":"space","budget":20,"halvings":3)"));
+  EXPECT_EQ(r.summary.at("subject").as_string(), "c.links");
+  ASSERT_EQ(r.table.rows.size(), 4u) << json::serialize(r.summary);
+  for (const size_t row : {1u, 2u}) {
+    EXPECT_LT(std::get<double>(r.table.rows[row][4]), 0.6 * std::get<double>(r.table.rows[row - 1][4]))
+        << json::serialize(r.summary);
+  }
+  EXPECT_EQ(refused(convergence(chain, R"("refine":"space","quantity":"position","budget":5)"))
+                .issues()
+                .at(0)
+                .pointer,
+            "/quantity");
 }
 
 // A square that slides along two of its sides under a load that is even except for a smooth bump: no corner
