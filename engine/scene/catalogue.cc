@@ -25,6 +25,7 @@
 #include "engine/systems/sph/sph.h"
 #include "engine/systems/wave/wave.h"
 #include "engine/systems/xpbd/xpbd.h"
+#include "engine/systems/xpbd/xpbd_resolution.h"
 
 namespace truestep {
 
@@ -197,7 +198,9 @@ std::span<const CatalogueRow> catalogue() {
        {"the stretch of a hanging rope is m g / k, whatever the step", "pinned points do not move",
         "constraints conserve momentum", "the same bits on any number of threads"},
        "",
-       &xpbd::xpbd_outputs()},
+       &xpbd::xpbd_outputs(),
+       10,
+       &xpbd::xpbd_resolution()},
       {"fem",
        "solids",
        "elastic bodies of finite elements, in space and in the plane, moving or in equilibrium",
@@ -257,7 +260,9 @@ std::span<const CatalogueRow> catalogue() {
        {"multipliers and projection leave a gap of rounding error, springs one of force / stiffness",
         "multipliers conserve energy to fourth order in the step", "a step costs O(rods)"},
        "",
-       &rod_chain::rod_chain_outputs()},
+       &rod_chain::rod_chain_outputs(),
+       10,
+       &rod_chain::rod_chain_resolution()},
       {"rigid2d",
        "rigid bodies",
        "rigid bodies in the plane with contacts, friction, sleeping and nine kinds of joints",

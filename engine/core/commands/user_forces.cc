@@ -101,6 +101,17 @@ void UserForces::count_down(State& s, double h) const {
   keep_rows(s, all(push_), [&](size_t k) { return s.f64(push_.remaining)[k] >= 0.5 * h; });
 }
 
+void UserForces::check_pushes(StateCheck& check, uint64_t rows) const {
+  if (push_.at == kNone) {
+    check.together({push_.who, push_.force, push_.remaining});
+  } else {
+    check.together({push_.who, push_.force, push_.at, push_.remaining});
+  }
+  for (size_t k = 0; k < pushes(check.state()); ++k) {
+    check.require(who_of(check.state(), push_.who, k) < rows, "the row of a push");
+  }
+}
+
 UserForces::Push UserForces::push(const State& s, size_t k) const {
   return {who_of(s, push_.who, k), load3(s.f64(push_.force).data(), k), place_of(s, push_.at, k)};
 }

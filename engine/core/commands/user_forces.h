@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "engine/core/state/state.h"
+#include "engine/core/state/state_check.h"
 #include "engine/math/vec3.h"
 
 namespace truestep {
@@ -36,6 +37,9 @@ class UserForces {
   };
 
   constexpr UserForces(const PushColumns& push, const DragColumns& drag) : push_(push), drag_(drag) {}
+  /// Of a system without drags: none may be set or released.
+  explicit constexpr UserForces(const PushColumns& push)
+      : push_(push), drag_{.who = kNone, .target = kNone, .stiffness = kNone} {}
 
   void add_push(State& s, const Push& p, double duration) const;
   /// One drag per row: a new one replaces it, and without `at` keeps the point grabbed first.
@@ -61,9 +65,12 @@ class UserForces {
     }
   }
 
+  /// For a state from outside: columns of a push belong together, and `who` is below `rows`.
+  void check_pushes(StateCheck& check, uint64_t rows) const;
+
   bool any(const State& s) const { return pushes(s) + drags(s) > 0; }
   size_t pushes(const State& s) const { return s.rows(push_.who); }
-  size_t drags(const State& s) const { return s.rows(drag_.who); }
+  size_t drags(const State& s) const { return drag_.who == kNone ? 0 : s.rows(drag_.who); }
   Push push(const State& s, size_t k) const;
   Drag drag(const State& s, size_t k) const;
 

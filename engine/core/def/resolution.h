@@ -18,9 +18,11 @@ struct Resolution {
   std::optional<std::string> (*divide)(void* def, double factor);
   /// Order of the spatial error that this def promises; 0: none.
   int (*order)(const void* def);
-  /// Where the rows of the main part lie in the undeformed object: the same place at every resolution, in any
-  /// unit. Null: the main part is a grid.
+  /// Where the rows of `part` lie in the undeformed object: the same place at every resolution, in any unit.
+  /// Null: the part is a grid.
   std::vector<Vec3> (*places)(const void* def) = nullptr;
+  /// The part on which resolutions are compared: one whose rows are at the same places at all of them.
+  size_t part = 0;
 };
 
 }  // namespace truestep

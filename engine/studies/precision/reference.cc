@@ -85,8 +85,7 @@ Reference compare(Attempt taken, const Attempt& other) {
 
 bool steps_matter(const World& world) {
   // Passes besides integration that do not change the motion.
-  constexpr std::array<std::string_view, 6> kNeutral = {"integrate", "clock", "hands",
-                                                        "path",      "push",  "loops"};
+  constexpr std::array<std::string_view, 5> kNeutral = {"integrate", "clock", "hands", "path", "loops"};
   for (const auto& [system, row, number] : world.plan()) {
     if (row.status == PlanRow::Status::runs &&
         std::find(kNeutral.begin(), kNeutral.end(), row.name) == kNeutral.end())

@@ -107,20 +107,21 @@ json::value Refinement::document(int level) const {
 
 TraceRequest Refinement::request(const std::string& quantity, const World& coarsest) const {
   const System& system = coarsest.system(system_);
+  const std::string main_field = system.parts().at(resolution_->part).fields.at(0).name;
   TraceRequest r;
   if (quantity == kExpectedQuantity) {
     if (expected_.empty()) {
       refuse("/quantity", "nothing_expected",
              "the scene expects nothing of this system to equal a number at its end", "", "a field");
     }
-    r.field = {system_, system.parts().at(0).fields.at(0).name};
+    r.field = {system_, main_field};
     for (const ExpectParams& e : expected_) r.observables.push_back(e.quantity);
     return r;
   }
-  r.field = {system_, quantity == "state" ? system.parts().at(0).fields.at(0).name : quantity};
+  r.field = {system_, quantity == "state" ? main_field : quantity};
   field_values(system, system.initial_state(), r.field.name);  // refuses a field that does not exist
   // The exact solution belongs to the first field.
-  if (has_exact_ && r.field.name == system.parts()[0].fields[0].name) r.observables = {kExact};
+  if (has_exact_ && r.field.name == main_field) r.observables = {kExact};
   return r;
 }
 
@@ -160,9 +161,12 @@ std::vector<double> Refinement::at_common(const World& coarsest, const World& wo
     }
     return out;
   }
-  if (!resolution_->places || place.part != 0) {
+  if (!resolution_->places || place.part != resolution_->part) {
     refuse("/quantity", "no_place", "rows of this field have no counterpart at other resolutions",
-           '"' + field.name + '"', "a field of the main part");
+           '"' + field.name + '"',
+           "a field of " + (resolution_->part == 0
+                                ? "the main part"
+                                : "part " + std::string(system.parts()[resolution_->part].name)));
   }
   const auto places_of = [&](const World& w) {
     return resolution_->places(w.scene().systems[system_].def.get());

@@ -21,12 +21,6 @@ constexpr RisingStep::Bounds kRising{.rise = 1e-4, .most_parts = 8};
 
 enum Field : size_t { kPosition, kVelocity, kOrientation, kAngularVelocity, kJointForce, kJointMoment };
 
-void end_push(State& s, const StepInput& in) {
-  double& remaining = s.f64(Columns::kPushRemaining)[0];
-  remaining = std::max(0.0, remaining - in.h);
-  if (remaining < 1e-9 * in.h) s.span<int32_t>(Columns::kPushLink)[0] = -1;
-}
-
 bool all_have_shapes(const ArticulationDef& d) {
   return std::ranges::none_of(d.links, [](const LinkDef& l) { return l.shapes.empty(); });
 }
@@ -56,7 +50,8 @@ Articulation::Articulation(std::unique_ptr<const ArticulationField> field, const
             in.workspace.object<ClosureWork>("articulation.closures"));
     });
   }
-  add_stage("push", "ends a push command when its duration is over", end_push);
+  add_stage("hands", "ends pushes whose duration is over",
+            [](State& s, const StepInput& in) { Columns::kHands.count_down(s, in.h); });
   const auto& drives = tree_.model().drives;
   if (std::ranges::none_of(drives, [](const Drive& d) { return d.limited(); })) {
     skip_stage("limits", "no joint has limits");
@@ -117,7 +112,7 @@ Ports Articulation::ports() const {
 
 Energy::Exchange Articulation::exchange(const State& s) const {
   const auto torque = s.f64(Columns::kTorque);
-  const bool driven = !tree_.model().loads.empty() || s.f64(Columns::kPushRemaining)[0] > 0 ||
+  const bool driven = !tree_.model().loads.empty() || Columns::kHands.any(s) ||
                       std::ranges::any_of(torque, [](double t) { return t != 0; });
   return driven ? Energy::Exchange::open : Energy::Exchange::closed;
 }
@@ -197,7 +192,7 @@ FieldView Articulation::field(const State& s, size_t part, size_t which, std::ve
 }
 
 void Articulation::check(StateCheck& check, double) const {
-  check.below(Columns::kPushLink, tree_.model().links.size());
+  Columns::kHands.check_pushes(check, tree_.model().links.size());
 }
 
 void Articulation::apply(State& s, const Command& c) const {
@@ -213,11 +208,7 @@ void Articulation::apply(State& s, const Command& c) const {
     }
     case CommandKind::push: {
       const size_t link = checked_command_row(c, m.links.size(), "link");
-      s.span<int32_t>(Columns::kPushLink)[0] = static_cast<int32_t>(link);
-      store3(s.f64(Columns::kPushForce).data(), 0, c.vector);
-      store3(s.f64(Columns::kPushAt).data(), 0, tree_.hold(s, link, c.at));
-      s.f64(Columns::kPushRemaining)[0] = c.duration;
-      return;
+      return Columns::kHands.add_push(s, {link, c.vector, tree_.hold(s, link, c.at)}, c.duration);
     }
     case CommandKind::set_parameter: {
       if (c.name == "gravity") return store3(s.f64(Columns::kGravity).data(), 0, c.vector);

@@ -111,15 +111,14 @@ State ArticulationField::initial_state() const {
   s.add({"velocity", "1/s", Scalar::f64, 1, Role::velocity}, model_.v.size());
   s.add({"torque", "N m"}, model_.torque.size());
   s.add({"gravity", "m/s^2", Scalar::f64, 3}, 1);
-  s.add({"push.link", "1", Scalar::i32}, 1);
-  s.add({"push.force", "N", Scalar::f64, 3}, 1);
-  s.add({"push.at", "m", Scalar::f64, 3}, 1);
-  s.add({"push.remaining", "s"}, 1);
+  s.add({"push.link", "1", Scalar::u32}, 0);
+  s.add({"push.force", "N", Scalar::f64, 3}, 0);
+  s.add({"push.at", "m", Scalar::f64, 3}, 0);
+  s.add({"push.remaining", "s"}, 0);
   std::ranges::copy(model_.q, s.f64(Columns::kPosition).begin());
   std::ranges::copy(model_.v, s.f64(Columns::kVelocity).begin());
   std::ranges::copy(model_.torque, s.f64(Columns::kTorque).begin());
   store3(s.f64(Columns::kGravity).data(), 0, gravity_);
-  s.span<int32_t>(Columns::kPushLink)[0] = -1;
   return s;
 }
 
@@ -145,13 +144,11 @@ void ArticulationField::efforts(const Phase& at, std::span<double> tau) const {
   }
 }
 
-Push ArticulationField::push_of(const State& state) const {
-  const int32_t link = state.span<int32_t>(Columns::kPushLink)[0];
-  if (link < 0) return {};
-  const Link& l = model_.links[size_t(link)];
-  return {.node = l.node,
-          .at = load3(state.f64(Columns::kPushAt).data(), 0),
-          .force = load3(state.f64(Columns::kPushForce).data(), 0)};
+void ArticulationField::add_pushes(const State& state, std::vector<Push>& out) const {
+  for (size_t k = 0; k < Columns::kHands.pushes(state); ++k) {
+    const UserForces::Push p = Columns::kHands.push(state, k);
+    out.push_back({.node = model_.links[p.who].node, .at = p.at, .force = p.force});
+  }
 }
 
 Vec3 ArticulationField::reach(const LinkSpring& s, std::span<const NodeWork> work, Of what) const {
@@ -175,7 +172,8 @@ void ArticulationField::solve(const Phase& at, std::span<NodeWork> work, std::sp
                               ClosureWork& scratch, std::span<double> a) const {
   efforts(at, tau);
   const Vec3 gravity = load3(at.state.f64(Columns::kGravity).data(), 0);
-  scratch.outside.assign(1, push_of(at.state));
+  scratch.outside.clear();
+  add_pushes(at.state, scratch.outside);
   scratch.outside.insert(scratch.outside.end(), model_.loads.begin(), model_.loads.end());
   if (!model_.springs.empty()) {
     move(model_.tree, at.x, at.v, work);

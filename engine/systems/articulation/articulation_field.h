@@ -4,6 +4,7 @@
 // torque is -2 k w (x, y, z) of the unit quaternion; their limits are in ball_limits.h. Beyond a limit a
 // spring and a damper push back; together they never pull.
 #pragma once
+#include "engine/core/commands/user_forces.h"
 #include "engine/core/equations/force_field.h"
 #include "engine/systems/articulation/model.h"
 
@@ -18,11 +19,12 @@ struct Columns {
     kVelocity,
     kTorque,        ///< N m or N, one per velocity
     kGravity,       ///< m/s^2, 3
-    kPushLink,      ///< link that is pushed, -1: none
+    kPushLink,      ///< link that is pushed; one row per push
     kPushForce,     ///< N
     kPushAt,        ///< m, in the frame of the link's joint
     kPushRemaining  ///< s
   };
+  static constexpr UserForces kHands{UserForces::PushColumns{kPushLink, kPushForce, kPushRemaining, kPushAt}};
 };
 
 class ArticulationField final : public ForceField {
@@ -57,7 +59,7 @@ class ArticulationField final : public ForceField {
 
  private:
   void efforts(const Phase& at, std::span<double> tau) const;
-  Push push_of(const State& state) const;
+  void add_pushes(const State& state, std::vector<Push>& out) const;
   void solve(const Phase& at, std::span<NodeWork> work, std::span<double> tau, ClosureWork& scratch,
              std::span<double> a) const;
   Vec3 reach(const LinkSpring& s, std::span<const NodeWork> work, Of what) const;

@@ -1,7 +1,6 @@
 #include "engine/systems/oscillator/oscillator.h"
 #include "engine/core/commands/command_checks.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -41,7 +40,8 @@ class Oscillator : public ForceSystem {
       : ForceSystem(std::move(field), method.row, def.choice().options), def_(def) {
     add_integration_stage(method.why);
     bound_speed();
-    add_stage("push", "ends a push command when its duration is over", end_push);
+    add_stage("hands", "ends pushes whose duration is over",
+              [](State& s, const StepInput& in) { C::kHands.count_down(s, in.h); });
     if (def.drive_force == 0) skip_stage("drive", "the driving force is zero");
     if (def.damping == 0) skip_stage("damping", "the damping is zero");
   }
@@ -55,11 +55,14 @@ class Oscillator : public ForceSystem {
   }
 
   Energy::Exchange exchange(const State& s) const override {
-    const bool driven = s.f64(C::kDriveForce)[0] != 0 || s.f64(C::kPushRemaining)[0] > 0;
+    const bool driven = s.f64(C::kDriveForce)[0] != 0 || C::kHands.any(s);
     return driven ? Energy::Exchange::open : Energy::Exchange::closed;
   }
 
+  void check(StateCheck& check, double) const override { C::kHands.check_pushes(check, 1); }
+
   void apply(State& state, const Command& c) const override {
+    check_command_numbers(c);
     refuse_place(c, "mass");
     if (c.index > 0 || c.index < -1) refuse("/index", "an oscillator has a single point", "0");
     switch (c.kind) {
@@ -67,8 +70,7 @@ class Oscillator : public ForceSystem {
         state.f64(C::kVelocity)[0] += c.vector.x * state.f64(C::kInverseMass)[0];
         break;
       case CommandKind::push:
-        state.f64(C::kPushForce)[0] = c.vector.x;
-        state.f64(C::kPushRemaining)[0] = c.duration;
+        C::kHands.add_push(state, {0, c.vector, {}}, c.duration);
         break;
       case CommandKind::set_parameter:
         set_parameter(state, c);
@@ -87,12 +89,6 @@ class Oscillator : public ForceSystem {
   }
 
  private:
-  static void end_push(State& s, const StepInput& in) {
-    double& remaining = s.f64(C::kPushRemaining)[0];
-    remaining = std::max(0.0, remaining - in.h);
-    if (remaining < 1e-9 * in.h) s.f64(C::kPushForce)[0] = 0;
-  }
-
   void set_parameter(State& s, const Command& c) const {
     static constexpr std::pair<std::string_view, C::Index> kSettable[] = {
         {"stiffness", C::kStiffness},

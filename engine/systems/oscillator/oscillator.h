@@ -6,6 +6,7 @@
 #pragma once
 #include <memory>
 
+#include "engine/core/commands/user_forces.h"
 #include "engine/core/def/build.h"
 #include "engine/core/def/def.h"
 #include "engine/core/equations/force_system.h"
@@ -41,10 +42,12 @@ struct OscillatorColumns {
     kDamping,
     kDriveForce,
     kDriveFrequency,
-    kPushForce,
+    kPushRow,    ///< 0; one row per push
+    kPushForce,  ///< N, its first component acts
     kPushRemaining,
     kDisturbed  ///< 1 once a command has left the exact solution
   };
+  static constexpr UserForces kHands{UserForces::PushColumns{kPushRow, kPushForce, kPushRemaining}};
 };
 
 /// The right-hand side alone, for studies and tests.

@@ -32,8 +32,9 @@ class OscillatorField : public ForceField {
     add(C::kDamping, "damping", "N s/m", 1, Role::internal, def_.damping);
     add(C::kDriveForce, "drive_force", "N", 1, Role::internal, def_.drive_force);
     add(C::kDriveFrequency, "drive_frequency", "Hz", 1, Role::internal, def_.drive_frequency);
-    add(C::kPushForce, "push.force", "N", 1, Role::internal, 0);
-    add(C::kPushRemaining, "push.remaining", "s", 1, Role::internal, 0);
+    s.add({"push.row", "1", Scalar::u32}, 0);
+    s.add({"push.force", "N", Scalar::f64, 3}, 0);
+    s.add({"push.remaining", "s"}, 0);
     add(C::kDisturbed, "disturbed", "1", 1, Role::internal, 0);
     return s;
   }
@@ -87,7 +88,8 @@ class OscillatorField : public ForceField {
   static double prescribed_force(const Phase& at) {
     using C = OscillatorColumns;
     const State& s = at.state;
-    double f = s.f64(C::kPushForce)[0];
+    double f = 0;
+    for (size_t k = 0; k < C::kHands.pushes(s); ++k) f += C::kHands.push(s, k).force.x;
     if (const double amplitude = s.f64(C::kDriveForce)[0]; amplitude != 0) {
       f += amplitude * trig::sin(2 * std::numbers::pi * s.f64(C::kDriveFrequency)[0] * at.t);
     }

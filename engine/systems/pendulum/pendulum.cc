@@ -1,7 +1,6 @@
 #include "engine/systems/pendulum/pendulum.h"
 #include "engine/core/commands/command_checks.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "engine/base/errors.h"
@@ -58,7 +57,8 @@ class Pendulum final : public ForceSystem {
         chain_(static_cast<const PendulumField&>(force_field())) {
     add_integration_stage(method.why);
     bound_speed();
-    add_stage("push", "ends a push command when its duration is over", end_push);
+    add_stage("hands", "ends pushes whose duration is over",
+              [](State& s, const StepInput& in) { C::kHands.count_down(s, in.h); });
     if (def.damping == 0) skip_stage("damping", "the damping is zero");
     const size_t n = chain_.links();
     set_parts({{PartInfo::Kind::points,
@@ -75,10 +75,10 @@ class Pendulum final : public ForceSystem {
   }
 
   Energy::Exchange exchange(const State& s) const override {
-    return s.f64(C::kPushRemaining)[0] > 0 ? Energy::Exchange::open : Energy::Exchange::closed;
+    return C::kHands.any(s) ? Energy::Exchange::open : Energy::Exchange::closed;
   }
 
-  void check(StateCheck& check, double) const override { check.below(C::kPushRow, chain_.links()); }
+  void check(StateCheck& check, double) const override { C::kHands.check_pushes(check, chain_.links()); }
 
   FieldView field(const State& s, size_t part, size_t which, std::vector<double>& scratch) const override {
     const auto angles = s.f64(C::kAngle), rates = s.f64(C::kAngularVelocity);
@@ -93,6 +93,7 @@ class Pendulum final : public ForceSystem {
   }
 
   void apply(State& s, const Command& c) const override {
+    check_command_numbers(c);
     refuse_place(c, "bob");
     switch (c.kind) {
       case CommandKind::impulse: {
@@ -102,10 +103,7 @@ class Pendulum final : public ForceSystem {
         return;
       }
       case CommandKind::push:
-        s.span<int32_t>(C::kPushRow)[0] = static_cast<int32_t>(link(c));
-        std::ranges::copy(chain_.in_plane(c.vector), s.f64(C::kPushForce).begin());
-        s.f64(C::kPushRemaining)[0] = c.duration;
-        return;
+        return C::kHands.add_push(s, {link(c), c.vector, {}}, c.duration);
       case CommandKind::set_parameter:
         return set_parameter(s, c);
       default:
@@ -144,12 +142,6 @@ class Pendulum final : public ForceSystem {
     }
     if (!(c.value >= 0) || !std::isfinite(c.value)) refuse("/value", c.name + " is out of range", ">= 0");
     s.f64(damping ? C::kDamping : C::kGravity)[0] = c.value;
-  }
-
-  static void end_push(State& s, const StepInput& in) {
-    double& remaining = s.f64(C::kPushRemaining)[0];
-    remaining = std::max(0.0, remaining - in.h);
-    if (remaining < 1e-9 * in.h) s.span<int32_t>(C::kPushRow)[0] = -1;
   }
 
   const PendulumField& chain_;

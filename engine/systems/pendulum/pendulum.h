@@ -10,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include "engine/core/commands/user_forces.h"
 #include "engine/core/def/build.h"
 #include "engine/core/def/def.h"
 #include "engine/core/equations/force_system.h"
@@ -36,10 +37,11 @@ struct PendulumColumns {
     kAngularVelocity,  ///< named velocity, rad/s
     kDamping,          ///< N s/m
     kGravity,          ///< m/s^2, size
-    kPushRow,          ///< link being pushed, -1: none
-    kPushForce,        ///< N, in the plane: along the horizontal, along gravity
+    kPushRow,          ///< mass that is pushed, from 0; one row per push
+    kPushForce,        ///< N
     kPushRemaining     ///< s
   };
+  static constexpr UserForces kHands{UserForces::PushColumns{kPushRow, kPushForce, kPushRemaining}};
 };
 
 class PendulumField final : public ForceField {

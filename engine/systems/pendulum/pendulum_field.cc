@@ -34,14 +34,13 @@ State PendulumField::initial_state() const {
   s.add({"velocity", "rad/s", Scalar::f64, 1, Role::velocity}, n);
   s.add({"damping", "N s/m"}, 1);
   s.add({"gravity", "m/s^2"}, 1);
-  s.add({"push.row", "1", Scalar::i32}, 1);
-  s.add({"push.force", "N", Scalar::f64, 2}, 1);
-  s.add({"push.remaining", "s"}, 1);
+  s.add({"push.row", "1", Scalar::u32}, 0);
+  s.add({"push.force", "N", Scalar::f64, 3}, 0);
+  s.add({"push.remaining", "s"}, 0);
   std::ranges::copy(each(def_.angles, def_.angle, n), s.f64(C::kAngle).begin());
   std::ranges::copy(each(def_.angular_velocities, 0, n), s.f64(C::kAngularVelocity).begin());
   s.f64(C::kDamping)[0] = def_.damping;
   s.f64(C::kGravity)[0] = gravity_;
-  s.span<int32_t>(C::kPushRow)[0] = -1;
   return s;
 }
 
@@ -101,10 +100,10 @@ void PendulumField::acceleration(const Phase& at, std::span<double> a, Evaluatio
     s.fx[i] = -c * vx / mass_[i];
     s.fy[i] = g - c * vy / mass_[i];
   }
-  if (const int32_t row = at.state.span<int32_t>(C::kPushRow)[0]; row >= 0) {
-    const auto k = static_cast<size_t>(row);
-    s.fx[k] += at.state.f64(C::kPushForce)[0] / mass_[k];
-    s.fy[k] += at.state.f64(C::kPushForce)[1] / mass_[k];
+  for (size_t k = 0; k < C::kHands.pushes(at.state); ++k) {
+    const UserForces::Push push = C::kHands.push(at.state, k);
+    const auto f = in_plane(push.force);
+    s.fx[push.who] += f[0] / mass_[push.who], s.fy[push.who] += f[1] / mass_[push.who];
   }
   solve(s, at.v, a);
 }

@@ -50,6 +50,11 @@ class RodChain final : public StagedSystem {
                  {"direction", "1", Scalar::f64, 3},
                  {"angular_velocity", "rad/s", Scalar::f64, 3}},
                 static_cast<size_t>(def.links),
+                {}},
+               {PartInfo::Kind::values,
+                "ends",
+                {{"end", "m", Scalar::f64, 3}, {"end_velocity", "m/s", Scalar::f64, 3}},
+                static_cast<size_t>(def.links),
                 {}}});
   }
 
@@ -88,7 +93,8 @@ class RodChain final : public StagedSystem {
     return energy_of(chain(s), scratch.rods);
   }
 
-  FieldView field(const State& s, size_t, size_t field, std::vector<double>&) const override {
+  FieldView field(const State& s, size_t part, size_t field, std::vector<double>& scratch) const override {
+    if (part == 1) return ends(s, field == 1, scratch);
     const auto c = static_cast<State::Column>(field);
     return {s.f64(c).data(), Scalar::f64, s.rows(c), 3};
   }
@@ -112,7 +118,7 @@ class RodChain final : public StagedSystem {
   }
 
   void draw(const State& s, double, Wish wishes, Drawing& out) const override {
-    if (wants(wishes, Wish::constant)) out.parts.emplace_back();
+    if (wants(wishes, Wish::constant)) out.parts.resize(2);
     if (!wants(wishes, Wish::obstacles)) return;
     const double *x = s.f64(kPosition).data(), *u = s.f64(kDirection).data();
     for (size_t j = 0; j < s.rows(kPosition); ++j) {
@@ -130,6 +136,18 @@ class RodChain final : public StagedSystem {
   }
 
  private:
+  // Of every rod's end that is farther from the anchor: position, or velocity.
+  FieldView ends(const State& s, bool velocities, std::vector<double>& scratch) const {
+    const size_t n = s.rows(kPosition);
+    const double *x = s.f64(velocities ? kVelocity : kPosition).data(), *u = s.f64(kDirection).data();
+    const double* w = s.f64(kSpin).data();
+    scratch.resize(3 * n);
+    for (size_t j = 0; j < n; ++j) {
+      const Vec3 along = velocities ? cross(load3(w, j), load3(u, j)) : load3(u, j);
+      store3(scratch.data(), j, load3(x, j) + along * chain_.half);
+    }
+    return {scratch.data(), Scalar::f64, n, 3};
+  }
   bool adaptive() const { return def_.constraints == RodChainDef::Treatment::lagrange && !def_.substeps; }
   Energy energy_of(const Chain& c, std::span<const Rod> all) const {
     const bool springs = def_.constraints == RodChainDef::Treatment::penalty;

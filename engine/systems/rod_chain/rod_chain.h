@@ -18,6 +18,7 @@
 
 #include "engine/core/def/build.h"
 #include "engine/core/def/def.h"
+#include "engine/core/def/resolution.h"
 #include "engine/core/outputs.h"
 #include "engine/core/system.h"
 
@@ -35,6 +36,8 @@ struct RodChainDef {
 const DefTable& rod_chain_table();
 /// Its outputs.
 const Outputs& rod_chain_outputs();
+/// Refinement: the number of rods, with the chain's length and mass kept.
+const Resolution& rod_chain_resolution();
 std::unique_ptr<const System> build_rod_chain(const void* def, const BuildContext& context);
 Cost rod_chain_cost(const void* def);
 

@@ -121,7 +121,7 @@ TEST_F(Refining, ASceneThatHasNoResolutionSaysWhatHas) {
   const Error e = refused(convergence(oscillator, R"("refine":"space")"));
   EXPECT_EQ(e.code(), "scene_invalid");
   EXPECT_EQ(e.issues().at(0).pointer, "/refine");
-  for (const char* has : {"heat (cells)", "wave (cells)", "mass_spring ("})
+  for (const char* has : {"heat (cells)", "wave (cells)", "mass_spring (", "xpbd (", "rod_chain (links)"})
     EXPECT_THAT(e.issues().at(0).allowed, testing::HasSubstr(has));
   const Error method =
       refused(convergence(rod(R"("order":"2")", true), R"("refine":"space","integrator":"rk4")"));
@@ -167,6 +167,89 @@ TEST_F(Refining, ARopeStaysTheSameRope) {
   std::string heavier = rope;
   heavier.replace(heavier.find("\"density\":0.5"), 13, "\"mass\":0.01");
   EXPECT_THAT(refused(convergence(heavier, R"("refine":"space")")).what(), testing::HasSubstr("density"));
+}
+
+// The same for position-based ropes, sheets and blocks: by hand from the springs in series and in parallel.
+TEST_F(Refining, PositionBasedShapesStayTheSame) {
+  const auto system = [&](const std::string& more, int level) {
+    const std::string scene = R"({"schema_version":"1.0","name":"x","time":{"dt":0.01,"duration":0.02},
+      "systems":[{"type":"xpbd","id":"x","density":0.5,"damping":0.08,"internal_damping":2,)" +
+                              more + "}]}";
+    return Refinement(parse_json(scene), "", context).document(level).at("systems").at(0);
+  };
+  const auto number = [](const json::value& v, const char* key) { return v.at(key).to_number<double>(); };
+  const auto count = [](const json::value& v, const char* shape, const char* key) {
+    return v.at(shape).at(key).to_number<int>();
+  };
+  const std::string rope = R"("stiffness":4000,"rope":{"from":[0,0,0],"to":[0,-1,0],"links":8})";
+  EXPECT_EQ(count(system(rope, 0), "rope", "links"), 2);
+  EXPECT_EQ(count(system(rope, 3), "rope", "links"), 16);
+  EXPECT_EQ(number(system(rope, 3), "stiffness"), 8000);
+  EXPECT_EQ(number(system(rope, 3), "internal_damping"), 4);
+  EXPECT_EQ(number(system(rope, 3), "damping"), 0.04);
+  const std::string cloth =
+      R"("stiffness":4000,"cloth_grid":{"origin":[0,0,0],"edge_u":[1,0,0],"edge_v":[0,0,1],"nx":9,"ny":17})";
+  EXPECT_EQ(count(system(cloth, 3), "cloth_grid", "nx"), 17);
+  EXPECT_EQ(count(system(cloth, 3), "cloth_grid", "ny"), 33);
+  EXPECT_EQ(number(system(cloth, 3), "stiffness"), 4000);
+  EXPECT_EQ(number(system(cloth, 3), "damping"), 0.02);
+  const std::string block =
+      R"("stiffness":4000,"block":{"size":[1,1,1],"cells_x":4,"cells_y":4,"cells_z":8})";
+  EXPECT_EQ(count(system(block, 3), "block", "cells_z"), 16);
+  EXPECT_EQ(number(system(block, 3), "stiffness"), 2000);
+  EXPECT_EQ(number(system(block, 3), "damping"), 0.01);
+}
+
+// A rope that stretches under its weight, against the finest: measured 3.8e-4, 1.1e-4 and 2.2e-5, by substeps
+// of the same length at all resolutions.
+TEST_F(Refining, APositionBasedRopeConverges) {
+  const std::string rope = R"({"schema_version":"1.0","name":"rope","gravity":[0,-10,0],
+    "time":{"dt":0.01,"duration":0.2},"systems":[{"type":"xpbd","id":"r","density":0.5,"stiffness":4000,
+    "internal_damping":2,"pinned":["first"],"rope":{"from":[0,0,0],"to":[0,-1,0],"links":8}}]})";
+  const auto r = run(convergence(rope, R"("refine":"space","budget":20,"halvings":3)"));
+  EXPECT_EQ(r.table.rows.size(), 4u) << json::serialize(r.summary);
+  EXPECT_LT(std::get<double>(r.table.rows[2][4]), 0.1 * std::get<double>(r.table.rows[0][4]))
+      << json::serialize(r.summary);
+}
+
+TEST_F(Refining, WhatBelongsToPointsOfAClothIsNamed) {
+  const auto why = [&](const std::string& more) {
+    return std::string(
+        refused(convergence(R"({"schema_version":"1.0","name":"c","time":{"dt":0.01,"duration":0.02},
+      "systems":[{"type":"xpbd","id":"c",)" +
+                                more + R"("rope":{"from":[0,0,0],"to":[0,-1,0],"links":8}}]})",
+                            R"("refine":"space","budget":5)"))
+            .what());
+  };
+  EXPECT_THAT(why(R"("mass":0.1,)"), testing::HasSubstr("density"));
+  EXPECT_THAT(why(R"("density":1,"scheme":"pbd",)"), testing::HasSubstr("use xpbd"));
+  EXPECT_THAT(why(R"("density":1,"pins":[3],)"), testing::HasSubstr("pinned"));
+  EXPECT_THAT(why(R"("density":1,"loads":[{"point":8,"mass":1}],)"), testing::HasSubstr("loads"));
+}
+
+// Rods of half the length with half the mass: their ends approach a thread that swings down. Compared are the
+// ends that all resolutions share, as no centres are shared. Measured 0.033, 0.015 and 0.0040.
+TEST_F(Refining, AChainOfRodsBecomesAThread) {
+  const std::string chain = R"({"schema_version":"1.0","name":"chain","gravity":[0,-10,0],
+    "time":{"dt":0.01,"duration":0.2},"systems":[{"type":"rod_chain","id":"c","links":8,"length":0.125,
+    "mass":0.25}]})";
+  const Refinement ladder(parse_json(chain), "", context);
+  const json::value fine = ladder.document(3).at("systems").at(0);
+  EXPECT_EQ(fine.at("links").to_number<int>(), 16);
+  EXPECT_EQ(fine.at("length").as_double(), 0.0625);
+  EXPECT_EQ(fine.at("mass").as_double(), 0.125);
+  const auto r = run(convergence(chain, R"("refine":"space","budget":20,"halvings":3)"));
+  EXPECT_EQ(r.summary.at("subject").as_string(), "c.links");
+  ASSERT_EQ(r.table.rows.size(), 4u) << json::serialize(r.summary);
+  for (const size_t row : {1u, 2u}) {
+    EXPECT_LT(std::get<double>(r.table.rows[row][4]), 0.6 * std::get<double>(r.table.rows[row - 1][4]))
+        << json::serialize(r.summary);
+  }
+  EXPECT_EQ(refused(convergence(chain, R"("refine":"space","quantity":"position","budget":5)"))
+                .issues()
+                .at(0)
+                .pointer,
+            "/quantity");
 }
 
 // A square that slides along two of its sides under a load that is even except for a smooth bump: no corner
