@@ -11,6 +11,7 @@ import struct
 import subprocess
 import tempfile
 import threading
+import time
 
 from patience import patience
 
@@ -60,7 +61,14 @@ class Service:
 
     def create(self, scene):
         answer = self.post("/v1/sessions", scene)
-        assert answer.status == 201, answer.body
+        # What takes longer to make than a request waits is made meanwhile.
+        end = time.monotonic() + patience(60)
+        while answer.status == 202 and time.monotonic() < end:
+            time.sleep(0.05)
+            now = self.get(answer.json()["links"]["self"])
+            if now.json().get("status") != "creating":
+                answer = now
+        assert answer.status in (200, 201), answer.body
         return answer.json()
 
     def stop(self):
