@@ -57,6 +57,7 @@ Box2dScene::Box2dScene(const rigid2d::Rigid2dDef& def, const BuildContext& conte
       restitution_speed(def.restitution_speed.value_or(
           slowest_bounce(norm(def.gravity.value_or(context.gravity)), context.dt))),
       parts(static_cast<double>(def.substeps)),
+      dt(context.dt),
       sleeping(def.sleeping) {}
 
 Box2dWorld::Box2dWorld(std::shared_ptr<const Box2dScene> scene, const State& s) : scene_(std::move(scene)) {
@@ -73,7 +74,7 @@ Box2dWorld::Box2dWorld(std::shared_ptr<const Box2dScene> scene, const State& s) 
     for (size_t k = 0; k < broken.size(); ++k) {
       const rigid2d::Joint& j = scene_->model.joints[k];
       if (broken[k] || (j.kind == rigid2d::JointKind::gear) != gears) continue;
-      joints_[k] = add_box2d_joint(world_, scene_->model, j, bodies_, joints_);
+      joints_[k] = add_box2d_joint(world_, scene_->model, j, bodies_, joints_, scene_->dt);
     }
   }
   remember(s);
@@ -191,7 +192,7 @@ std::vector<b2Joint*> Box2dWorld::take_hands(State& s, double h) {
     if (bodies_[d.who]->GetType() != b2_dynamicBody) continue;
     bodies_[d.who]->SetAwake(true);
     const rigid2d::Joint j = rigid2d::drag_joint(scene_->model, d);
-    drags.push_back(add_box2d_joint(world_, scene_->model, j, bodies_, joints_));
+    drags.push_back(add_box2d_joint(world_, scene_->model, j, bodies_, joints_, scene_->dt));
   }
   return drags;
 }
@@ -210,14 +211,19 @@ void Box2dWorld::step(State& s, double h) {
   read_contacts(s);
   remember(s);
   // Last, so that the next step builds a world without the broken joints.
-  break_joints(s, h);
+  read_joints(s, h);
 }
 
-void Box2dWorld::break_joints(State& s, double h) {
+void Box2dWorld::read_joints(State& s, double h) {
   const auto broken = s.span<uint32_t>(columns::joint_broken);
   for (size_t k = 0; k < joints_.size(); ++k) {
-    const double most = scene_->model.joints[k].break_force;
-    if (joints_[k] && most > 0 && joints_[k]->GetReactionForce(static_cast<float>(1 / h)).Length() > most)
+    const rigid2d::Joint& j = scene_->model.joints[k];
+    if (!joints_[k]) continue;
+    const auto impulses = box2d_impulses(*joints_[k], j, h, h / scene_->parts);
+    std::copy(impulses.begin(), impulses.end(), s.f64(columns::joint_impulse).data() + 6 * k);
+    const auto rate = static_cast<float>(1 / h);
+    if ((j.break_force > 0 && joints_[k]->GetReactionForce(rate).Length() > j.break_force) ||
+        (j.break_torque > 0 && std::abs(joints_[k]->GetReactionTorque(rate)) > j.break_torque))
       broken[k] = 1;
   }
 }

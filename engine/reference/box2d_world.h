@@ -19,6 +19,7 @@ struct Box2dScene {
   rigid2d::Model model;
   double restitution_speed, parts;  ///< parts: the step length that impulses in the state refer to is dt /
                                     ///< parts
+  double dt;                        ///< s
   bool sleeping;
 };
 
@@ -35,7 +36,7 @@ class Box2dWorld final : private b2ContactFilter, private b2ContactListener {
   void add_body(const State& s, size_t i);
   void add_shape(b2Body& body, const rigid2d::Shape& shape, uint32_t number);
   std::vector<b2Joint*> take_hands(State& s, double h);
-  void break_joints(State& s, double h);
+  void read_joints(State& s, double h);
   void read_bodies(State& s);
   void read_contacts(State& s);
   void remember(const State& s);

@@ -55,7 +55,7 @@ class Bullet final : public reference::OwnFace<rigid3d::Rigid3d> {
 
 std::unique_ptr<const System> build_bullet(const rigid3d::Rigid3dDef& def, const BuildContext& context) {
   std::vector<Issue> issues;
-  reference::check_bullet_joints(def, issues);
+  reference::check_bullet_scene(def, issues);
   std::unique_ptr<const Bullet> system;
   if (issues.empty()) system = std::make_unique<const Bullet>(def, context, issues);
   if (!issues.empty())

@@ -196,7 +196,16 @@ struct Make {
 
 }  // namespace
 
-void check_bullet_joints(const Rigid3dDef& def, std::vector<Issue>& issues) {
+void check_bullet_scene(const Rigid3dDef& def, std::vector<Issue>& issues) {
+  const auto refuse = [&](const std::string& pointer, const char* why) {
+    issues.push_back({pointer, "no_equivalent", why, "", "leave it out", "", ""});
+  };
+  for (size_t i = 0; i < def.bodies.size(); ++i) {
+    const rigid3d::BodyDef& body = common(def.bodies[i]);
+    const std::string at = "/bodies/" + std::to_string(i);
+    if (body.surface_velocity != Vec3{}) refuse(at + "/surface_velocity", "Bullet's surfaces do not move");
+    if (body.one_way) refuse(at + "/one_way", "Bullet's bodies are solid from all sides");
+  }
   for (size_t i = 0; i < def.joints.size(); ++i) {
     if (const auto lack = std::visit(FindLack{}, def.joints[i]))
       issues.push_back({"/joints/" + std::to_string(i) + lack->member, "no_equivalent", lack->why, "",

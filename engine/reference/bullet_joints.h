@@ -11,8 +11,8 @@
 
 namespace truestep::reference {
 
-/// Appends an issue for every joint of the scene that Bullet has no equivalent of.
-void check_bullet_joints(const rigid3d::Rigid3dDef& def, std::vector<Issue>& issues);
+/// Appends an issue for everything in the bodies and joints of the scene that Bullet has no equivalent of.
+void check_bullet_scene(const rigid3d::Rigid3dDef& def, std::vector<Issue>& issues);
 
 /// The constraint of one joint between a and b.
 std::unique_ptr<btTypedConstraint> bullet_joint(const rigid3d::AnyJointDef& def, const rigid3d::Joint& joint,

@@ -21,6 +21,10 @@ void add_triangle(btTriangleMesh& mesh, const std::array<Vec3, 3>& c) {
 BulletShapes::BulletShapes(std::span<const BodyKind> kinds, std::vector<Issue>& issues) {
   for (size_t i = 0; i < kinds.size(); ++i) {
     const BodyKind& k = kinds[i];
+    if (k.group != 0) {
+      issues.push_back({"/bodies/" + std::to_string(i) + "/group", "no_equivalent",
+                        "Bullet's world has categories and masks only", "", "0", "", ""});
+    }
     if (k.solid.kind == SolidKind::mesh && k.moved_by_forces()) {
       issues.push_back({"/bodies/" + std::to_string(i) + "/motion", "no_equivalent",
                         "meshes that forces move have no equivalent in Bullet's world", "\"dynamic\"",

@@ -82,6 +82,7 @@ void BulletWorld::add_body(const State& s, size_t i) {
   info.m_linearDamping = 1 - trig::exp(-k.linear_damping);
   info.m_angularDamping = 1 - trig::exp(-k.angular_damping);
   auto b = std::make_unique<btRigidBody>(info);
+  if (k.fixed_rotation) b->setAngularFactor(0);
   // Set, so that the callbacks above are called for these too.
   b->setRollingFriction(k.rolling), b->setSpinningFriction(k.spin_arm(k.friction));
   b->setUserPointer(const_cast<BodyKind*>(&k));
@@ -97,7 +98,7 @@ void BulletWorld::add_body(const State& s, size_t i) {
     b->setCcdMotionThreshold(0.5 * k.inner), b->setCcdSweptSphereRadius(0.5 * k.inner);
   }
   b->setSleepingThresholds(scene_->sleep_speed, scene_->sleep_speed / std::max(k.reach, 1e-9));
-  const bool never_sleeps = !scene_->sleeping && k.moved_by_forces();
+  const bool never_sleeps = !(scene_->sleeping && k.can_sleep) && k.moved_by_forces();
   if (never_sleeps || k.motion == BodyDef::Motion::kinematic) {
     b->setActivationState(DISABLE_DEACTIVATION);
   } else if (s.span<uint32_t>(columns::asleep)[i]) {

@@ -1,6 +1,7 @@
 // The outside of a system stepped by another engine: state, observables, fields, commands and drawing are
 // those of our own system for the same scene.
 #pragma once
+#include "engine/core/commands/command_checks.h"
 #include "engine/core/system.h"
 
 namespace truestep::reference {
@@ -14,7 +15,14 @@ class OwnFace : public StagedSystem {
     return own_.field(s, part, field, scratch);
   }
   void check(StateCheck& check, double t) const override { own_.check(check, t); }
-  void apply(State& s, const Command& c) const override { own_.apply(s, c); }
+  /// Motors belong to the other engine's joints.
+  void apply(State& s, const Command& c) const override {
+    if (c.kind == CommandKind::set_parameter && c.name.find("motor") != std::string::npos) {
+      refuse_command("name", "unsupported", "motors of another engine are not set while a scene runs",
+                     "the scene's motor_speed");
+    }
+    own_.apply(s, c);
+  }
   /// Without the contacts, which belong to our own solver.
   void draw(const State& s, double t, Wish wishes, Drawing& out) const override {
     own_.draw(s, t, wishes, out);

@@ -5,8 +5,10 @@
 // for sleep_time and something static supports it: a contact under load or a joint. Freely floating bodies
 // never sleep unless they do not move at all. Bodies held by friction alone may move at 0.4 of sleep_speed:
 // balls and capsules keep rolling in heaps at some mm/s, and with an eighth two of three heaps stayed awake
-// for 20 s and more. (Box2D and Rapier test speeds alone, 0.05 and 0.4 m/s for 0.5 and 2 s; Jolt tests for
-// points within 15 mm for 0.5 s.)
+// for 20 s and more. Bodies that touch nothing and hang on joints or springs swing without loss, slowly at
+// their turning points: they rest only in balance, at a tenth of the mean speed and a hundredth of the
+// acceleration that others may have. (Box2D and Rapier test speeds alone, 0.05 and 0.4 m/s for 0.5 and 2 s;
+// Jolt tests for points within 15 mm for 0.5 s.)
 #pragma once
 #include <cmath>
 
@@ -15,15 +17,20 @@ namespace truestep {
 struct SleepRule {
   double speed = 0.05, time = 0.5;  ///< m/s, s
   double share = 0.125;             ///< of `speed`, the largest average speed of a resting body
+  double curve = 0.0125;            ///< of `speed` times `time`, the largest bend of its path
 
   /// The rule for bodies held by nothing but friction with others.
-  SleepRule of_rolling() const { return {speed, time, 0.4}; }
+  SleepRule of_rolling() const { return {speed, time, 0.4, curve}; }
+  /// The rule for bodies that touch nothing: at the defaults at most 0.6 mm/s and 1e-4 m/s^2, so that of
+  /// 0.025 Hz and above no oscillation of more than 1 mm/s falls asleep.
+  SleepRule of_hanging() const { return {speed, time, 0.1 * share, 0.01 * curve}; }
 
   /// m, largest distance of a resting body's points from where its rest began.
   double drift() const { return share * speed * time; }
   /// m, largest distance between the midpoint of the path in sleep_time and the midpoint of its ends: a
-  /// residual acceleration a, as at a pendulum's turning point, bends the path by a (time / 2)^2 / 2.
-  double bend() const { return 0.0125 * speed * time; }
+  /// residual acceleration a, as at a pendulum's turning point, bends the path by a (time / 2)^2 / 2: a body
+  /// that sleeps has had at most 8 curve speed / time.
+  double bend() const { return curve * speed * time; }
 };
 
 /// s for which a body has rested after a step of h. `before`: value at the start of the step (0: its rest

@@ -29,6 +29,15 @@ void leave_out_covered(std::span<const ContactPoint> all, const Vec3& normal, Po
   }
 }
 
+/// Keeps what is inside the prism over `reference` whose edges run along `along`.
+void cut_to_prism(const FacePolygon& reference, const Vec3& along, FacePolygon& incident) {
+  for (int i = 0; i < reference.count && incident.count > 0; ++i) {
+    const Vec3 &p = reference.corner[i], &q = reference.corner[i + 1 < reference.count ? i + 1 : 0];
+    const Vec3 side = cross(q - p, along);
+    incident.cut(side, dot(side, p), static_cast<uint32_t>(i));
+  }
+}
+
 }  // namespace
 
 void FacePolygon::cut(const Vec3& outward, double offset, uint32_t plane) {
@@ -51,11 +60,7 @@ void FacePolygon::cut(const Vec3& outward, double offset, uint32_t plane) {
 
 void clip_faces(const FacePolygon& reference, const Vec3& normal, FacePolygon incident, double margin,
                 FaceOwner owner, uint32_t tag, Manifold& out) {
-  for (int i = 0; i < reference.count && incident.count > 0; ++i) {
-    const Vec3 &p = reference.corner[i], &q = reference.corner[i + 1 < reference.count ? i + 1 : 0];
-    const Vec3 side = cross(q - p, normal);
-    incident.cut(side, dot(side, p), static_cast<uint32_t>(i));
-  }
+  cut_to_prism(reference, normal, incident);
   const double level = dot(normal, reference.corner[0]);
   PointList all;
   for (int i = 0; i < incident.count; ++i) {
@@ -65,6 +70,18 @@ void clip_faces(const FacePolygon& reference, const Vec3& normal, FacePolygon in
   }
   out.normal = owner == FaceOwner::first ? normal : -normal;
   keep_best(all.all(), normal, out);
+}
+
+void clip_slanted(const FacePolygon& reference, const Vec3& normal, const Vec3& along, FacePolygon incident,
+                  double margin, uint32_t tag, Manifold& out) {
+  cut_to_prism(reference, along, incident);
+  const double level = dot(normal, reference.corner[0]), facing = dot(normal, along);
+  out.normal = along, out.count = 0;
+  for (int i = 0; i < incident.count; ++i) {
+    const double s = (dot(normal, incident.corner[i]) - level) / facing;
+    if (s > margin) continue;
+    out.add(incident.corner[i] - along * (0.5 * s), s, tag << 16 | incident.id[i]);
+  }
 }
 
 void keep_best(std::span<const ContactPoint> list, const Vec3& normal, Manifold& out) {

@@ -31,6 +31,11 @@ enum class FaceOwner : uint8_t { first, second };
 void clip_faces(const FacePolygon& reference, const Vec3& normal, FacePolygon incident, double margin,
                 FaceOwner owner, uint32_t tag, Manifold& out);
 
+/// The same for a segment or a corner that touches along `along` (unit), a slanted prism over the reference:
+/// separations and the manifold's normal are along it, from the first body's face to the second.
+void clip_slanted(const FacePolygon& reference, const Vec3& normal, const Vec3& along, FacePolygon incident,
+                  double margin, uint32_t tag, Manifold& out);
+
 /// Keeps at most four of the points: the outermost along two directions and the deepest. `normal` is unit.
 struct PointList {
   static constexpr int kMost = FacePolygon::kMost;

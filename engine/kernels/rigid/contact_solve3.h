@@ -3,6 +3,8 @@
 // converges faster but never comes to rest: the active set of a block flips whenever a point separates or
 // friction starts to slip.
 #pragma once
+#include <limits>
+
 #include "engine/kernels/rigid/contact_rows3.h"
 
 namespace truestep {
@@ -153,9 +155,14 @@ Wide<T> held_back(const ContactGroup<T>& g, int p) {
   return where_positive(g.restitution, waits, one);
 }
 
-/// An impact: points that carried no load yet and that all approach share the impulse that stops the slowest
-/// of them, and share what later passes add to it or take back. Solved one after the other, the first point
-/// would take the whole impulse and turn the body, which a few passes cannot undo.
+/// Multiple of the scalar's epsilon, times the speed of a blow, up to which a load is the rounding of a gap
+/// that closes exactly at the end of a substep: separations are sums over at most some ten substeps.
+inline constexpr int kRoundedGap = 64;
+
+/// An impact: points that carried no load yet, or only the rounding of a gap, and that all approach share the
+/// impulse that stops the slowest of them, and share what later passes add to it or take back. Solved one
+/// after the other, the first point would take the whole impulse and turn the body, which a few passes cannot
+/// undo.
 template <ContactSolve kind, class T>
 void share_blow(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], const ContactPass<T>& pass,
                 const Wide<T>& push_out) {
@@ -165,7 +172,9 @@ void share_blow(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], const ContactPas
   for (int p = 0; p < g.points; ++p) pressure += g.place[p].impulse;
   // Skipped where the centre of the points does not approach.
   const W closes = where_positive(-v[0], where_positive(k00, one, zero), zero);
-  const W shares = where_positive(pressure, g.struck, closes);
+  const W rounding = W(kRoundedGap * std::numeric_limits<T>::epsilon());
+  const W loaded = madd(pressure, k00, rounding * min(v[0], zero));
+  const W shares = where_positive(loaded, g.struck, closes);
   if (!any_below(-shares, zero)) return;
   W least = far, most = -far, weakest = far, count(0);
   for (int p = 0; p < g.points; ++p) {

@@ -38,14 +38,22 @@ struct OscillatorStep {
   double half = 0;
 };
 
-/// Coefficients for steps in which the oscillator turns by less than half a radian: exact damping, B =
-/// exp(-rate h), and the spring force at the start of the step, which is damped too. The equilibrium under a
-/// load is exact, the frequency is within w2 h^2 / 24 + rate h / 4, and without damping the energy is
+/// Square of the angle (rad) by which an oscillator may turn in a step to be resolved: beside others that
+/// share its bodies, and where all of them are known.
+inline constexpr double kResolved2 = 0.25, kResolvedAlone2 = 1;
+
+/// Coefficients for steps in which the oscillator turns by less than half a radian (`most2`): exact damping,
+/// B = exp(-rate h), and the spring force at the start of the step, which is damped too. The equilibrium
+/// under a load is exact, the frequency is within w2 h^2 / 24 + rate h / 4, and without damping the energy is
 /// conserved. (Matching the frequency instead would shift the equilibrium by rate h / 2.) Stiffer springs
-/// take implicit Euler, which they need when coupled to others. w2 in 1/s^2, rate in 1/s, h in s.
-inline OscillatorStep oscillator_step(double w2, double rate, double h) {
-  if (w2 * h * h > 0.25) {
-    const double keep = 1 / (1 + h * rate + h * h * w2);
+/// take implicit Euler, which they need when coupled to others, and beyond a radian are damped so that they
+/// recover half of their error in a step, not all of it: with locked rows beside them that answer a pass
+/// late, whole ones swing up. w2 in 1/s^2, rate in 1/s, h in s.
+inline OscillatorStep oscillator_step(double w2, double rate, double h, double most2 = kResolved2) {
+  const double turned2 = w2 * h * h;
+  if (turned2 > most2) {
+    if (turned2 > 1) rate += (turned2 - 1) / h;
+    const double keep = 1 / (1 + h * rate + turned2);
     return {h * w2 * keep, 1 - keep, 0};
   }
   const double keep = trig::exp(-rate * h);

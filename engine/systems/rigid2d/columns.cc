@@ -32,6 +32,13 @@ State state_at_start(const Model& model, const Vec3& gravity) {
   s.add({"drag.target", "m", S::f64, 3}, 0);
   s.add({"drag.stiffness", "N/m", S::f64, 1}, 0);
   s.add({"drag.impulse", "N s", S::f64, 2}, 0);
+  if (!model.motors.empty()) s.add({"joint.motor", "SI", S::f64, 3, Role::sentinel}, model.motors.size());
+  for (size_t k = 0; k < model.motors.size(); ++k) {
+    const Joint& j = model.joints[model.motors[k]];
+    const double wanted = j.has_target ? j.motor_target : j.motor_speed;
+    store3(s.f64(columns::joint_motor).data(), k,
+           j.kind == JointKind::motor ? Vec3{j.move.x, j.move.y, 0} : Vec3{wanted, 0, j.max_motor});
+  }
   store3(s.f64(columns::parameters).data(), 0, gravity);
   for (size_t i = 0; i < n; ++i) {
     const Body& b = model.bodies[i];

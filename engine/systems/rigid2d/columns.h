@@ -35,6 +35,7 @@ enum : State::Column {
   drag_target,       // f64 x 3, m
   drag_stiffness,    // f64, N/m
   drag_impulse,      // f64 x 2, N s
+  joint_motor,       // f64 x 3, see Motor; only where a joint has a motor
 };
 inline constexpr UserForces kHands{{push_body, push_force, push_remaining, push_local},
                                    {drag_body, drag_target, drag_stiffness, drag_local, drag_impulse}};
@@ -49,6 +50,17 @@ inline Joint drag_joint(const Model& model, const UserForces::Drag& d) {
   j.hertz = std::sqrt(d.stiffness / model.bodies[j.b].mass) / 6.283185307179586;
   j.damping_ratio = 0.7, j.max_force = HUGE_VAL;
   return j;
+}
+
+/// What the motor of a joint wants now: its speed or position (m/s, m, rad/s or rad; of a motor joint its
+/// move or velocity in the frame of a), and its maximum force or torque.
+struct Motor {
+  Vec2 wanted;
+  double most = 0;
+};
+inline Motor motor_of(const State& s, const Joint& j) {
+  const double* m = s.f64(columns::joint_motor).data() + 3 * static_cast<size_t>(j.motor_row);
+  return {{m[0], m[1]}, m[2]};
 }
 
 inline constexpr uint32_t kNoPoint = 0xffffffff;

@@ -3,26 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/systems/rigid2d/joint_loads.h"
+
 namespace truestep::rigid2d {
-namespace {
-
-Pose pose_or_world(const Model& model, const State& s, uint32_t body) {
-  return body == model.world() ? Pose{} : pose_of(s, body);
-}
-
-/// Deviation of a joint's spring from rest, m or rad.
-double stretch(const Joint& j, const Model& model, const State& s) {
-  if (j.kind == JointKind::revolute || j.kind == JointKind::weld) {
-    const auto angles = s.f64(columns::angle);
-    const auto angle = [&](uint32_t i) { return i < angles.size() ? angles[i] : 0.0; };
-    return angle(j.b) - angle(j.a) - j.angle;
-  }
-  const Pose a = pose_or_world(model, s, j.a), b = pose_or_world(model, s, j.b);
-  const Vec2 d = b * j.local_b - a * j.local_a;
-  return j.kind == JointKind::distance ? flat::norm(d) - j.length : flat::dot(a.q * j.axis, d);
-}
-
-}  // namespace
 
 double spring_energy(const Model& model, const State& s) {
   const auto broken = s.span<uint32_t>(columns::joint_broken);
@@ -30,7 +13,7 @@ double spring_energy(const Model& model, const State& s) {
   for (size_t i = 0; i < model.joints.size(); ++i) {
     const Joint& j = model.joints[i];
     if (!j.has_spring || broken[i]) continue;
-    const double off = stretch(j, model, s);
+    const double off = joint_coordinate(j, model, s) - j.rest;
     sum += 0.5 * j.stiffness * off * off;
   }
   return sum;

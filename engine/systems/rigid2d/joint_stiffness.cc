@@ -28,7 +28,7 @@ double spring_mobility(const Joint& j, const Body& a, const Body& b) {
 
 void stiffen_by_frequency(Joint& j, const Body& a, const Body& b) {
   constexpr double kTurn = 6.283185307179586;
-  if (!j.has_spring) return;
+  if (!j.has_spring || !(j.hertz > 0)) return;
   const double w = kTurn * j.hertz, k = spring_mobility(j, a, b), mass = k > 0 ? 1 / k : 0;
   j.stiffness = mass * w * w, j.damping = 2 * j.damping_ratio * mass * w;
 }

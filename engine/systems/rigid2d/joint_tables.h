@@ -10,6 +10,7 @@ const DefTable& revolute_table();
 const DefTable& prismatic_table();
 const DefTable& wheel_table();
 const DefTable& distance_table();
+const DefTable& spring_table();
 const DefTable& weld_table();
 const DefTable& motor_table();
 const DefTable& mouse_table();

@@ -13,6 +13,8 @@ using flat::dot;
 using flat::flatten;
 using flat::norm;
 
+constexpr double kUsualSuspension = 1;  // Hz
+
 Rotation turned(double angle) {
   const trig::SinCos t = trig::sincos(angle);
   return {t.cos, t.sin};
@@ -56,6 +58,7 @@ struct MakeOutlines {
 };
 
 struct Builder {
+  const Rigid2dDef& def;
   Model model;
   std::vector<Outline> outlines;
 
@@ -83,7 +86,9 @@ struct Builder {
       b.inverse_mass = 1 / b.mass;
       b.inverse_inertia = d.fixed_rotation ? 0 : 1 / b.inertia;
     }
-    b.friction = d.friction, b.restitution = d.restitution, b.rolling_resistance = d.rolling_resistance;
+    b.fixed_rotation = d.fixed_rotation;
+    b.friction = d.friction.value_or(def.friction), b.restitution = d.restitution.value_or(def.restitution);
+    b.rolling_resistance = d.rolling_resistance.value_or(def.rolling_resistance);
     b.surface_speed = d.surface_speed;
     b.linear_damping = d.linear_damping, b.angular_damping = d.angular_damping;
     b.gravity_scale = d.gravity_scale;
@@ -178,19 +183,41 @@ struct Builder {
     hinge_at(a, b, 0.5 * (model.bodies[a].position + model.bodies[b].position));
   }
 
-  Joint common(JointKind kind, const JointDef& d, Vec2 at_b) const {
-    const auto body = [&](int64_t i) { return i < 0 ? model.world() : static_cast<uint32_t>(i); };
-    Joint j = between(kind, body(d.a), body(d.b), flatten(d.anchor), at_b);
-    j.break_force = d.break_force.value_or(0), j.collide = d.collide;
+  uint32_t body(int64_t i) const { return i < 0 ? model.world() : static_cast<uint32_t>(i); }
+  Vec2 center(int64_t i) const { return model.bodies[body(i)].position; }
+  /// Midway between the bodies; at the centre of the other one if one of them is the world.
+  Vec2 anchor(const JointDef& d) const {
+    if (d.anchor) return flatten(*d.anchor);
+    if (d.a < 0 || d.b < 0) return center(d.a < 0 ? d.b : d.a);
+    return 0.5 * (center(d.a) + center(d.b));
+  }
+  /// Of a joint between two points: the bodies' centres unless given.
+  template <class D>
+  std::pair<Vec2, Vec2> ends(const D& d) const {
+    return {d.anchor ? flatten(*d.anchor) : center(d.a), d.anchor_b ? flatten(*d.anchor_b) : center(d.b)};
+  }
+  Joint common(JointKind kind, const JointDef& d, std::pair<Vec2, Vec2> at) const {
+    Joint j = between(kind, body(d.a), body(d.b), at.first, at.second);
+    j.break_force = d.break_force.value_or(0), j.break_torque = d.break_torque.value_or(0);
+    j.collide = d.collide;
     return j;
   }
-  Joint common(JointKind kind, const JointDef& d) const { return common(kind, d, flatten(d.anchor)); }
+  Joint common(JointKind kind, const JointDef& d) const { return common(kind, d, {anchor(d), anchor(d)}); }
   static void drive(Joint& j, const Drive& d) {
-    j.has_motor = d.motor_speed.has_value(), j.motor_speed = d.motor_speed.value_or(0);
+    j.has_target = d.motor_target.has_value(), j.has_motor = d.motor_speed || d.motor_target;
+    j.motor_speed = d.motor_speed.value_or(0), j.motor_target = d.motor_target.value_or(0);
+    j.motor_rate = d.motor_rate;
     j.max_motor = d.max_motor.value_or(HUGE_VAL);
     j.has_lower = d.lower.has_value(), j.lower = d.lower.value_or(0);
     j.has_upper = d.upper.has_value(), j.upper = d.upper.value_or(0);
-    j.has_spring = d.hertz.has_value(), j.hertz = d.hertz.value_or(0), j.damping_ratio = d.damping_ratio;
+    spring(j, d), j.rest = d.rest;
+  }
+  /// By its frequency or by its stiffness and damping.
+  template <class D>
+  static void spring(Joint& j, const D& d) {
+    j.has_spring = d.hertz || d.stiffness || d.damping;
+    j.hertz = d.hertz.value_or(0), j.damping_ratio = d.damping_ratio;
+    j.stiffness = d.stiffness.value_or(0), j.damping = d.damping.value_or(0);
   }
   void set_axis(Joint& j, const Vec3& axis) const { j.axis = pose(j.a).q.back(flat::unit(flatten(axis))); }
 
@@ -208,17 +235,26 @@ struct Builder {
   Joint operator()(const WheelDef& d) const {
     Joint j = common(JointKind::wheel, d);
     drive(j, d);
-    j.has_spring = d.spring_hertz > 0, j.hertz = d.spring_hertz, j.damping_ratio = d.spring_damping_ratio;
+    if (!j.has_spring) j.has_spring = true, j.hertz = kUsualSuspension;
+    if (d.hertz == 0.0) j.has_spring = false;
     set_axis(j, d.axis);
     return j;
   }
   Joint operator()(const DistanceDef& d) const {
-    Joint j = common(JointKind::distance, d, flatten(d.anchor_b));
-    const double now = norm(flatten(d.anchor_b) - flatten(d.anchor));
-    j.length = d.length.value_or(now);
+    const auto [at_a, at_b] = ends(d);
+    Joint j = common(JointKind::distance, d, {at_a, at_b});
+    const double now = norm(at_b - at_a);
+    j.rest = j.length = d.length.value_or(now);
     j.has_spring = d.hertz.has_value(), j.hertz = d.hertz.value_or(0), j.damping_ratio = d.damping_ratio;
     j.has_lower = d.minimum.has_value(), j.lower = d.minimum.value_or(0);
     j.has_upper = d.maximum.has_value(), j.upper = d.maximum.value_or(0);
+    return j;
+  }
+  Joint operator()(const SpringDef& d) const {
+    const auto [at_a, at_b] = ends(d);
+    Joint j = common(JointKind::distance, d, {at_a, at_b});
+    j.rest = j.length = d.length.value_or(norm(at_b - at_a));
+    spring(j, d);
     return j;
   }
   Joint operator()(const WeldDef& d) const {
@@ -229,9 +265,12 @@ struct Builder {
   Joint operator()(const MotorDef& d) const {
     const auto b = d.b < 0 ? model.world() : static_cast<uint32_t>(d.b);
     Joint j = common(JointKind::motor, d);
-    j.local_b = {}, j.local_a = pose(j.a).back(model.bodies[b].position) + flatten(d.offset);
-    j.angle += d.angle;
-    j.max_force = d.max_force, j.max_torque = d.max_torque, j.correction = d.correction;
+    j.local_b = {}, j.local_a = pose(j.a).back(model.bodies[b].position);
+    if (!d.velocity) j.local_a = j.local_a + flatten(d.move);
+    if (!d.angular_velocity) j.angle += d.turn;
+    j.at_velocity = d.velocity.has_value(), j.move = flatten(d.velocity.value_or(d.move));
+    j.at_spin = d.angular_velocity.has_value(), j.spin = d.angular_velocity.value_or(0);
+    j.max_force = d.max_force, j.max_torque = d.max_torque, j.motor_rate = d.rate;
     return j;
   }
   Joint operator()(const MouseDef& d) const {
@@ -247,9 +286,10 @@ struct Builder {
     return j;
   }
   Joint operator()(const PulleyDef& d) const {
-    Joint j = common(JointKind::pulley, d, flatten(d.anchor_b));
+    const auto [at_a, at_b] = ends(d);
+    Joint j = common(JointKind::pulley, d, {at_a, at_b});
     j.ratio = d.ratio, j.ground_a = flatten(d.ground_a), j.ground_b = flatten(d.ground_b);
-    j.length = norm(flatten(d.anchor) - j.ground_a) + d.ratio * norm(flatten(d.anchor_b) - j.ground_b);
+    j.length = norm(at_a - j.ground_a) + d.ratio * norm(at_b - j.ground_b);
     return j;
   }
 
@@ -292,10 +332,13 @@ void gather_hot_parts(Model& m) {
     m.body_of.push_back(s.body), m.radius.push_back(s.outline.radius);
   }
   for (uint32_t i = 0; i < m.joints.size(); ++i) {
-    const Joint& j = m.joints[i];
-    m.may_break = m.may_break || j.break_force > 0;
+    Joint& j = m.joints[i];
+    if (j.has_motor || j.kind == JointKind::motor) {
+      j.motor_row = static_cast<uint32_t>(m.motors.size()), m.motors.push_back(i);
+    }
+    m.may_break = m.may_break || j.may_break();
     for (const auto& [one, other] : {std::pair{j.a, j.b}, {j.b, j.a}}) {
-      const bool firm = j.break_force == 0 && j.kind != JointKind::mouse;
+      const bool firm = !j.may_break() && j.kind != JointKind::mouse;
       m.light[one].jointed = true;
       if (firm && m.light[other].motion != Motion::dynamic) m.light[one].hung = true;
     }
@@ -310,13 +353,15 @@ void gather_hot_parts(Model& m) {
 }  // namespace
 
 Model build_model(const Rigid2dDef& def) {
-  Builder build;
+  Builder build{def, {}, {}, {}};
   for (const BodyDef& b : def.bodies) build.add(b, flatten(b.position));
   for (const GeneratorDef& g : def.generators) std::visit([&](const auto& d) { build(d); }, g);
   Model& m = build.model;
   m.bodies.push_back({});
   for (const auto& [body, at] : build.hinged_to_world) build.hinge_at(m.world(), body, at);
   for (const AnyJointDef& j : def.joints) {
+    const std::string& id = std::visit([](const auto& d) -> const std::string& { return d.id; }, j);
+    if (!id.empty()) m.names.push_back({static_cast<uint32_t>(m.joints.size()), id});
     m.joints.push_back(std::visit([&](const auto& d) { return build(d); }, j));
   }
   for (size_t i = 0; i < m.joints.size(); ++i) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/base/random.h"
+#include "engine/rigid/one_way.h"
 
 namespace truestep::rigid2d {
 namespace {
@@ -88,7 +89,7 @@ bool passes(const Model& model, const State& s, const Hit& h, const flat::Contac
     const Vec2 relative{v[3 * other] - v[3 * at], v[3 * other + 1] - v[3 * at + 1]};
     double deepest = 0;
     for (uint32_t k = 0; k < contact.points; ++k) deepest = std::min(deepest, contact.point[k].separation);
-    return flat::dot(n, up) < 0.5 || flat::dot(relative, up) > 0 || deepest < -model.margin;
+    return !one_way_holds(flat::dot(n, up), flat::dot(relative, up)) || deepest < -model.margin;
   };
   if (a.one_way && through(a, h.body_a, h.body_b, contact.normal, pose_of(s, h.body_a))) return true;
   return b.one_way && through(b, h.body_b, h.body_a, -contact.normal, pose_of(s, h.body_b));

@@ -2,7 +2,7 @@
 //   M dv/dt = f + J^T lambda,   gap >= 0, lambda_n >= 0, |lambda_t| <= mu lambda_n,
 // solved for impulses in small steps with soft constraints (solver.h). The rows of its fields are the bodies
 // (centres of mass). Commands: push, impulse, drag (all three at any point of the body), release, pin, unpin,
-// remove, set_parameter (gravity).
+// remove, set_parameter (gravity, velocities of bodies, motors of joints).
 #pragma once
 #include <mutex>
 
@@ -30,8 +30,7 @@ class Rigid2d final : public StagedSystem {
   std::optional<double> limit(Limit which, const State&, double) const override {
     return which == Limit::speed ? std::optional(speed_limit_) : std::nullopt;
   }
-  /// position, velocity, angle, angular_velocity, asleep, contact_force (N, sum of normal forces on the
-  /// body), orientation (quaternion w x y z).
+  /// What rigid2d_outputs lists.
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
@@ -59,7 +58,19 @@ class Rigid2d final : public StagedSystem {
   /// m/s, as given or derived from gravity (m/s^2).
   double restitution_speed(double gravity, double dt) const;
   void wake(State& s, uint32_t body) const;
+  void set_parameter(State& s, const Command& c) const;
+  void set_motor(State& s, const Command& c) const;
   size_t sensor_overlaps(const State& s) const;
+  void observe_joints(const State& s, Observables& out) const;
+  /// Fields of the part "joints", a row per joint: 0 force, 1 torque on the second body.
+  FieldView joint_field(const State& s, size_t which, std::vector<double>& scratch) const;
+  /// Per body the force of its joints in N, 3 numbers each (z is 0), or their torque in N m.
+  void joint_forces(const State& s, std::span<double> out) const;
+  void joint_torques(const State& s, std::span<double> out) const;
+  /// Per body the force of its contacts in N, 3 numbers each (z is 0).
+  void contact_forces(const State& s, std::span<double> out) const;
+  /// Per body the sum of its contacts' normal forces in N.
+  void contact_loads(const State& s, std::span<double> out) const;
 
   Rigid2dDef settings_;  // without bodies, generators and joints
   Model model_;

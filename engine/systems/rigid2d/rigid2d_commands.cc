@@ -7,6 +7,7 @@
 namespace truestep::rigid2d {
 void Rigid2d::apply(State& s, const Command& c) const {
   check_command_numbers(c);
+  if (c.kind == CommandKind::set_parameter) return set_parameter(s, c);
   if (c.value < 0) refuse_command("value", "out_of_range", "the value must be at least 0");
   const auto status = s.span<uint32_t>(columns::status);
   const auto row = [&] { return static_cast<uint32_t>(checked_command_row(c, model_.count(), "body")); };
@@ -86,18 +87,69 @@ void Rigid2d::apply(State& s, const Command& c) const {
       return;
     }
     case CommandKind::set_parameter:
-      if (c.name != "gravity") {
-        refuse_command("name", "unknown_parameter", "there is no parameter \"" + c.name + "\" to set",
-                       "gravity");
-      }
-      store3(s.f64(columns::parameters).data(), 0, c.vector);
-      return (void)wake_islands(model_, s, std::vector<uint8_t>(model_.count(), 1));
     case CommandKind::spawn:
       break;
   }
   refuse_command("type", "unsupported_command",
                  "this system has only the bodies of its scene: none can be spawned",
                  "push, impulse, drag, release, pin, unpin, remove, set_parameter");
+}
+
+void Rigid2d::set_parameter(State& s, const Command& c) const {
+  if (c.name == "gravity") {
+    store3(s.f64(columns::parameters).data(), 0, c.vector);
+    return (void)wake_islands(model_, s, std::vector<uint8_t>(model_.count(), 1));
+  }
+  if (c.name == "motor_speed" || c.name == "motor_target" || c.name == "max_motor") return set_motor(s, c);
+  const bool turn = c.name == "angular_velocity";
+  if (!turn && c.name != "velocity") {
+    refuse_command("name", "unknown_parameter", "there is no parameter \"" + c.name + "\" to set",
+                   "gravity, velocity, angular_velocity, motor_speed, motor_target, max_motor");
+  }
+  const auto body = static_cast<uint32_t>(checked_command_row(c, model_.count(), "body"));
+  const uint32_t status = s.span<uint32_t>(columns::status)[body];
+  if (model_.bodies[body].motion == Motion::fixed || (status & (kPinned | kRemoved))) {
+    refuse_command("index", "not_movable", "body " + std::to_string(body) + " is held",
+                   "a dynamic or kinematic body");
+  }
+  if (turn && model_.bodies[body].fixed_rotation) {
+    refuse_command("index", "never_rotates", "body " + std::to_string(body) + " never rotates",
+                   "a body without fixed_rotation");
+  }
+  if (turn) {
+    s.f64(columns::angular_velocity)[body] = c.value;
+  } else {
+    store3(s.f64(columns::velocity).data(), body, {c.vector.x, c.vector.y, 0});
+  }
+  wake(s, body);
+  s.f64(columns::sleep_timer)[body] = 0;
+}
+
+void Rigid2d::set_motor(State& s, const Command& c) const {
+  const size_t k = checked_command_row(c, model_.joints.size(), "joint");
+  const Joint& j = model_.joints[k];
+  const bool strength = c.name == "max_motor", pose = j.kind == JointKind::motor;
+  if (strength && c.value < 0)
+    refuse_command("value", "out_of_range", "the maximum of the motor must be at least 0");
+  const bool place = pose ? !j.at_velocity : j.has_target;
+  const bool takes = strength ? !pose : place == (c.name == "motor_target");
+  if (j.motor_row == kNoMotor || !takes) {
+    refuse_command("index", "no_motor", "joint " + std::to_string(k) + " has no motor that takes " + c.name,
+                   "a joint with motor_speed or motor_target in the scene");
+  }
+  double* motor = s.f64(columns::joint_motor).data() + 3 * static_cast<size_t>(j.motor_row);
+  if (strength) {
+    motor[2] = c.value;
+  } else if (pose) {
+    motor[0] = c.vector.x, motor[1] = c.vector.y;
+  } else {
+    motor[0] = c.value;
+  }
+  for (const uint32_t body : {j.a, j.b}) {
+    if (body == model_.world() || model_.light[body].motion != Motion::dynamic) continue;
+    wake(s, body);
+    s.f64(columns::sleep_timer)[body] = 0;
+  }
 }
 
 }  // namespace truestep::rigid2d

@@ -1,5 +1,7 @@
 #include "engine/systems/rigid2d/rigid2d_def.h"
 
+#include <set>
+
 #include "engine/systems/rigid2d/joint_tables.h"
 
 namespace truestep::rigid2d {
@@ -145,6 +147,9 @@ const DefTable& body_table() {
         report(norm2(d.force) > 0 ? "/force" : "/torque", "only a dynamic body is moved by forces");
       }
       if (d.fixed_rotation && d.inertia) report("/inertia", "a body that never rotates has no inertia");
+      if (d.fixed_rotation && d.angular_velocity != 0) {
+        report("/angular_velocity", "a body that never rotates has no angular velocity");
+      }
       if (d.one_way && !(d.one_way->x != 0 || d.one_way->y != 0)) {
         report("/one_way", "the direction must not be zero");
       }
@@ -253,9 +258,11 @@ void check(const Rigid2dDef& d, const DefTable::Report& report) {
   const double n = counts(d).bodies;
   if (n > kMostBodies) report("/generators", "the system has more than a million bodies");
   if (n == 0) report("", "no bodies and no generators: nothing to simulate");
+  std::set<std::string> ids;
   for (size_t i = 0; i < d.joints.size(); ++i) {
     const std::string at = "/joints/" + std::to_string(i);
     const auto& j = std::visit([](const auto& x) -> const JointDef& { return x; }, d.joints[i]);
+    if (!j.id.empty() && !ids.insert(j.id).second) report(at + "/id", "another joint has this id");
     if (static_cast<double>(j.a) >= n) report(at + "/a", "there is no such body");
     if (static_cast<double>(j.b) >= n) report(at + "/b", "there is no such body");
     if (j.a == j.b) report(at + "/b", "a joint needs two different bodies");
@@ -294,6 +301,7 @@ const DefTable& rigid2d_table() {
                     {{"revolute|hinge|pin", &revolute_table()},
                      {"prismatic|slider", &prismatic_table()},
                      {"distance", &distance_table()},
+                     {"spring", &spring_table()},
                      {"fixed|weld", &weld_table()},
                      {"wheel", &wheel_table()},
                      {"motor", &motor_table()},
@@ -323,6 +331,9 @@ const DefTable& rigid2d_table() {
           .also("push_speed")
           .number("contact_margin", &D::contact_margin, "m", above(0),
                   "distance at which contacts begin; absent: from the bodies' size")
+          .number("friction", &D::friction, "1", at_least(0), "default for bodies")
+          .number("restitution", &D::restitution, "1", between(0, 1), "default for bodies")
+          .number("rolling_resistance", &D::rolling_resistance, "m", at_least(0), "default for bodies")
           .number("restitution_speed", &D::restitution_speed, "m/s", at_least(0),
                   "slower impacts do not bounce; absent: half of the speed that gravity adds in a step (hops "
                   "of one step)")
@@ -330,7 +341,9 @@ const DefTable& rigid2d_table() {
           .number("sleep_speed", &D::sleep_speed, "m/s", at_least(0),
                   "bodies whose points are slower may rest if they also stay within 0.4 of this times "
                   "sleep_time (an eighth if held by joints or contacts without friction), so that no "
-                  "higher mean speed falls asleep")
+                  "higher mean speed falls asleep; those that touch nothing but hang on joints rest only "
+                  "in balance: a mean speed of an eightieth of this, an acceleration of a thousandth of it "
+                  "per sleep_time")
           .number("sleep_time", &D::sleep_time, "s", at_least(0),
                   "time at rest before sleep; freely floating bodies do not sleep")
           .vector("color", &D::color, "1", between(0, 1),

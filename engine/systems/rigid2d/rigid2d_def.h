@@ -45,7 +45,8 @@ struct BodyDef {
   Vec3 force;
   double torque = 0;
   enum class Axes : uint8_t { world, body } force_frame = Axes::world;
-  double friction = 0.6, restitution = 0, rolling_resistance = 0, surface_speed = 0;
+  std::optional<double> friction, restitution, rolling_resistance;
+  double surface_speed = 0;
   double linear_damping = 0, angular_damping = 0, gravity_scale = 1;
   bool fixed_rotation = false, sensor = false, bullet = false, asleep = false, can_sleep = true;
   std::optional<Vec3> one_way, color;
@@ -80,14 +81,19 @@ using GeneratorDef = std::variant<GridDef, PyramidDef, WallDef, BodyChainDef>;
 
 /// Parameters common to all joints. Body -1 is the world.
 struct JointDef {
+  std::string id;
   int64_t a = -1, b = 0;
-  Vec3 anchor;
-  std::optional<double> break_force;
+  std::optional<Vec3> anchor;
+  std::optional<double> break_force, break_torque;
   bool collide = false;
 };
+/// Limits, spring and motor of one degree of freedom: m and N, or rad and N m.
 struct Drive {
-  std::optional<double> lower, upper, motor_speed, max_motor, hertz;
-  double damping_ratio = 1;
+  std::optional<double> lower, upper;
+  std::optional<double> stiffness, damping, hertz;
+  double damping_ratio = 1, rest = 0;
+  std::optional<double> motor_speed, motor_target, max_motor;
+  double motor_rate = 10;
 };
 struct RevoluteDef : JointDef, Drive {};
 struct PrismaticDef : JointDef, Drive {
@@ -95,11 +101,16 @@ struct PrismaticDef : JointDef, Drive {
 };
 struct WheelDef : JointDef, Drive {
   Vec3 axis{0, 1, 0};
-  double spring_hertz = 1, spring_damping_ratio = 0.7;
+  WheelDef() { damping_ratio = 0.7; }
 };
 struct DistanceDef : JointDef {
-  Vec3 anchor_b;
+  std::optional<Vec3> anchor_b;
   std::optional<double> length, minimum, maximum, hertz;
+  double damping_ratio = 0;
+};
+struct SpringDef : JointDef {
+  std::optional<Vec3> anchor_b;
+  std::optional<double> length, stiffness, damping, hertz;
   double damping_ratio = 0;
 };
 struct WeldDef : JointDef {
@@ -107,8 +118,10 @@ struct WeldDef : JointDef {
   double damping_ratio = 1;
 };
 struct MotorDef : JointDef {
-  Vec3 offset;
-  double angle = 0, max_force = 1000, max_torque = 1000, correction = 0.3;
+  Vec3 move;
+  std::optional<Vec3> velocity;
+  std::optional<double> angular_velocity;
+  double turn = 0, rate = 10, max_force = 1000, max_torque = 1000;
 };
 struct MouseDef : JointDef {
   Vec3 target;
@@ -119,11 +132,12 @@ struct GearDef : JointDef {
   double ratio = 1;
 };
 struct PulleyDef : JointDef {
-  Vec3 anchor_b, ground_a, ground_b;
+  std::optional<Vec3> anchor_b;
+  Vec3 ground_a, ground_b;
   double ratio = 1;
 };
-using AnyJointDef = std::variant<RevoluteDef, PrismaticDef, DistanceDef, WeldDef, WheelDef, MotorDef,
-                                 MouseDef, GearDef, PulleyDef>;
+using AnyJointDef = std::variant<RevoluteDef, PrismaticDef, DistanceDef, SpringDef, WeldDef, WheelDef,
+                                 MotorDef, MouseDef, GearDef, PulleyDef>;
 
 enum class Precision : uint8_t { f32, f64 };
 
@@ -137,6 +151,7 @@ struct Rigid2dDef {
   Precision precision = Precision::f32;
   std::optional<double> contact_hertz, joint_hertz, contact_margin;
   double contact_damping_ratio = 20, joint_damping_ratio = 2, push_out_speed = 3;
+  double friction = 0.5, restitution = 0, rolling_resistance = 0;
   std::optional<double> restitution_speed;
   bool sleeping = true;
   double sleep_speed = 0.05, sleep_time = 0.5;

@@ -185,6 +185,7 @@ std::vector<JointMark> Rigid2d::joint_marks(const State& s) const {
   std::vector<JointMark> out;
   for (size_t i = 0; i < model_.joints.size(); ++i) {
     if (broken[i]) continue;
+    const size_t first = out.size();
     const Joint& j = model_.joints[i];
     const Pose a = pose(j.a), b = pose(j.b);
     const Vec3 at_a = raised(a * j.local_a) + front, at_b = raised(b * j.local_b) + front;
@@ -218,6 +219,7 @@ std::vector<JointMark> Rigid2d::joint_marks(const State& s) const {
         out.push_back({Kind::other, at_a, at_b, {}});
         break;
     }
+    for (size_t m = first; m < out.size(); ++m) out[m].row = static_cast<uint32_t>(i), out[m].part = 1;
   }
   return out;
 }

@@ -84,11 +84,7 @@ void Rigid2d::observe(const State& s, double, Observables& out) const {
   out.add("awake", static_cast<double>(awake), "1");
   out.add("contacts", static_cast<double>(s.rows(columns::contact_key)), "1");
   out.add("penetration", deepest(model_, s), "m");
-  if (!model_.joints.empty()) {
-    const auto broken = s.span<uint32_t>(columns::joint_broken);
-    out.add("joints.gap", widest_gap(model_, s), "m");
-    out.add("joints.broken", static_cast<double>(std::count(broken.begin(), broken.end(), 1u)), "1");
-  }
+  if (!model_.joints.empty()) observe_joints(s, out);
   if (std::any_of(model_.bodies.begin(), model_.bodies.end(), [](const Body& b) { return b.sensor; })) {
     out.add("sensed", static_cast<double>(sensor_overlaps(s)), "1");
   }
@@ -129,14 +125,38 @@ void Rigid2d::name_parts() {
                    {"angle", "rad", Scalar::f64, 1, Meaning::angle},
                    {"angular_velocity", "rad/s"},
                    {"asleep", "1", Scalar::f64, 1, Meaning::asleep},
-                   {"contact_force", "N"},
+                   {"contact_force", "N", Scalar::f64, 3},
+                   {"contact_load", "N"},
+                   {"joint_force", "N", Scalar::f64, 3},
+                   {"joint_torque", "N m"},
                    {"orientation", "1", Scalar::f64, 4, Meaning::orientation}};
   bodies.max_rows = model_.count();
-  set_parts({std::move(bodies)});
+  std::vector<PartInfo> parts{std::move(bodies)};
+  if (!model_.joints.empty()) {
+    PartInfo& joints = parts.emplace_back();
+    joints.kind = PartInfo::Kind::values;
+    joints.name = "joints";
+    joints.elements = PartInfo::Elements::joints;
+    joints.fields = {{"force", "N", Scalar::f64, 3}, {"torque", "N m"}};
+    joints.max_rows = model_.joints.size();
+  }
+  set_parts(std::move(parts));
 }
 
-FieldView Rigid2d::field(const State& s, size_t, size_t which, std::vector<double>& scratch) const {
-  enum : size_t { kPosition, kVelocity, kAngle, kAngularVelocity, kAsleep, kContactForce, kOrientation };
+FieldView Rigid2d::field(const State& s, size_t part, size_t which, std::vector<double>& scratch) const {
+  if (part == 1) return joint_field(s, which, scratch);
+  enum : size_t {
+    kPosition,
+    kVelocity,
+    kAngle,
+    kAngularVelocity,
+    kAsleep,
+    kContactForce,
+    kContactLoad,
+    kJointForce,
+    kJointTorque,
+    kOrientation
+  };
   const size_t n = model_.count();
   const auto column = [&](State::Column c, uint32_t width) {
     return FieldView{s.f64(c).data(), Scalar::f64, n, width};
@@ -156,18 +176,22 @@ FieldView Rigid2d::field(const State& s, size_t, size_t which, std::vector<doubl
       for (size_t i = 0; i < n; ++i) scratch[i] = is_asleep(model_.light[i], status[i]) ? 1 : 0;
       return {scratch.data(), Scalar::f64, n, 1};
     }
-    case kContactForce: {
-      scratch.assign(n, 0);
-      const auto keys = s.span<uint64_t>(columns::contact_key);
-      const auto impulse = s.span<float>(columns::contact_impulse);
-      const double h = settings_for(dt_, small_steps(s)).h;
-      for (size_t k = 0; k < keys.size(); ++k) {
-        const double f = (impulse[5 * k] + impulse[5 * k + 1]) / h;
-        scratch[model_.shapes[keys[k] >> 32].body] += f;
-        scratch[model_.shapes[static_cast<uint32_t>(keys[k])].body] += f;
-      }
+    case kContactForce:
+      scratch.resize(3 * n);
+      contact_forces(s, scratch);
+      return {scratch.data(), Scalar::f64, n, 3};
+    case kContactLoad:
+      scratch.resize(n);
+      contact_loads(s, scratch);
       return {scratch.data(), Scalar::f64, n, 1};
-    }
+    case kJointForce:
+      scratch.resize(3 * n);
+      joint_forces(s, scratch);
+      return {scratch.data(), Scalar::f64, n, 3};
+    case kJointTorque:
+      scratch.resize(n);
+      joint_torques(s, scratch);
+      return {scratch.data(), Scalar::f64, n, 1};
     default:
       break;
   }

@@ -100,6 +100,9 @@ BodyKind build_kind(const AnyBodyDef& any, const Rigid3dDef& def) {
   k.spinning = d.spinning_resistance ? d.spinning_resistance : def.spinning_resistance;
   k.linear_damping = d.linear_damping, k.angular_damping = d.angular_damping;
   k.gravity_scale = d.gravity_scale;
+  k.asleep = d.asleep && k.motion == BodyDef::Motion::dynamic, k.can_sleep = d.can_sleep;
+  k.fixed_rotation = d.fixed_rotation && k.motion == BodyDef::Motion::dynamic;
+  k.group = static_cast<int32_t>(d.group);
   k.category = static_cast<uint32_t>(d.category), k.mask = static_cast<uint32_t>(d.mask);
   const auto place = [&](const MakeSolid& make) {
     k.solid = std::visit(make, any);
@@ -124,6 +127,11 @@ BodyKind build_kind(const AnyBodyDef& any, const Rigid3dDef& def) {
       k.solid =
           std::visit(MakeSolid{inverse(transform_of(from)), {rotation(back).apply(-k.center), back}}, any);
     }
+  }
+  k.surface_velocity = rotation(conjugate(k.axes)).apply(d.surface_velocity);
+  if (d.one_way) {
+    k.one_way = true;
+    k.one_way_direction = rotation(conjugate(k.axes)).apply(normalized(*d.one_way, {0, 1, 0}));
   }
   k.reach = bounding_radius(k.solid), k.inner = inner_radius(k.solid);
   const bool sized = is_convex(k.solid.kind) || k.solid.kind == SolidKind::compound;
@@ -154,7 +162,7 @@ void add_copies(const BodyKind& kind, const BodyDef& d, uint32_t index, uint64_t
                 std::vector<BodyStart>& out) {
   const Quat base = orientation(d);
   const auto add = [&](const Vec3& at, const Quat& q) {
-    out.push_back({index, kind.body_pose({at, q}), d.velocity, d.angular_velocity});
+    out.push_back({index, kind.body_pose({at, q}), d.velocity, d.angular_velocity, kind.asleep});
   };
   if (!d.copies) return add(d.position, base);
   const CopiesDef& c = *d.copies;
@@ -212,7 +220,7 @@ void refuse_surfaces_that_meet(const BodyList& list, std::vector<Issue>& issues)
                         "and height fields such as body " +
                             std::to_string(j) +
                             ": it would fall through. Use a hull or a compound of "
-                            "hulls, or exclude the pair by category and mask",
+                            "hulls, or exclude the pair by group or mask",
                         "\"mesh\"", "hull, compound, box ...", "", ""});
       break;
     }
@@ -221,8 +229,13 @@ void refuse_surfaces_that_meet(const BodyList& list, std::vector<Issue>& issues)
 
 }  // namespace
 
+bool filter_allows(const BodyKind& a, const BodyKind& b) {
+  if (a.group != 0 && a.group == b.group) return a.group > 0;
+  return (a.category & b.mask) && (b.category & a.mask);
+}
+
 bool falls_through(const BodyKind& a, const BodyKind& b) {
-  const bool asked = (a.category & b.mask) && (b.category & a.mask) && !a.sensor && !b.sensor;
+  const bool asked = filter_allows(a, b) && !a.sensor && !b.sensor;
   return is_surface(a) && is_surface(b) && asked && (a.moved_by_forces() || b.moved_by_forces());
 }
 
@@ -236,7 +249,8 @@ Pose BodyKind::shape_pose(const Pose& body) const {
 
 ScaledBody scaled_body(const BodyKind& kind, const Rotation& R) {
   ScaledBody out;
-  const double moments[3] = {kind.moments.x, kind.moments.y, kind.moments.z};
+  const Vec3 resistance = kind.resistance();
+  const double moments[3] = {resistance.x, resistance.y, resistance.z};
   for (int row = 0; row < 3; ++row) {
     const Vec3 e = axis(R, row) / std::sqrt(moments[row]);
     out.turn[3 * row] = e.x, out.turn[3 * row + 1] = e.y, out.turn[3 * row + 2] = e.z;

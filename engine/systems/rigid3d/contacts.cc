@@ -18,7 +18,7 @@ constexpr double kSameNormal = 0.98;
 using Part = BodyNow::Part;
 
 bool touch_allowed(const BodyKind& a, const BodyKind& b) {
-  return (a.category & b.mask) && (b.category & a.mask) && (a.moved_by_forces() || b.moved_by_forces());
+  return filter_allows(a, b) && (a.moved_by_forces() || b.moved_by_forces());
 }
 
 /// Nothing then says where they could part.
@@ -57,18 +57,18 @@ void ContactList::update_bounds(const State& s, std::span<const BodyKind> kinds,
     BodyNow& b = bodies_[i];
     b.at = transform_of({load3(x, i), load_quat(q, i)});
     const Vec3 velocity = load3(v, i), turn = load3(w, i);
-    const bool moves = velocity != Vec3{} || turn != Vec3{};
-    b.part = k.motion == BodyDef::Motion::fixed ? Part::fixed
-             : k.moved_by_forces()              ? (asleep[i] ? Part::resting : Part::active)
-             : moves                            ? Part::kinematic
-                                                : Part::fixed;
+    // A belt keeps its load awake, as what moves does.
+    const bool moves = velocity != Vec3{} || turn != Vec3{} || k.conveys();
+    b.part = k.moved_by_forces() ? (asleep[i] ? Part::resting : Part::active)
+             : moves             ? Part::kinematic
+                                 : Part::fixed;
     b.margin = std::min(kMarginShare * k.reach, kMostMargin) + std::abs(k.gravity_scale) * fall;
     // The reach of a plane is infinite.
     b.turn_speed = turn == Vec3{} ? 0 : std::min(norm(turn) * k.reach, k.reach / h);
     b.moves = norm2(velocity) > seen2 * k.reach * k.reach || norm2(turn) > seen2;
     moves_ |= b.moves;
     mobility_[i] = k.motion == BodyDef::Motion::fixed ? Mobility::fixed : Mobility::moving;
-    if (k.mask == 0 || k.category == 0) {
+    if ((k.mask == 0 || k.category == 0) && k.group <= 0) {
       boxes_[i] = Box::nothing();
       continue;
     }
@@ -120,8 +120,7 @@ void ContactList::narrow_phase(const State& s, std::span<const BodyKind> kinds, 
           ka.moved_by_forces() ? (kb.moved_by_forces() ? std::min(ka.reach, kb.reach) : ka.reach) : kb.reach;
       margin += std::min(in.h * (norm(load3(v, b) - load3(v, a)) + na.turn_speed + nb.turn_speed), size);
       if (ka.sensor || kb.sensor) margin = 0;
-      const auto single = [](SolidKind k) { return is_convex(k) || k == SolidKind::plane; };
-      if (single(ka.solid.kind) && single(kb.solid.kind)) {
+      if (is_convex_or_plane(ka.solid.kind) && is_convex_or_plane(kb.solid.kind)) {
         Contact& c = out.emplace_back();
         c.a = a, c.b = b;
         if (!collide(ka.solid, at_a, kb.solid, at_b, margin, c.manifold)) {
@@ -145,6 +144,13 @@ void ContactList::narrow_phase(const State& s, std::span<const BodyKind> kinds, 
   for (size_t k = 0; k < blocks; ++k) {
     for (Contact& c : blocks_[k]) contacts_.push_back(&c);
   }
+  if (std::none_of(kinds.begin(), kinds.end(), [](const BodyKind& k) { return k.one_way; })) return;
+  std::erase_if(contacts_, [&](const Contact* c) {
+    const BodyKind &a = kinds[kind[c->a]], &b = kinds[kind[c->b]];
+    const double at_a = a.moved_by_forces() ? bodies_[c->a].margin : HUGE_VAL,
+                 at_b = b.moved_by_forces() ? bodies_[c->b].margin : HUGE_VAL;
+    return !a.sensor && !b.sensor && passes(s, kinds, {c->a, c->b}, c->manifold, std::min(at_a, at_b));
+  });
 }
 
 /// Wakes sleeping bodies that an awake body touches; returns whether there were any.

@@ -39,7 +39,8 @@ struct PointMass {
   Quat q;
   Vec3 arm;
   Vec3 answer(const Vec3& impulse) const {
-    return impulse / body.mass + cross(free_rotation::spin_of(q, cross(arm, impulse), body.moments), arm);
+    return impulse / body.mass +
+           cross(free_rotation::spin_of(q, cross(arm, impulse), body.resistance()), arm);
   }
 };
 

@@ -7,6 +7,7 @@
 #include "engine/kernels/rigid/free_rotation.h"
 #include "engine/kernels/rigid/impact_limits.h"
 #include "engine/math/trig.h"
+#include "engine/rigid/one_way.h"
 #include "engine/rigid/toi_clamp.h"
 #include "engine/systems/rigid3d/forces.h"
 
@@ -20,6 +21,10 @@ namespace {
 constexpr size_t kSpare = 10'000;
 /// Steps between checks whether columns need another number of substeps.
 constexpr uint64_t kStepsPerLook = 4;
+/// Share of a core's radius by which it may be cut: at 1 its centre is on the surface, with no normal.
+constexpr double kCentreInFront = 0.99;
+/// kg m^2, of a body that never rotates, for couplings: these also multiply by moments, which must be finite.
+constexpr Vec3 kNeverTurned{1e300, 1e300, 1e300};
 }  // namespace
 
 Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
@@ -39,7 +44,8 @@ Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
                         std::sqrt(2 * norm(gravity_) * norm(b.pose.position))});
   speed_limit_ = unexplained_speed(fastest);
   for (const BodyKind& k : bodies_.kinds)
-    forms_.push_back({k.sensor ? nullptr : &k.solid, k.moved_by_forces() ? k.mass : 0, k.moments});
+    forms_.push_back({k.sensor ? nullptr : &k.solid, k.moved_by_forces() ? k.mass : 0,
+                      k.fixed_rotation ? kNeverTurned : k.moments});
   name_parts();
   // A sleeping scene skips the work of the stages, not the stages themselves: a command may wake it.
   const auto awake = [this](void (Rigid3d::*run)(State&, const StepInput&) const) {
@@ -48,7 +54,6 @@ Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
     };
   };
   add_stage("forces", "gravity and pushes", awake(&Rigid3d::apply_forces));
-  add_stage("substeps", "more for tall columns", awake(&Rigid3d::choose_substeps));
   add_stage("contacts", "finds which bodies touch, and where", awake(&Rigid3d::find_contacts));
   add_stage("solve",
             "bodies in contact, in substeps; " + says_slowest_bounce(restitution_speed(gravity_, context.dt)),
@@ -60,6 +65,7 @@ Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
   } else {
     skip_stage("sleep", "sleeping is false");
   }
+  add_stage("substeps", "more in the next steps for tall columns", awake(&Rigid3d::choose_substeps));
 }
 
 State Rigid3d::initial_state() const {
@@ -111,14 +117,10 @@ int Rigid3d::substeps(const State& s, double h) const {
 }
 
 void Rigid3d::choose_substeps(State& s, const StepInput& in) const {
-  double& substep = s.f64(columns::substep)[0];
-  if (!(substep > 0)) {
-    substep = in.h / settings_.substeps;
-    return;
-  }
-  if (in.step % kStepsPerLook != 1 || scratch(in).parts > 1) return;
+  if (in.step % kStepsPerLook != 0 || scratch(in).parts > 1) return;
   const int now = substeps(s, in.h);
-  const int wanted = scratch(in).buckling.substeps(s, bodies_.kinds, settings_, now, in.h);
+  const int wanted =
+      scratch(in).buckling.substeps(s, bodies_.kinds, scratch(in).contacts.all(), settings_, now, in.h);
   // In steps of one: the energy stored in contact springs changes with their stiffness.
   const int next = std::clamp(wanted, now - 1, now + 1);
   if (next != now) change_substeps(s, in.h, now, next);
@@ -142,6 +144,8 @@ void Rigid3d::change_substeps(State& s, double h, int now, int next) const {
 
 void Rigid3d::find_contacts(State& s, const StepInput& in) const {
   Scratch& scratch = Rigid3d::scratch(in);
+  double& substep = s.f64(columns::substep)[0];
+  if (!(substep > 0)) substep = in.h / settings_.substeps;
   scratch.before.resize(s.rows(columns::position));
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   for (size_t i = 0; i < scratch.before.size(); ++i) scratch.before[i] = {load3(x, i), load_quat(q, i)};
@@ -219,10 +223,12 @@ void Rigid3d::integrate_free(State& s, const StepInput& in) const {
       Quat turned = load_quat(q, i);
       Vec3 spin = load3(w, i) * half;
       // Half of the change by a torque before and half after (Strang).
-      if (!scratch.twist.empty()) spin += free_rotation::spin_of(turned, scratch.twist[i] * 0.5, b.moments);
+      if (!scratch.twist.empty())
+        spin += free_rotation::spin_of(turned, scratch.twist[i] * 0.5, b.resistance());
       const auto m = free_rotation::advance({turned, spin}, b.moments, h);
       turned = m.orientation, spin = m.angular_velocity;
-      if (!scratch.twist.empty()) spin += free_rotation::spin_of(turned, scratch.twist[i] * 0.5, b.moments);
+      if (!scratch.twist.empty())
+        spin += free_rotation::spin_of(turned, scratch.twist[i] * 0.5, b.resistance());
       store_quat(q, i, turned), store3(w, i, spin * half);
     }
   });
@@ -265,21 +271,30 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
     double first = 1;
     for (const uint32_t j : scratch.near) {
       const BodyKind& o = bodies_.kinds[kind[j]];
-      if (j == i || o.sensor || !(k.category & o.mask) || !(o.category & k.mask) ||
-          scratch.contacts.joined(i, j)) {
+      if (j == i || o.sensor || !filter_allows(k, o) || scratch.contacts.joined(i, j)) {
         continue;
       }
       // A body in contact from the start may go on moving, but its core must not pass through.
       std::optional<Impact> hit;
       const Sweep other = sweep(j);
       const Contact* c = contact_of(i, j);
-      if (!c) hit = time_of_impact(k.solid, own, o.solid, other, 0.25 * now[i].margin);
+      if (!c) {
+        hit = time_of_impact(k.solid, own, o.solid, other, 0.25 * now[i].margin);
+        // What is in a one-way body already passes it, as does what comes from its open side.
+        const Vec3 up = o.one_way ? now[j].at.direction(o.one_way_direction) : Vec3{};
+        if (o.one_way &&
+            (!hit || hit->t == 0 || !one_way_holds(-dot(hit->normal, up), dot(own.move - other.move, up)))) {
+          continue;
+        }
+      }
       if (!hit || hit->t == 0) hit = time_of_impact(core, own, o.solid, other, 0.1 * k.inner);
-      // Overlapping cores may separate, and a body close to a wall may leave it; a core that is inside a wall
-      // has no side to return to.
+      // Overlapping cores may separate, and a body close to a wall may leave it, as may one whose core is cut
+      // by the wall while its centre is in front of it: pressed that deep it would be held there for ever. A
+      // centre inside a wall has no side to return to.
       const bool parting = c && dot(c->manifold.normal, moved(c->b) - moved(c->a)) > 0;
       if (hit && hit->t == 0 && o.moved_by_forces() && parting) continue;
-      if (hit && hit->t == 0 && hit->gap > 0 && dot(hit->normal, own.move - other.move) < 0) continue;
+      const double in_front = is_convex_or_plane(o.solid.kind) ? -kCentreInFront * kToiCore * k.inner : 0;
+      if (hit && hit->t == 0 && hit->gap > in_front && dot(hit->normal, own.move - other.move) < 0) continue;
       if (hit && hit->t < first) first = hit->t;
     }
     if (first < 1) scratch.stopped.push_back({i, first});

@@ -93,6 +93,10 @@ class Rigid3d final : public StagedSystem, public BodyOwner, public BodySleep {
   double widest_gap(const State& s) const;
   /// True where a joint can do work: motors, and a gap of more than a hundredth of a body that it closes.
   bool joints_drive(const State& s) const;
+  /// Per body the force of its contacts in N, 3 numbers each.
+  void contact_forces(const State& s, std::span<double> out) const;
+  /// Per body the sum of its contacts' normal forces in N.
+  void contact_loads(const State& s, std::span<double> out) const;
   enum class JointLoad : uint8_t { force, torque };
   /// Per body the loads from its joints, 3 numbers each.
   void joint_loads(const State& s, JointLoad what, std::span<double> out) const;

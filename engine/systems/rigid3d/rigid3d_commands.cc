@@ -43,8 +43,8 @@ void Rigid3d::apply(State& s, const Command& c) const {
         double* w = s.f64(columns::angular_velocity).data();
         const Vec3 turn = cross(*c.at - load3(s.f64(columns::position).data(), i), c.vector);
         store3(w, i,
-               load3(w, i) +
-                   free_rotation::spin_of(load_quat(s.f64(columns::orientation).data(), i), turn, b.moments));
+               load3(w, i) + free_rotation::spin_of(load_quat(s.f64(columns::orientation).data(), i), turn,
+                                                    b.resistance()));
       }
       return wake_body(s, i, bodies_.kinds);
     }
@@ -80,7 +80,8 @@ void Rigid3d::apply(State& s, const Command& c) const {
                        "through",
                        "a hull, a compound or a box");
       }
-      return append_body(s, {*chosen, bodies_.kinds[*chosen].body_pose({c.vector, {}}), c.velocity, {}});
+      return append_body(s,
+                         {*chosen, bodies_.kinds[*chosen].body_pose({c.vector, {}}), c.velocity, {}, false});
     }
     case CommandKind::remove: {
       const size_t i = checked_command_row(c, s.rows(columns::position), "body");
@@ -122,6 +123,10 @@ void Rigid3d::set_parameter(State& s, const Command& c) const {
   if (b.motion == BodyDef::Motion::fixed) {
     refuse_command("index", "not_movable", "body " + std::to_string(i) + " is fixed",
                    "a dynamic or kinematic body");
+  }
+  if (turn && b.fixed_rotation) {
+    refuse_command("index", "never_rotates", "body " + std::to_string(i) + " never rotates",
+                   "a body without fixed_rotation");
   }
   store3(s.f64(turn ? columns::angular_velocity : columns::velocity).data(), i, c.vector);
   if (b.moved_by_forces()) wake_body(s, i, bodies_.kinds);

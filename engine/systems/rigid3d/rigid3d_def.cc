@@ -51,9 +51,15 @@ TableOf<D>& add_common(TableOf<D>& t) {
   std::optional<double> D::*restitution = &BodyDef::restitution;
   std::optional<double> D::*rolling = &BodyDef::rolling_resistance;
   std::optional<double> D::*spinning = &BodyDef::spinning_resistance;
+  Vec3 D::*surface_velocity = &BodyDef::surface_velocity;
+  int64_t D::*group = &BodyDef::group;
   int64_t D::*category = &BodyDef::category;
   int64_t D::*mask = &BodyDef::mask;
+  bool D::*fixed_rotation = &BodyDef::fixed_rotation;
   bool D::*sensor = &BodyDef::sensor;
+  bool D::*asleep = &BodyDef::asleep;
+  bool D::*can_sleep = &BodyDef::can_sleep;
+  std::optional<Vec3> D::*one_way = &BodyDef::one_way;
   std::optional<Vec3> D::*color = &BodyDef::color;
   std::optional<CopiesDef> D::*copies = &BodyDef::copies;
   return t.text("id", id, "name for commands, expectations and pictures")
@@ -88,10 +94,21 @@ TableOf<D>& add_common(TableOf<D>& t) {
       .number("spinning_resistance", spinning, "m", at_least(0),
               "torque against spinning on the spot per normal force; absent: from friction under a patch of "
               "a hundredth of a ball's or capsule's radius; of a contact: the larger of both values")
+      .vector(
+          "surface_velocity", surface_velocity, "m/s", any(),
+          "of its surface past its material, in its axes, like a belt's: friction carries what touches it "
+          "along the part of this in the plane of contact")
+      .integer("group", group, between(-32768, 32767),
+               "bodies of the same group above 0 always touch, below 0 never; 0: category and mask decide")
       .integer("category", category, between(0, 0xffffffff), "bits for the categories that it belongs to")
-      .also("group")
       .integer("mask", mask, between(0, 0xffffffff), "bits for the categories that it collides with")
+      .boolean("fixed_rotation", fixed_rotation, "never rotates")
       .boolean("sensor", sensor, "detects overlaps, collides with nothing")
+      .boolean("asleep", asleep, "sleeps until something touches it")
+      .boolean("can_sleep", can_sleep, "may fall asleep")
+      .vector("one_way", one_way, "1", any(),
+              "bodies pass moving along this direction (in the body's frame) and are held moving "
+              "against it: up makes a platform to jump through")
       .vector("color", color, "1", between(0, 1), "red, green, blue")
       .object("copies", copies, copies_table(), "many bodies like this one");
 }
@@ -124,6 +141,13 @@ DefTable finish(TableOf<D>& t) {
       if (norm2(d.force) > 0) report("/force", "only a dynamic body is moved by forces");
       if (norm2(d.torque) > 0) report("/torque", "only a dynamic body is moved by forces");
     }
+    if (d.fixed_rotation && !d.inertia.empty()) {
+      report("/inertia", "a body that never rotates has no inertia");
+    }
+    if (d.fixed_rotation && norm2(d.angular_velocity) > 0) {
+      report("/angular_velocity", "a body that never rotates has no angular velocity");
+    }
+    if (d.one_way && !(norm(*d.one_way) > 0)) report("/one_way", "the direction must not be zero");
     check_inertia(d.inertia, report);
     if (d.angle != 0 && !(norm(d.axis) > 0)) report("/axis", "the axis must not be zero");
     if (body_count(d) > kMostBodies) report("/copies/count", "the copies are more than 200000 bodies");
@@ -337,7 +361,9 @@ const DefTable& rigid3d_table() {
           .number("sleep_speed", &D::sleep_speed, "m/s", above(0),
                   "bodies whose points are slower may rest if they also stay within 0.4 of this times "
                   "sleep_time (an eighth if held by joints or contacts without friction), so that no "
-                  "higher mean speed falls asleep")
+                  "higher mean speed falls asleep; those that touch nothing but hang on joints rest only "
+                  "in balance: a mean speed of an eightieth of this, an acceleration of a thousandth of it "
+                  "per sleep_time")
           .number("sleep_time", &D::sleep_time, "s", at_least(0),
                   "time at rest before sleep; freely floating bodies do not sleep")
           .check([](const D& d, const DefTable::Report& report) {

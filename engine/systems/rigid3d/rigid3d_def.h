@@ -39,9 +39,10 @@ struct BodyDef {
   enum class Axes : uint8_t { world, body } force_frame = Axes::world;
   double linear_damping = 0, angular_damping = 0, gravity_scale = 1;
   std::optional<double> friction, restitution, rolling_resistance, spinning_resistance;
-  int64_t category = 1, mask = 0xffffffff;
-  bool sensor = false;
-  std::optional<Vec3> color;
+  Vec3 surface_velocity;
+  int64_t group = 0, category = 1, mask = 0xffffffff;
+  bool fixed_rotation = false, sensor = false, asleep = false, can_sleep = true;
+  std::optional<Vec3> one_way, color;
   std::optional<CopiesDef> copies;
 };
 

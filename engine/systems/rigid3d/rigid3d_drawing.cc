@@ -55,7 +55,7 @@ std::vector<Visual> visuals_of(std::span<const BodyKind> kinds) {
 JointMark mark_of(const Joint& j, const Pose& a, const Pose& b) {
   using Kind = JointMark::Kind;
   const JointPlace at = joint_place(j, a, b);
-  JointMark mark{Kind::other, a.position + at.arm_a, b.position + at.arm_b, {}};
+  JointMark mark{.kind = Kind::other, .a = a.position + at.arm_a, .b = b.position + at.arm_b, .axis = {}};
   const int slides = 3 - j.locked[0] - j.locked[1] - j.locked[2];
   const int turns = 3 - j.locked[3] - j.locked[4] - j.locked[5];
   if (j.form == Joint::Form::line) {
@@ -152,7 +152,6 @@ std::vector<ContactMark> Rigid3d::contact_marks(const State& s) const {
   const auto kind = s.span<uint32_t>(columns::kind);
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   const auto placed = [&](uint32_t i) { return transform_of({load3(x, i), load_quat(q, i)}); };
-  const auto single = [](const Solid& x) { return is_convex(x.kind) || x.kind == SolidKind::plane; };
   std::vector<Manifold> manifolds;
   const size_t rows = s.rows(columns::contact_bodies);
   for (size_t begin = 0, end = 0; begin < rows; begin = end) {
@@ -161,7 +160,7 @@ std::vector<ContactMark> Rigid3d::contact_marks(const State& s) const {
     // The state holds the loads of the points; their positions are computed again.
     manifolds.clear();
     const Solid &sa = bodies_.kinds[kind[a]].solid, &sb = bodies_.kinds[kind[b]].solid;
-    if (single(sa) && single(sb)) {
+    if (is_convex_or_plane(sa.kind) && is_convex_or_plane(sb.kind)) {
       Manifold& m = manifolds.emplace_back();
       if (!collide(sa, placed(a), sb, placed(b), kLoose, m)) manifolds.clear();
     } else {
@@ -191,6 +190,7 @@ std::vector<JointMark> Rigid3d::joint_marks(const State& s) const {
     // A gear has no position of its own: it couples two other joints.
     if (s.span<uint32_t>(columns::joint_broken)[k] || joints_.joints[k].form == Joint::Form::gear) continue;
     out.push_back(mark_of(joints_.joints[k], pose(held[2 * k]), pose(held[2 * k + 1])));
+    out.back().row = static_cast<uint32_t>(k), out.back().part = 1;
   }
   return out;
 }

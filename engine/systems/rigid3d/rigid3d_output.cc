@@ -16,7 +16,8 @@ enum Field : size_t {
   kAsleep,
   kShape,
   kSize,
-  kForce,
+  kContactForce,
+  kContactLoad,
   kJointForce,
   kJointTorque
 };
@@ -91,6 +92,7 @@ std::optional<Energy> Rigid3d::energy(const State& s, double, Workspace&, const 
   for (size_t i = 0; i < kind.size(); ++i) {
     const BodyKind& b = bodies_.kinds[kind[i]];
     const Vec3 u = load3(v, i), spin = load3(w, i);
+    driven = driven || b.conveys();
     if (!b.moved_by_forces()) {
       driven = driven || norm2(u) + norm2(spin) > 0;
       continue;
@@ -116,6 +118,7 @@ void Rigid3d::name_parts() {
                    {"shape", "1"},
                    {"size", "m", Scalar::f64, 3},
                    {"contact_force", "N", Scalar::f64, 3},
+                   {"contact_load", "N"},
                    {"joint_force", "N", Scalar::f64, 3},
                    {"joint_torque", "N m", Scalar::f64, 3}};
   bodies.max_rows = most_bodies_;
@@ -124,6 +127,7 @@ void Rigid3d::name_parts() {
     PartInfo& joints = parts.emplace_back();
     joints.kind = PartInfo::Kind::values;
     joints.name = "joints";
+    joints.elements = PartInfo::Elements::joints;
     joints.fields = {{"force", "N", Scalar::f64, 3}, {"torque", "N m", Scalar::f64, 3}};
     joints.max_rows = joints_.joints.size();
   }
@@ -166,26 +170,51 @@ FieldView Rigid3d::field(const State& s, size_t part, size_t which, std::vector<
       scratch.resize(3 * n);
       joint_loads(s, which == kJointForce ? JointLoad::force : JointLoad::torque, scratch);
       return {scratch.data(), Scalar::f64, n, 3};
+    case kContactLoad:
+      scratch.resize(n);
+      contact_loads(s, scratch);
+      return {scratch.data(), Scalar::f64, n, 1};
     default:
       break;
   }
-  scratch.assign(3 * n, 0);
-  const double h = s.f64(columns::substep)[0];
-  if (h > 0) {
-    const auto bodies = s.span<uint32_t>(columns::contact_bodies);
-    const double *normal = s.f64(columns::contact_normal).data(),
-                 *impulse = s.f64(columns::contact_impulse).data();
-    const double* friction = s.f64(columns::contact_friction).data();
-    for (size_t k = 0; k < s.rows(columns::contact_bodies); ++k) {
-      const double pressure = impulse[4 * k] + impulse[4 * k + 1] + impulse[4 * k + 2] + impulse[4 * k + 3];
-      const Vec3 slide{friction[4 * k], friction[4 * k + 1], friction[4 * k + 2]};
-      const Vec3 force = (load3(normal, k) * pressure + slide) / h;
-      const size_t a = bodies[2 * k], b = bodies[2 * k + 1];
-      store3(scratch.data(), a, load3(scratch.data(), a) - force);
-      store3(scratch.data(), b, load3(scratch.data(), b) + force);
-    }
-  }
+  scratch.resize(3 * n);
+  contact_forces(s, scratch);
   return {scratch.data(), Scalar::f64, n, 3};
+}
+
+namespace {
+// N s, sum of the normal impulses at the points of contact k.
+double normal_impulse(const State& s, size_t k) {
+  const double* impulse = s.f64(columns::contact_impulse).data() + 4 * k;
+  return impulse[0] + impulse[1] + impulse[2] + impulse[3];
+}
+}  // namespace
+
+void Rigid3d::contact_forces(const State& s, std::span<double> out) const {
+  std::fill(out.begin(), out.end(), 0.0);
+  const double h = s.f64(columns::substep)[0];
+  if (!(h > 0)) return;
+  const auto bodies = s.span<uint32_t>(columns::contact_bodies);
+  const double *normal = s.f64(columns::contact_normal).data(),
+               *friction = s.f64(columns::contact_friction).data();
+  for (size_t k = 0; k < s.rows(columns::contact_bodies); ++k) {
+    const Vec3 slide{friction[4 * k], friction[4 * k + 1], friction[4 * k + 2]};
+    const Vec3 force = (load3(normal, k) * normal_impulse(s, k) + slide) / h;
+    const size_t a = bodies[2 * k], b = bodies[2 * k + 1];
+    store3(out.data(), a, load3(out.data(), a) - force);
+    store3(out.data(), b, load3(out.data(), b) + force);
+  }
+}
+
+void Rigid3d::contact_loads(const State& s, std::span<double> out) const {
+  std::fill(out.begin(), out.end(), 0.0);
+  const double h = s.f64(columns::substep)[0];
+  if (!(h > 0)) return;
+  const auto bodies = s.span<uint32_t>(columns::contact_bodies);
+  for (size_t k = 0; k < s.rows(columns::contact_bodies); ++k) {
+    const double load = normal_impulse(s, k) / h;
+    out[bodies[2 * k]] += load, out[bodies[2 * k + 1]] += load;
+  }
 }
 
 }  // namespace truestep::rigid3d

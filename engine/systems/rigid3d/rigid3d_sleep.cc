@@ -52,10 +52,10 @@ void Rigid3d::update_sleeping(State& s, const StepInput& in) const {
   const auto now = scratch.contacts.bodies();
   const size_t n = now.size();
   const auto kind = s.span<uint32_t>(columns::kind);
-  const auto calm = s.f64(columns::sleep_timer);
+  const auto timer = s.f64(columns::sleep_timer);
   double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
-  // What holds a body: only contacts with friction, or something else too.
-  constexpr double kRolls = 2, kHeld = 1;
+  // What holds a body: only contacts with friction, something else too, or only joints.
+  constexpr double kRolls = 2, kHeld = 1, kHangs = 3;
   // A resting body is supported, ultimately by something that does not move. Bodies that touch while floating
   // freely drift for ever.
   scratch.parent.resize(n), scratch.rested.assign(n, 0), scratch.adrift.assign(n, 1);
@@ -79,7 +79,8 @@ void Rigid3d::update_sleeping(State& s, const StepInput& in) const {
     if (s.span<uint32_t>(columns::joint_broken)[k / 2]) continue;
     const uint32_t a = held[k], b = held[k + 1];
     for (const uint32_t i : {a, b}) {
-      if (i != kNoBody && now[i].part == Part::active) scratch.rested[i] = kHeld;
+      if (i == kNoBody || now[i].part != Part::active) continue;
+      scratch.rested[i] = scratch.rested[i] == 0 || scratch.rested[i] == kHangs ? kHangs : kHeld;
     }
     if (a != kNoBody && b != kNoBody && now[a].part == Part::active && now[b].part == Part::active) {
       link_islands(scratch.parent, a, b);
@@ -100,19 +101,22 @@ void Rigid3d::update_sleeping(State& s, const StepInput& in) const {
       if (i != kNoBody) scratch.rested[i] = 0;
     }
   }
-  const SleepRule rule{sleep_speed_, sleep_time_}, of_rolling = rule.of_rolling();
+  const SleepRule held_up{sleep_speed_, sleep_time_};
+  const SleepRule of_rolling = held_up.of_rolling(), of_hanging = held_up.of_hanging();
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   double *x0 = s.f64(columns::sleep_position).data(), *q0 = s.f64(columns::sleep_orientation).data();
   double* middle = s.f64(columns::sleep_middle).data();
   for (size_t i = 0; i < n; ++i) {
     if (now[i].part != Part::active) continue;
     const double reach = bodies_.kinds[kind[i]].reach;
-    if (bodies_.kinds[kind[i]].forced()) scratch.rested[i] = 0;
+    if (bodies_.kinds[kind[i]].forced() || !bodies_.kinds[kind[i]].can_sleep) scratch.rested[i] = 0;
     const double speed = std::sqrt(norm2(load3(v, i)) + norm2(load3(w, i)) * (reach * reach));
     const bool may_rest = scratch.rested[i] > 0 && (!scratch.adrift[i] || speed == 0);
-    count_rest(calm[i], in.h, may_rest ? speed : kNoRest, scratch.rested[i] == kRolls ? of_rolling : rule,
-               Way{x, q, x0, q0, middle, i, reach});
-    scratch.rested[i] = calm[i];
+    const SleepRule& rule = scratch.rested[i] == kRolls   ? of_rolling
+                            : scratch.rested[i] == kHangs ? of_hanging
+                                                          : held_up;
+    count_rest(timer[i], in.h, may_rest ? speed : kNoRest, rule, Way{x, q, x0, q0, middle, i, reach});
+    scratch.rested[i] = timer[i];
   }
   spread_minimum<double>(scratch.parent, scratch.rested);
   for (size_t i = 0; i < n; ++i) {

@@ -79,6 +79,7 @@ void append_body(State& s, const BodyStart& b) {
   store3(s.f64(columns::velocity).data(), n, b.velocity);
   store3(s.f64(columns::angular_velocity).data(), n, b.angular_velocity);
   s.span<uint32_t>(columns::kind)[n] = b.kind;
+  s.span<uint32_t>(columns::asleep)[n] = b.asleep;
   s.span<uint64_t>(columns::id)[n] = s.span<uint64_t>(columns::counters)[0]++;
 }
 

@@ -34,9 +34,8 @@ Names words(const char* type, const char* parameter) {
 TEST(RigidVocabulary, ObservablesOfThePlaneHaveTheirNamesInSpace) {
   const Names plane = observables("rigid2d"), space = observables("rigid3d");
   for (const std::string& name : plane) EXPECT_TRUE(space.count(name)) << name;
-  // Absent in the plane: other axes, and what is not measured there.
-  const Names absent = {"momentum.z",  "angular_momentum.x", "angular_momentum.y",
-                        "joints.tilt", "joints.force",       "joints.torque"};
+  // Absent in the plane: other axes.
+  const Names absent = {"momentum.z", "angular_momentum.x", "angular_momentum.y"};
   for (const std::string& name : space) {
     if (name.rfind("joint.<id>.", 0) == 0) continue;
     EXPECT_NE(plane.count(name), absent.count(name)) << name;
@@ -48,6 +47,52 @@ TEST(RigidVocabulary, JointsShareTheirCommonWords) {
   EXPECT_TRUE(plane.count("collide")) << "control: the words are found";
   EXPECT_TRUE(space.count("collide"));
   EXPECT_FALSE(space.count("touch"));
+  for (const char* word : {"id",
+                           "a",
+                           "b",
+                           "anchor",
+                           "break_force",
+                           "break_torque",
+                           "lower",
+                           "upper",
+                           "stiffness",
+                           "damping",
+                           "hertz",
+                           "damping_ratio",
+                           "rest",
+                           "motor_speed",
+                           "motor_target",
+                           "max_motor",
+                           "motor_rate",
+                           "length",
+                           "minimum",
+                           "maximum",
+                           "move",
+                           "turn",
+                           "rate",
+                           "max_force",
+                           "max_torque",
+                           "ratio",
+                           "velocity",
+                           "anchor_b",
+                           "angular_velocity"}) {
+    EXPECT_TRUE(plane.count(word) && space.count(word)) << word;
+  }
+  // What the words of the plane were before.
+  for (const char* word : {"offset", "correction", "spring_hertz"}) EXPECT_FALSE(plane.count(word)) << word;
+}
+
+TEST(RigidVocabulary, FieldsOfThePlaneHaveTheirNamesInSpace) {
+  const auto fields = [](const char* type) {
+    Names names;
+    for (const auto& f : find_system_type(type)->outputs->fields) names.insert(std::string(f.name));
+    return names;
+  };
+  const Names plane = fields("rigid2d"), space = fields("rigid3d");
+  for (const std::string& name : plane) EXPECT_EQ(space.count(name), name != "angle") << name;
+  // Bodies in the plane have no single shape and size.
+  for (const std::string& name : space)
+    EXPECT_EQ(plane.count(name), name != "shape" && name != "size") << name;
 }
 
 }  // namespace

@@ -185,7 +185,7 @@ TEST(Rigid2dValidation, GearsPulleysAndMotorsKeepTheirRatios) {
   EXPECT_NEAR(welded.angle(0), 0, 0.01);
 
   Trial motor(R"("gravity": [0, 0, 0], "bodies": [{"position": [0, 0, 0], "shapes": [{"type": "box"}]}],
-    "joints": [{"type": "motor", "a": -1, "b": 0, "offset": [2, 1, 0], "angle": 0.5, "max_force": 1e6, "max_torque": 1e6}])",
+    "joints": [{"type": "motor", "a": -1, "b": 0, "move": [2, 1, 0], "turn": 0.5, "max_force": 1e6, "max_torque": 1e6}])",
               1.0 / 120);
   motor.steps(360);
   EXPECT_NEAR(motor.position(0).x, 2, 0.01);

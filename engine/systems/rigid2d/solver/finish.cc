@@ -5,7 +5,9 @@
 
 #include "engine/collision/flat/distance.h"
 #include "engine/rigid/islands.h"
+#include "engine/rigid/one_way.h"
 #include "engine/rigid/toi_clamp.h"
+#include "engine/systems/rigid2d/joint_loads.h"
 
 namespace truestep::rigid2d {
 namespace {
@@ -14,6 +16,8 @@ using flat::Sweep;
 
 /// The core of a fast shape stops this fraction of its radius before contact.
 constexpr double kCoreGap = 0.25;
+/// Part of a shape's inner radius by which it may move into a line that it slides along.
+constexpr double kShallow = 0.25;
 
 Sweep sweep_of(const Pairs& pairs, const Travel& t) {
   return {pairs.pose[t.body], t.angle, t.shift};
@@ -31,6 +35,13 @@ Box swept_box(const Outline& s, const Sweep& sweep, double reach) {
   return b;
 }
 
+/// True where the motion of b relative to a hardly leads through the line of a chain's link: it slides on,
+/// from piece to piece. The end of the next piece would stop it at every corner, however straight the chain.
+bool slides_along(const Outline& link, const Sweep& a, const Sweep& b, double inner) {
+  if (!link.is_link()) return false;
+  return std::abs(flat::dot(a.from.q * link.normal[0], b.shift - a.shift)) < kShallow * inner;
+}
+
 /// Fraction of the motion after which the body must stop.
 double first_stop(const Model& model, const State& s, const Pairs& pairs, const Travel& me,
                   std::span<const Travel> travels) {
@@ -45,7 +56,7 @@ double first_stop(const Model& model, const State& s, const Pairs& pairs, const 
     const auto visit = [&](uint32_t other) {
       const uint32_t at = model.shapes[other].body;
       const Body& obstacle = model.bodies[at];
-      if (obstacle.one_way || obstacle.sensor || (status[at] & kRemoved)) return;
+      if (obstacle.sensor || (status[at] & kRemoved)) return;
       if (!may_touch(model, me.body, at)) return;
       Sweep theirs{pairs.pose[at], 0, {}};
       const auto moved = std::lower_bound(travels.begin(), travels.end(), at,
@@ -59,9 +70,16 @@ double first_stop(const Model& model, const State& s, const Pairs& pairs, const 
       }
       // A body in contact from the start may go on moving, but its core must not pass through.
       const Pose seen = theirs.from.to(mine.from);
-      const bool separate = flat::distance(wall, shape, seen).distance > 2 * gap;
+      const bool separate = !slides_along(wall, theirs, mine, flat::inner_radius(shape)) &&
+                            flat::distance(wall, shape, seen).distance > 2 * gap;
+      // What is in a one-way body already passes it; what touches it is left to the solver.
+      if (obstacle.one_way && !separate) return;
       const auto hit = flat::time_of_impact(wall, theirs, separate ? shape : core, mine,
                                             separate ? gap : kCoreGap * core.radius);
+      if (hit && obstacle.one_way) {
+        const Vec2 up = theirs.from.q * obstacle.one_way_direction;
+        if (!one_way_holds(flat::dot(hit->normal, up), flat::dot(mine.shift - theirs.shift, up))) return;
+      }
       // A body inside a wall may leave it.
       if (hit && hit->fraction == 0 && flat::dot(hit->normal, mine.shift - theirs.shift) > 0) return;
       if (hit) stop = std::min(stop, hit->fraction);
@@ -122,37 +140,40 @@ struct Way {
   }
 };
 
-/// Marks bodies that touch others only with friction and that no joint holds.
-void find_rolling(const Model& model, const State& s, const Pairs& pairs, std::vector<uint8_t>& rolls) {
-  constexpr uint8_t kFree = 0, kRolls = 1, kHeld = 2;
+/// What holds a body: nothing, joints alone, friction with what it touches alone, or both.
+enum Hold : uint8_t { kFreeOfHold, kHangsOnJoints, kRollsOnContacts, kHeldByBoth };
+
+void find_holds(const Model& model, const State& s, const Pairs& pairs, std::vector<uint8_t>& holds) {
   const size_t n = model.count();
-  rolls.assign(n, kFree);
-  const auto hold = [&](uint32_t i, uint8_t by) {
-    if (i < n) rolls[i] = std::max(rolls[i], by);
-  };
+  holds.assign(n, kFreeOfHold);
   for (const Hit& hit : pairs.hits) {
     if (hit.what != Hit::What::touching) continue;
     const bool grips = model.surfaces[hit.body_a].friction * model.surfaces[hit.body_b].friction > 0;
-    for (const uint32_t i : {hit.body_a, hit.body_b}) hold(i, grips ? kRolls : kHeld);
+    for (const uint32_t i : {hit.body_a, hit.body_b}) {
+      if (i < n) holds[i] = std::max<uint8_t>(holds[i], grips ? kRollsOnContacts : kHeldByBoth);
+    }
   }
   const auto broken = s.span<uint32_t>(columns::joint_broken);
   for (size_t j = 0; j < model.joints.size(); ++j) {
     if (broken[j]) continue;
-    hold(model.joints[j].a, kHeld), hold(model.joints[j].b, kHeld);
+    for (const uint32_t i : {model.joints[j].a, model.joints[j].b}) {
+      if (i < n) holds[i] = holds[i] <= kHangsOnJoints ? kHangsOnJoints : kHeldByBoth;
+    }
   }
-  for (uint8_t& r : rolls) r = r == kRolls;
 }
 
-/// Counts how long bodies have rested and returns the longest time. `rolls` is computed when a body first
+/// Counts how long bodies have rested and returns the longest time. `holds` is computed when a body first
 /// needs it.
 double longest_rest(const Model& model, State& s, const Pairs& pairs, const SleepRule& rule, double h,
-                    std::vector<uint8_t>& rolls) {
-  const SleepRule of_rolling = rule.of_rolling();
-  rolls.clear();
-  const auto rolling = [&](size_t i) {
-    if (rolls.empty()) find_rolling(model, s, pairs, rolls);
-    return rolls[i] != 0;
+                    std::vector<uint8_t>& holds) {
+  const SleepRule of_rolling = rule.of_rolling(), of_hanging = rule.of_hanging();
+  holds.clear();
+  const auto rule_of = [&](size_t i) -> const SleepRule& {
+    if (holds.empty()) find_holds(model, s, pairs, holds);
+    return holds[i] == kRollsOnContacts ? of_rolling : holds[i] == kHangsOnJoints ? of_hanging : rule;
   };
+  // Up to this distance the rules agree until the time is over.
+  const double near = model.joints.empty() ? rule.drift() : of_hanging.drift();
   const auto status = s.span<uint32_t>(columns::status);
   const auto rest = s.f64(columns::sleep_timer), w = s.f64(columns::angular_velocity),
              angle = s.f64(columns::angle);
@@ -165,9 +186,9 @@ double longest_rest(const Model& model, State& s, const Pairs& pairs, const Slee
     if (!is_moved(b, status[i])) continue;
     const double speed = std::max(flat::norm({v[3 * i], v[3 * i + 1]}), std::abs(w[i]) * b.reach);
     const Way way{{x[3 * i], x[3 * i + 1], angle[i]}, place + 6 * i, place + 6 * i + 3, b.reach};
-    // Below this distance both rules agree.
-    const bool far = rest[i] > 0 && speed <= rule.speed && way.moved() > rule.drift();
-    count_rest(rest[i], h, b.can_sleep ? speed : kNoRest, far && rolling(i) ? of_rolling : rule, way);
+    const bool over = rest[i] < rule.time && rest[i] + h >= rule.time;
+    const bool differ = rest[i] > 0 && speed <= rule.speed && (over || way.moved() > near);
+    count_rest(rest[i], h, b.can_sleep ? speed : kNoRest, differ ? rule_of(i) : rule, way);
     longest = std::max(longest, rest[i]);
   }
   return longest;
@@ -175,15 +196,32 @@ double longest_rest(const Model& model, State& s, const Pairs& pairs, const Slee
 
 }  // namespace
 
+namespace {
+
+/// True where a motor drives its bodies. One that is at its target lets them sleep.
+bool motor_runs(const Joint& j, const Model& model, const State& s, double sleep_speed) {
+  const Motor motor = motor_of(s, j);
+  if (j.kind == JointKind::motor) {
+    return (j.at_velocity && flat::dot(motor.wanted, motor.wanted) > 0) || j.spin != 0;
+  }
+  if (motor.most == 0) return false;
+  if (!j.has_target) return motor.wanted.x != 0;
+  constexpr double kAtRest = 0.01;  // of sleep_speed, as in space
+  const double at = j.kind == JointKind::prismatic ? joint_coordinate(j, model, s) : joint_angle(j, s);
+  return std::abs(j.motor_rate * (motor.wanted.x - at)) > kAtRest * sleep_speed;
+}
+
+}  // namespace
+
 void fall_asleep(const Model& model, State& s, const Pairs& pairs, const SleepRule& rule, double h,
                  Sleepers& scratch) {
   const size_t n = model.count();
-  if (longest_rest(model, s, pairs, rule, h, scratch.rolls) < rule.time) return;
+  if (longest_rest(model, s, pairs, rule, h, scratch.holds) < rule.time) return;
   const auto status = s.span<uint32_t>(columns::status);
   const auto rest = s.f64(columns::sleep_timer), w = s.f64(columns::angular_velocity);
   const auto impulse = s.span<float>(columns::contact_impulse);
   double* v = s.f64(columns::velocity).data();
-  auto& [parent, rested, unborne, still, rolls] = scratch;
+  auto& [parent, rested, unborne, still, holds] = scratch;
   parent.resize(n), still.resize(n);
   unborne.assign(n, 1);
   start_islands(parent);
@@ -218,7 +256,7 @@ void fall_asleep(const Model& model, State& s, const Pairs& pairs, const SleepRu
     if (broken[j]) continue;
     join(d.a, d.b, true);
     // A running motor keeps its bodies awake.
-    if (d.has_motor && d.motor_speed != 0) {
+    if (d.motor_row != kNoMotor && motor_runs(d, model, s, rule.speed)) {
       for (const uint32_t i : {d.a, d.b}) {
         if (i < n) rested[i] = 0;
       }

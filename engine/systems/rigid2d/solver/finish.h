@@ -24,7 +24,7 @@ struct Sleepers {
   std::vector<uint32_t> parent;
   std::vector<double> rested;
   std::vector<uint8_t> unborne, still;  ///< no fixed body supports it; its velocities are zero
-  std::vector<uint8_t> rolls;           ///< only friction holds it
+  std::vector<uint8_t> holds;           ///< what holds it
 };
 /// Counts rest times (h in s) and puts supported islands at rest to sleep (rigid/sleeping.h).
 void fall_asleep(const Model& model, State& s, const Pairs& pairs, const SleepRule& rule, double h,

@@ -110,7 +110,7 @@ void Solver<T>::hit_contacts(const SolverSettings& settings, const ThreadArena& 
 }
 
 template <class T>
-void Solver<T>::choose_sprung(const Pairs& pairs) {
+void Solver<T>::choose_sprung(const Pairs& pairs, double h) {
   const auto alone = [](const JointRow<T>& j) { return j.joint->spring_only(); };
   springs_ = std::any_of(joints_.begin(), joints_.end(), alone);
   if (!springs_) return;
@@ -129,13 +129,27 @@ void Solver<T>::choose_sprung(const Pairs& pairs) {
     const T* p = push_.data() + 8 * static_cast<size_t>(r);
     if (p[3] != 1 || p[4] != 1) held_[r] = 1;
   }
-  const auto held = [&](uint32_t row) { return row < moved_ && held_[row]; };
+  const auto loose = [&](const JointRow<T>& j) {
+    return alone(j) && !(j.a < moved_ && held_[j.a]) && !(j.b < moved_ && held_[j.b]) && j.spring.k > 0;
+  };
+  // In the basis of springs the matrix of an oscillation has at most w_i w_j where two share a body: their
+  // largest frequency is below a sum over a row (Gershgorin).
+  const auto rate = [](const JointRow<T>& j) { return std::sqrt(j.joint->stiffness * double(j.spring.k)); };
+  spring_rates_.assign(movers_.size() + 1, 0);
+  for (const JointRow<T>& j : joints_) {
+    if (!loose(j)) continue;
+    if (j.a < moved_) spring_rates_[j.a] += rate(j);
+    if (j.b < moved_) spring_rates_[j.b] += rate(j);
+  }
   for (JointRow<T>& j : joints_) {
-    if (!alone(j) || held(j.a) || held(j.b) || !(j.spring.half > 0)) {
-      j.spring.half = 0;
+    if (loose(j)) {
+      const double w = rate(j), both = j.a < moved_ && j.b < moved_ ? w : 0;
+      const double beside = spring_rates_[j.a] + spring_rates_[j.b] - both;
+      if (w * beside * h * h < kResolvedAlone2) soften_spring(j, static_cast<T>(h), kResolvedAlone2);
     } else {
-      sprung_[j.a] = sprung_[j.b] = 1;
+      j.spring.half = 0;
     }
+    if (j.spring.half > 0) sprung_[j.a] = sprung_[j.b] = 1;
   }
 }
 
@@ -261,8 +275,8 @@ void Solver<T>::small_step(const Model& model, const SolverSettings& settings, c
       const T* f = flight_.data() + 8 * i;
       // Up to a bounce and after it a body flies freely, also where only that one step has contacts.
       const bool free = i < moved && !model.light[movers_[i]].jointed && std::equal(f, f + 3, r);
-      const T late = free ? T(0.5) * h : T(0);
-      for (int k = 0; k < 3; ++k) r[4 + k] -= late * (r[k] - f[4 + k]);
+      const T half_step = free ? T(0.5) * h : T(0);
+      for (int k = 0; k < 3; ++k) r[4 + k] -= half_step * (r[k] - f[4 + k]);
     }
   });
 
@@ -296,7 +310,7 @@ void Solver<T>::solve(const Model& model, State& state, const Pairs& pairs, Hand
     solve_joint(j, rows_.data(), moved_, JointPass::soften, h);
   }
   knows_islands_ = false;
-  choose_sprung(pairs);
+  choose_sprung(pairs, settings.h);
   if (springs_) kick(JointPass::unkick, h);
   deep_ = false;
   for (uint32_t p = 0; p < packs; ++p) {

@@ -151,7 +151,7 @@ class Solver {
   void hit_contacts(const SolverSettings& settings, const ThreadArena& arena);
   /// Bodies on which only springs act begin and end a step with half of the spring impulse of a small step
   /// (oscillator_step).
-  void choose_sprung(const Pairs& pairs);
+  void choose_sprung(const Pairs& pairs, double h);
   void kick(JointPass pass, T h);
   void find_islands();
   /// Marks the lanes of islands with a deep contact, finds crowds, and stores impulses and
@@ -187,6 +187,7 @@ class Solver {
   std::vector<JointRow<T>> joints_;                        // the drags come last
   size_t drags_ = 0;
   std::vector<uint8_t> held_, sprung_;  // rows: something else acts on the body; only springs act on it
+  std::vector<double> spring_rates_;    // rows: 1/s, sum over the springs of a body
   bool springs_ = false;
   // Scratch of the packing.
   std::vector<ConstraintEnds> ends_;

@@ -101,10 +101,8 @@ struct Acting {
   }
   void soften(Law law, T k) const {
     if (law != Law::spring || !(k > 0)) return;
-    const Joint& d = *j.joint;
-    const OscillatorStep step = oscillator_step(d.stiffness * k, d.damping * k, h);
-    j.spring.pull = static_cast<T>(h * d.stiffness * (1 - step.scale));
-    j.spring.scale = static_cast<T>(step.scale), j.spring.half = static_cast<T>(step.half / k);
+    j.spring.k = k;
+    soften_spring(j, h, kResolved2);
   }
   /// A row on the angular velocities: ratio_a w_a + ratio_b w_b.
   void angular(T& acc, const Row& r, T ratio_a, T ratio_b) {
@@ -160,12 +158,69 @@ struct Acting {
     push(px, py);
   }
 
+  /// The velocity of b's anchor in the frame of a, with an impulse of at most `most` there.
+  void drive_point(T* acc, T most) {
+    if (pass == JointPass::soften || pass == JointPass::pull) return;
+    if (pass == JointPass::warm) return push_along(1, acc[0], acc[1]);
+    T wx, wy;
+    turn(a.v[6], j.wx, j.wy, wx, wy);
+    const T cx = ax + dx, cy = ay + dy;
+    const T vx = b.v[0] - b.v[2] * by - a.v[0] + a.v[2] * cy - wx;
+    const T vy = b.v[1] + b.v[2] * bx - a.v[1] - a.v[2] * cx - wy;
+    const T m = a.v[3] + b.v[3];
+    const T k11 = m + a.v[7] * cy * cy + b.v[7] * by * by, k22 = m + a.v[7] * cx * cx + b.v[7] * bx * bx;
+    const T k12 = -a.v[7] * cx * cy - b.v[7] * bx * by, determinant = k11 * k22 - k12 * k12;
+    if (!(determinant > 0)) return;
+    T x = acc[0] - (k22 * vx - k12 * vy) / determinant, y = acc[1] - (k11 * vy - k12 * vx) / determinant;
+    const T size2 = x * x + y * y;
+    if (size2 > most * most) {
+      const T shrink = most / std::sqrt(size2);
+      x *= shrink, y *= shrink;
+    }
+    push_along(1, x - acc[0], y - acc[1]);
+    acc[0] = x, acc[1] = y;
+  }
+
+  /// Both components of the distance between the anchors and the angle at once. One after the other, force
+  /// and torque settle in many small steps: loaded suddenly, a beam's torque was too large by a fifth.
+  void pose() {
+    if (pass == JointPass::soften || pass == JointPass::pull) return;
+    if (pass == JointPass::kick || pass == JointPass::unkick) return;
+    T* acc = j.impulse;
+    if (pass == JointPass::warm) return push(acc[0], acc[1]), turn_by(acc[5], -1, 1);
+    const T inertia = a.v[7] + b.v[7];
+    // Without rotation there is no torque.
+    if (!(inertia > 0)) return point(acc, Law::hold, j.soft, HUGE_VAL);
+    T rate = 0, scale = 1, back = 0;
+    T vx = b.v[0] - b.v[2] * by - a.v[0] + a.v[2] * ay, vy = b.v[1] + b.v[2] * bx - a.v[1] - a.v[2] * ax;
+    if (pass == JointPass::bias) {
+      rate = j.soft.bias_rate, scale = j.soft.mass_scale, back = j.soft.impulse_scale;
+      // Rotation of the anchors, as in solve_hinges.
+      const T bend_a = T(0.5) * h * a.v[2] * a.v[2], bend_b = T(0.5) * h * b.v[2] * b.v[2];
+      vx += rate * dx + bend_a * ax - bend_b * bx, vy += rate * dy + bend_a * ay - bend_b * by;
+    }
+    const T w = b.v[2] - a.v[2] + rate * angle();
+    // K with the rotation eliminated:  m + a7 b7 / (a7 + b7) r r^T, r the arms' difference turned by 90
+    // degrees; c: rotation per impulse along x and y.
+    const T cx = -(a.v[7] * ay + b.v[7] * by), cy = a.v[7] * ax + b.v[7] * bx;
+    const T m = a.v[3] + b.v[3], both = a.v[7] * b.v[7] / inertia, rx = ay - by, ry = bx - ax;
+    const T k11 = m + both * rx * rx, k22 = m + both * ry * ry, k12 = both * rx * ry;
+    const T determinant = m * (m + both * (rx * rx + ry * ry));
+    const T qx = vx - cx * w / inertia, qy = vy - cy * w / inertia;
+    const T x = (k22 * qx - k12 * qy) / determinant, y = (k11 * qy - k12 * qx) / determinant;
+    const T angular = (w - cx * x - cy * y) / inertia;
+    const T px = -scale * x - back * acc[0], py = -scale * y - back * acc[1],
+            p = -scale * angular - back * acc[5];
+    acc[0] += px, acc[1] += py, acc[5] += p;
+    push(px, py), turn_by(p, -1, 1);
+  }
+
   T most_of(double force) const { return static_cast<T>(force) * h; }
 
   /// Spring, motor and limits on the angle of b relative to a.
   void turning_drive() {
     const Joint& d = *j.joint;
-    if (d.has_spring) angular(j.impulse[5], {Law::spring, angle(), {}}, -1, 1);
+    if (d.has_spring) angular(j.impulse[5], {Law::spring, angle() - static_cast<T>(d.rest), {}}, -1, 1);
     turning_motor();
     if (d.has_lower) angular(j.impulse[3], {Law::lower, angle() - static_cast<T>(d.lower), j.soft}, -1, 1);
     if (d.has_upper) angular(j.impulse[4], {Law::lower, static_cast<T>(d.upper) - angle(), j.soft}, 1, -1);
@@ -173,8 +228,13 @@ struct Acting {
   void turning_motor() {
     const Joint& d = *j.joint;
     if (!d.has_motor) return;
-    const T most = most_of(d.max_motor);
-    angular(j.impulse[2], {Law::motor, static_cast<T>(d.motor_speed), {}, -most, most}, -1, 1);
+    const T most = j.most * h;
+    angular(j.impulse[2], {Law::motor, motor_speed(angle()), {}, -most, most}, -1, 1);
+  }
+  /// A motor with a target moves at the speed that approaches it at its rate, whatever its load.
+  T motor_speed(T at) const {
+    const Joint& d = *j.joint;
+    return d.has_target ? j.servo.bias_rate * (j.wanted - at) : j.wanted;
   }
   void sliding_limits(T ux, T uy) {
     const Joint& d = *j.joint;
@@ -235,14 +295,15 @@ void Acting<T>::solve() {
       turning_drive();
       return point(j.impulse, Law::hold, j.soft, everything);
     case JointKind::weld:
-      angular(j.impulse[5], {d.has_spring ? Law::spring : Law::hold, angle(), j.soft}, -1, 1);
+      if (!d.has_spring) return pose();
+      angular(j.impulse[5], {Law::spring, angle(), j.soft}, -1, 1);
       return point(j.impulse, Law::hold, j.soft, everything);
     case JointKind::prismatic: {
       const T at = dx * ux + dy * uy;
-      if (d.has_spring) along(j.impulse[5], {Law::spring, at, {}}, ux, uy);
+      if (d.has_spring) along(j.impulse[5], {Law::spring, at - static_cast<T>(d.rest), {}}, ux, uy);
       if (d.has_motor) {
-        const T most = most_of(d.max_motor);
-        along(j.impulse[2], {Law::motor, static_cast<T>(d.motor_speed), {}, -most, most}, ux, uy);
+        const T most = j.most * h;
+        along(j.impulse[2], {Law::motor, motor_speed(at), {}, -most, most}, ux, uy);
       }
       sliding_limits(ux, uy);
       angular(j.impulse[1], {Law::hold, angle(), j.soft}, -1, 1);
@@ -250,14 +311,21 @@ void Acting<T>::solve() {
     }
     case JointKind::wheel:
       turning_motor();
-      if (d.has_spring) along(j.impulse[5], {Law::spring, dx * ux + dy * uy, {}}, ux, uy);
+      if (d.has_spring) {
+        along(j.impulse[5], {Law::spring, dx * ux + dy * uy - static_cast<T>(d.rest), {}}, ux, uy);
+      }
       sliding_limits(ux, uy);
       return along(j.impulse[0], {Law::hold, dy * ux - dx * uy, j.soft}, -uy, ux);
     case JointKind::distance:
       return distance();
     case JointKind::motor: {
       const T most = most_of(d.max_torque);
-      angular(j.impulse[5], {Law::servo, angle(), j.servo, -most, most}, -1, 1);
+      if (d.at_spin) {
+        angular(j.impulse[5], {Law::motor, static_cast<T>(d.spin), {}, -most, most}, -1, 1);
+      } else {
+        angular(j.impulse[5], {Law::servo, angle(), j.servo, -most, most}, -1, 1);
+      }
+      if (d.at_velocity) return drive_point(j.impulse, most_of(d.max_force));
       return point(j.impulse, Law::servo, j.servo, most_of(d.max_force));
     }
     case JointKind::mouse:

@@ -20,11 +20,14 @@ struct JointRow {
   T angle;                // of the joint at the start of the step
   T gax, gay, gbx, gby;   // pulley: from the wheels to the anchors at the start of the step
   SoftConstraint<T> soft, servo;
+  T wanted, most;  // of the motor: speed or position, maximum force or torque
+  T wx, wy;        // velocity of a motor joint, in the world at the start of the step
   struct Spring {
     T pull = 0;   // N s/m or N m s/rad, of a small step
     T scale = 0;  // fraction of the speed removed by damping
     T error = 0;  // m or rad, at the start of the last bias pass
     T half = 0;   // half a pull without damping, where only the spring acts on its bodies
+    T k = 0;      // 1/kg, of its row at the start of the step
   } spring;
   T impulse[6];
 };
@@ -32,6 +35,17 @@ struct JointRow {
 /// soften: spring coefficients for the current masses; unkick, kick: removes half a pull before the first
 /// small step of a step, adds it after the last; pull: only springs, bias: all but springs.
 enum class JointPass : uint8_t { soften, unkick, warm, pull, bias, relax, kick };
+
+/// Coefficients of the joint's spring for small steps of h (s), with the inverse mass of its row that it
+/// holds; most2: see oscillator_step.
+template <class T>
+void soften_spring(JointRow<T>& j, T h, double most2) {
+  const T k = j.spring.k;
+  const Joint& d = *j.joint;
+  const OscillatorStep step = oscillator_step(d.stiffness * k, d.damping * k, h, most2);
+  j.spring.pull = static_cast<T>(h * d.stiffness * (1 - step.scale));
+  j.spring.scale = static_cast<T>(step.scale), j.spring.half = static_cast<T>(step.half / k);
+}
 
 /// One pass over a joint. rows: bodies' rows of eight, those from `moved` on take no impulses; h in s.
 template <class T>

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "engine/collision/flat/foreseen_contact.h"
+#include "engine/math/trig.h"
 #include "engine/systems/rigid2d/solver/solver_contact.h"
 
 namespace truestep::rigid2d {
@@ -81,7 +82,8 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
     c.impulse_scale.set(k, t(soft.impulse_scale));
     const double rolling = std::max(a.rolling_resistance, b.rolling_resistance);
     const uint32_t* id = hit.old == kNoPoint ? nullptr : ids.data() + 2 * hit.old;
-    const float* pads = hit.old == kNoPoint ? nullptr : offsets.data() + 2 * static_cast<size_t>(hit.old);
+    const float* old_offsets =
+        hit.old == kNoPoint ? nullptr : offsets.data() + 2 * static_cast<size_t>(hit.old);
     if (rolling > 0) {
       c.rolls = 1;
       c.rolling.set(k, t(rolling));
@@ -93,11 +95,11 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
       const Vec2 rb = at.at - apart;
       p.ax.set(k, t(at.at.x)), p.ay.set(k, t(at.at.y)), p.bx.set(k, t(rb.x)), p.by.set(k, t(rb.y));
       there[i].set(k, 1);
-      double offset = pads ? 0.5 * (double(pads[0]) + double(pads[1])) : 0;
+      double offset = old_offsets ? 0.5 * (double(old_offsets[0]) + double(old_offsets[1])) : 0;
       for (uint32_t m = 0; m < 2 && id; ++m) {
         if (id[m] != at.id) continue;
         p.normal.set(k, old[m]), p.tangent.set(k, old[2 + m]);
-        offset = pads[m];
+        offset = old_offsets[m];
       }
       p.separation.set(k, t(at.separation - offset));
     }
@@ -187,10 +189,21 @@ JointRow<T> Solver<T>::row_of(const Joint& d, const Pairs& pairs, const SolverSe
   j.joint = &d;
   j.a = slot_[d.a], j.b = slot_[d.b];
   const Pose &a = pairs.pose[d.a], &b = pairs.pose[d.b];
-  const Vec2 ra = a.q * d.local_a, rb = b.q * d.local_b, u = a.q * d.axis;
+  const auto t = [](double x) { return static_cast<T>(x); };
+  Motor motor;
+  if (d.motor_row != kNoMotor) motor = motor_of(state, d);
+  Vec2 local_a = d.local_a, velocity;
+  if (d.kind == JointKind::motor) {
+    if (d.at_velocity) {
+      velocity = a.q * motor.wanted;
+    } else {
+      local_a = local_a + (motor.wanted - d.move);
+    }
+  }
+  j.wanted = t(motor.wanted.x), j.most = t(motor.most), j.wx = t(velocity.x), j.wy = t(velocity.y);
+  const Vec2 ra = a.q * local_a, rb = b.q * d.local_b, u = a.q * d.axis;
   Vec2 e = (b.p - a.p) + rb - ra;
   if (d.kind == JointKind::mouse) e = b.p + rb - d.ground_a;
-  const auto t = [](double x) { return static_cast<T>(x); };
   j.ax = t(ra.x), j.ay = t(ra.y), j.bx = t(rb.x), j.by = t(rb.y), j.ex = t(e.x), j.ey = t(e.y);
   j.ux = t(u.x), j.uy = t(u.y);
   const Vec2 ga = a.p + ra - d.ground_a, gb = b.p + rb - d.ground_b;
@@ -200,9 +213,10 @@ JointRow<T> Solver<T>::row_of(const Joint& d, const Pairs& pairs, const SolverSe
   j.angle = t(d.kind == JointKind::gear ? angle(d.a) + d.ratio * angle(d.b) - d.angle
                                         : angle(d.b) - angle(d.a) - d.angle);
   const SoftConstraint<double>& soft = settings.joint;
-  const SoftConstraint<double> servo = d.kind == JointKind::motor
-                                           ? rigid_constraint(d.correction, settings.h * settings.steps)
-                                           : soft_constraint(d.hertz, d.damping_ratio, settings.h);
+  const bool servos = d.has_target || d.kind == JointKind::motor;
+  const SoftConstraint<double> servo =
+      servos ? rigid_constraint(1 - trig::exp(-d.motor_rate * settings.h), settings.h)
+             : soft_constraint(d.hertz, d.damping_ratio, settings.h);
   j.soft = {t(soft.bias_rate), t(soft.mass_scale), t(soft.impulse_scale)};
   j.servo = {t(servo.bias_rate), t(servo.mass_scale), t(servo.impulse_scale)};
   return j;

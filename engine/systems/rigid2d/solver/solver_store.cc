@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "engine/rigid/free_flight.h"
+#include "engine/systems/rigid2d/joint_loads.h"
 #include "engine/systems/rigid2d/solver/solver.h"
 
 namespace truestep::rigid2d {
@@ -16,10 +18,8 @@ constexpr double kThickestLearnt = 1.0 / 400;
 
 }  // namespace
 
-// Small steps move bodies by the velocities at their ends. What nothing but its own forces acted on moves by
-// the mean of those at both ends, along its parabola: the sum of the small steps is too far along by half of
-// one in the change of velocity. Bodies with joints stay where these have put them: a pull that has not
-// reached one of them yet must not part it from its neighbour.
+// The flight of a whole step (free_flight.h). Bodies with joints stay where these have put them: a pull that
+// has not reached one of them yet must not part it from its neighbour.
 template <class T>
 void Solver<T>::end_free_flights(const Model& model, const State& state, const SolverSettings& settings,
                                  const ThreadArena& arena) {
@@ -35,8 +35,7 @@ void Solver<T>::end_free_flights(const Model& model, const State& state, const S
       T free[3] = {before[0], before[1], before[2]};
       for (int k = 0; k < settings.steps; ++k) act(push_.data() + 8 * i, free);
       T* r = rows_.data() + 8 * i;
-      if (!std::equal(free, free + 3, r)) continue;
-      for (int e = 0; e < 3; ++e) r[4 + e] -= late * (r[e] - before[e]);
+      end_on_parabola<3>(r, free, before, late, r + 4);
     }
   });
 }
@@ -68,14 +67,12 @@ void Solver<T>::store_joints(const Model& model, State& state, Hands& hands,
   const auto impulses = state.f64(columns::joint_impulse);
   const auto broken = state.span<uint32_t>(columns::joint_broken);
   const auto store = [&](uint32_t i, std::span<const double, 6> p) {
-    double most = 0;
     for (size_t k = 0; k < 6; ++k) impulses[6 * i + k] = p[k];
-    most = std::sqrt(p[0] * p[0] + p[1] * p[1]);
     if (!model.may_break) return;
     const Joint& d = model.joints[i];
-    // A distance joint carries a force along one direction only; others hold two points.
-    if (d.kind == JointKind::distance) most = std::abs(p[0] + p[5] + p[3] - p[4]);
-    if (d.break_force > 0 && most > d.break_force * settings.h) {
+    const JointImpulse most = joint_impulse(d, p);
+    if ((d.break_force > 0 && most.force > d.break_force * settings.h) ||
+        (d.break_torque > 0 && most.torque > d.break_torque * settings.h)) {
       broken[i] = 1;
       for (size_t k = 0; k < 6; ++k) impulses[6 * i + k] = 0;
     }

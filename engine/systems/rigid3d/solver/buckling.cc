@@ -10,13 +10,13 @@ namespace truestep::rigid3d {
 
 namespace {
 
-/// Minimum number of bodies on a contact for buckling: half of what five substeps can hold.
-constexpr double kTallLoad = 10;
+/// Minimum load of a contact, in weights of its lighter body, for buckling: a fraction of what five substeps
+/// can hold of cubes.
+constexpr double kTallLoad = 3;
+/// .. and for yielding.
+constexpr double kGivingLoad = 10;
 /// Below the first quotient substeps are added until it reaches the second; above the third fewer are tried.
 constexpr double kTooSoft = 1.1, kStiff = 1.4, kMoreThanStiff = 2.2;
-/// Tilt stiffness of four points, each with the stiffness of its own reduced mass, relative to one spring for
-/// the tilt: for the whole face of a cube; half a face has more.
-constexpr double kPoints = 1.5;
 /// A contact under such loads may yield by this fraction of the smaller body's reach.
 constexpr double kMostGive = 0.015;
 /// m/s; faster bodies are falling or in flight.
@@ -27,47 +27,63 @@ double squared_tilts(double s) {
   return s * s * s * (4.0 / 3 - s + 0.2 * s * s);
 }
 
+/// 1/kg of a body for pushes along n at an arm (m) from its centre.
+double mobility(const BodyKind& k, const Quat& turned, const Vec3& arm, const Vec3& n) {
+  const Vec3 turn = rotation(turned).apply_inverse(cross(arm, n)), I = k.resistance();
+  return 1 / k.mass + turn.x * turn.x / I.x + turn.y * turn.y / I.y + turn.z * turn.z / I.z;
+}
+
 }  // namespace
 
-int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds, const SolverSettings& settings,
-                            int now, double h) {
+double BucklingWatch::Support::least() const {
+  if (!(mass > 0)) return 0;
+  const Vec3 c = place / mass;
+  const double xx = squares.x - c.x * place.x, yy = squares.y - c.y * place.y, zz = squares.z - c.z * place.z;
+  const double yz = products.x - c.y * place.z, xz = products.y - c.x * place.z,
+               xy = products.z - c.x * place.y;
+  // The arms lie in a plane: one eigenvalue is zero.
+  const double sum = xx + yy + zz;
+  const double product = xx * yy + yy * zz + zz * xx - yz * yz - xz * xz - xy * xy;
+  return std::max(0.0, 0.5 * (sum - std::sqrt(std::max(0.0, sum * sum - 4 * product))));
+}
+
+int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds,
+                            std::span<Contact* const> contacts, const SolverSettings& settings, int now,
+                            double h) {
   const auto kind = s.span<uint32_t>(columns::kind);
   const auto asleep = s.span<uint32_t>(columns::asleep);
-  const auto bodies = s.span<uint32_t>(columns::contact_bodies), ids = s.span<uint32_t>(columns::contact_ids);
-  const double *impulse = s.f64(columns::contact_impulse).data(), *x = s.f64(columns::position).data(),
+  const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data(),
                *v = s.f64(columns::velocity).data();
   const Vec3 gravity = load3(s.f64(columns::gravity).data(), 0);
   const double g = norm(gravity), substep = s.f64(columns::substep)[0];
-  const size_t contacts = s.rows(columns::contact_bodies);
   if (!(g > 0) || !(substep > 0)) return settings.substeps;
 
   const auto moves = [&](uint32_t i) { return kinds[kind[i]].moved_by_forces() && !asleep[i]; };
-  const auto load = [&](size_t k) {
-    return (impulse[4 * k] + impulse[4 * k + 1] + impulse[4 * k + 2] + impulse[4 * k + 3]) / substep;
+  const auto load = [&](const Contact& c) {
+    return (c.impulse[0] + c.impulse[1] + c.impulse[2] + c.impulse[3]) / substep;
   };
-  const auto offset = s.f64(columns::contact_offset);
   bool tall = false;
   double gives_way = 0;  // yield, as a fraction of the allowed yield
-  for (size_t k = 0; k < contacts; ++k) {
+  for (const Contact* c : contacts) {
     double lightest = std::numeric_limits<double>::max(), smallest = lightest;
     bool stands = true;
-    for (const uint32_t i : {bodies[2 * k], bodies[2 * k + 1]}) {
+    for (const uint32_t i : {c->a, c->b}) {
       if (!moves(i)) continue;
       stands &= norm2(load3(v, i)) < kStands * kStands;
       lightest = std::min(lightest, kinds[kind[i]].mass), smallest = std::min(smallest, kinds[kind[i]].reach);
     }
-    if (!(load(k) > kTallLoad * lightest * g)) continue;
-    tall = true;
-    if (stands) gives_way = std::max(gives_way, offset[k] / (kMostGive * smallest));
+    const double weights = load(*c) / (lightest * g);
+    tall |= weights > kTallLoad;
+    if (weights > kGivingLoad && stands)
+      gives_way = std::max(gives_way, c->penetration_offset / (kMostGive * smallest));
   }
   if (!tall) return settings.substeps;
 
   const Vec3 up = gravity * (-1 / g);
   const auto height = [&](uint32_t i) { return dot(load3(x, i), up); };
   parent_.resize(kind.size()), start_islands(parent_);
-  for (size_t k = 0; k < contacts; ++k) {
-    const uint32_t a = bodies[2 * k], b = bodies[2 * k + 1];
-    if (moves(a) && moves(b)) link_islands(parent_, a, b);
+  for (const Contact* c : contacts) {
+    if (moves(c->a) && moves(c->b)) link_islands(parent_, c->a, c->b);
   }
   island_.assign(kind.size(), {std::numeric_limits<double>::max(), std::numeric_limits<double>::lowest()});
   for (uint32_t i = 0; i < kind.size(); ++i) {
@@ -78,34 +94,46 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds, con
   const auto place = [&](const Island& all, double z) {
     return std::clamp((z - all.low) / std::max(all.high - all.low, 1e-9), 0.0, 1.0);
   };
+  const auto tilt = [&](uint32_t i) {
+    if (!moves(i)) return 0.0;
+    const double t = place(island_[island_of(parent_, i)], height(i));
+    return t * (2 - t);
+  };
+  support_.assign(kind.size(), {});
+  for (const Contact* c : contacts) {
+    if (!(load(*c) > 0)) continue;
+    const bool on_a = !moves(c->a) || (moves(c->b) && height(c->b) > height(c->a));
+    const uint32_t upper = on_a ? c->b : c->a, lower = on_a ? c->a : c->b;
+    if (!moves(upper)) continue;
+    const Manifold& m = c->manifold;
+    if (m.count < 3) island_[island_of(parent_, upper)].counts = false;
+    Support& support = support_[upper];
+    const double upright = dot(m.normal, up), below = tilt(lower);
+    for (int p = 0; p < m.count; ++p) {
+      const Vec3 at = m.points[p].position, arm_a = at - load3(x, c->a), arm_b = at - load3(x, c->b);
+      double inverse = 0;
+      if (moves(c->a)) inverse += mobility(kinds[kind[c->a]], load_quat(q, c->a), arm_a, m.normal);
+      if (moves(c->b)) inverse += mobility(kinds[kind[c->b]], load_quat(q, c->b), arm_b, m.normal);
+      const double mass = upright * upright / inverse;
+      const Vec3 all = on_a ? arm_b : arm_a, arm = all - up * dot(all, up);
+      support.mass += mass, support.tilt += mass * below, support.place += arm * mass;
+      support.squares += Vec3{arm.x * arm.x, arm.y * arm.y, arm.z * arm.z} * mass;
+      support.products += Vec3{arm.y * arm.z, arm.x * arm.z, arm.x * arm.y} * mass;
+    }
+  }
+  const double rate = contact_rate(settings, h / now);
   for (uint32_t i = 0; i < kind.size(); ++i) {
     if (!moves(i)) continue;
     Island& all = island_[island_of(parent_, i)];
     all.counts &= norm2(load3(v, i)) < kStands * kStands;
     all.load += kinds[kind[i]].mass * g * (all.high - all.low) * squared_tilts(place(all, height(i)));
-  }
-  const double rate = contact_rate(settings, h / now), w2 = rate * rate;
-  for (size_t k = 0; k < contacts; ++k) {
-    const uint32_t a = bodies[2 * k], b = bodies[2 * k + 1];
-    if (!moves(a) && !moves(b)) continue;
-    Island& all = island_[island_of(parent_, moves(a) ? a : b)];
-    if (ids[5 * k] < 3 && load(k) > 0) all.counts = false;
-    double turns = 0, tilt[2] = {};
-    int end = 0;
-    for (const uint32_t i : {a, b}) {
-      if (moves(i)) {
-        const Vec3& I = kinds[kind[i]].moments;
-        const double t = place(all, height(i));
-        turns += 1 / std::min({I.x, I.y, I.z}), tilt[end] = t * (2 - t);
-      }
-      ++end;
-    }
-    const double turn = tilt[1] - tilt[0];
-    if (load(k) > 0) all.stiffness += kPoints * w2 / turns * turn * turn;
+    const Support& support = support_[i];
+    if (!(support.mass > 0)) continue;
+    const double turn = tilt(i) - support.tilt / support.mass;
+    all.stiffness += rate * rate * support.least() * turn * turn;
   }
   double least = kMoreThanStiff;
-  for (uint32_t i = 0; i < kind.size(); ++i) {
-    const Island& all = island_[i];
+  for (const Island& all : island_) {
     if (all.counts && all.load > 0) least = std::min(least, all.stiffness / all.load);
   }
   const bool enough = least >= kTooSoft && (now == settings.substeps || least < kMoreThanStiff);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/kernels/rigid/free_rotation.h"
+#include "engine/rigid/free_flight.h"
 #include "engine/rigid/islands.h"
 
 namespace truestep::rigid3d {
@@ -94,14 +95,14 @@ void ContactSolver<T>::load_bodies(const State& s, std::span<const BodyKind> kin
     scaled_[k] = scaled_body(b, R), moments_[k] = b.moments;
     if (jointed_) {
       const bool ball = b.moments.x == b.moments.y && b.moments.y == b.moments.z;
-      turning_[k] = {r, free_rotation::spin_ratios(b.moments), {}, !ball};
+      turning_[k] = {r, free_rotation::spin_ratios(b.moments), {}, !ball, false};
       cross_[k] = record<T>({r.x / (r.y * r.z), r.y / (r.z * r.x), r.z / (r.x * r.y)}, {});
     }
     const Vec3 spin = load3(w, i), own = R.apply_inverse(spin);
     velocity_[k] = record<T>(load3(v, i) * root, free_rotation::times(own, r));
     Vec3 turned = jointed_ ? Vec3{} : gyroscopic_change(own, b.moments, h) * part;
     if (!twist_.empty()) {
-      twist_[k] = free_rotation::divide(R.apply_inverse(change.momentum[i]), b.moments) * part;
+      twist_[k] = free_rotation::divide(R.apply_inverse(change.momentum[i]), b.resistance()) * part;
       turned += twist_[k];
     }
     change_[k] = record<T>(change.velocity[i] * (root * part), free_rotation::times(turned, r));
@@ -150,7 +151,7 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
   });
   joints_.start(joints, d, warm_.data(), h, team_);
   balls_.start(warm_.data(), team_);
-  if (springs_) joints_.loosen(s, joints, held_, sprung_, h), kick(T(-1));
+  if (springs_) joints_.loosen(joints, held_, sprung_, h), kick(T(-1));
   for (int k = 0; k < settings.substeps; ++k) {
     each_body([&](size_t i) {
       if (flies) flight_[i] = v[i];
@@ -225,9 +226,7 @@ template <class T>
 void ContactSolver<T>::keep_on_parabola(size_t i, T h) {
   Record8<T> free = flight_[i];
   act(i, free);
-  const T* v = velocity_[i].x;
-  if (!std::equal(v, v + 6, free.x)) return;
-  for (int e = 0; e < 3; ++e) displacement_[i].x[e] -= T(0.5) * h * (v[e] - flight_[i].x[e]);
+  end_on_parabola<6>(velocity_[i].x, free.x, flight_[i].x, T(0.5) * h, displacement_[i].x);
 }
 
 template <class T>

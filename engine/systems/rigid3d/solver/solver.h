@@ -50,6 +50,8 @@ class ContactSolver {
   void keep_on_parabola(size_t i, T h);
   /// With joints: moves the bodies for a substep of h with their current velocities.
   void move_jointed(T h);
+  /// The same rotation of body i in move_jointed without series, after one by `before` (scaled) in this step.
+  void turn_exactly(size_t i, const Vec3& before, T h);
   /// Bodies on which only springs act begin and end a step with half of the spring impulse of a substep.
   void choose_sprung(const State& s, const JointList& joints, std::span<Contact* const> contacts);
   void kick(T times);
@@ -89,10 +91,11 @@ class ContactSolver {
   std::vector<ScaledBody> scaled_;
   std::vector<Vec3> moments_;
   /// For joints that follow the rotation of their bodies: roots and ratios (free_rotation.h) of the moments,
-  /// half of the change of the (scaled) spin in a substep, and whether its axis can change.
+  /// half of the change of the (scaled) spin in a substep, whether its axis can change, and whether it
+  /// changes so much that the mean spin is not enough.
   struct Turning {
     Vec3 root, ratios, half;
-    bool asymmetric;
+    bool asymmetric, bends;
   };
   std::vector<Turning> turning_;
   std::vector<Vec3> twist_;  ///< change of spin per substep by torques, about principal axes; empty: none

@@ -83,6 +83,11 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
       turn = load3(w, c.b), surface = load3(v, c.b) - cross(turn, xb - xa);
     }
     if (now[c.a].part == BodyNow::Part::kinematic) turn -= load3(w, c.a), surface -= load3(v, c.a);
+    if (ka.conveys() || kb.conveys()) {
+      const Vec3 belt =
+          now[c.b].at.direction(kb.surface_velocity) - now[c.a].at.direction(ka.surface_velocity);
+      surface += belt - n * dot(belt, n);
+    }
     if (surface != Vec3{} || turn != Vec3{}) {
       g.flags |= ContactGroup<T>::kDrifts;
       set3(in.surface, lane, surface), set3(in.surface_turn, lane, turn);

@@ -92,9 +92,11 @@ void JointSolver<T>::fill_group(size_t group, const State& s, const JointList& j
     const uint32_t a = held[2 * k], b = held[2 * k + 1];
     const auto pose = [&](uint32_t i) { return i == kNoBody ? Pose{} : Pose{load3(x, i), load_quat(q, i)}; };
     const JointPlace at = joint_place(joint, pose(a), pose(b));
+    bool rotates = false;
     const auto body = [&](uint32_t i, uint32_t* slot, W& root, W turn[9]) {
       if (i == kNoBody || bodies.slot[i] == kNoBody) return;
       const ScaledBody& scaled = bodies.scaled[bodies.slot[i]];
+      rotates |= scaled.rotates();
       slot[lane] = bodies.slot[i], root.set(lane, T(scaled.root));
       for (int e = 0; e < 9; ++e) turn[e].set(lane, T(scaled.turn[e]));
     };
@@ -105,7 +107,8 @@ void JointSolver<T>::fill_group(size_t group, const State& s, const JointList& j
       if (joint.locked[static_cast<size_t>(3 + e)]) g.angle[e].set(lane, T(at.coordinate[3 + e]));
     }
     for (size_t e = 0; e < 6; ++e) {
-      g.locked[e].set(lane, T(joint.locked[e]));
+      // Between bodies that never rotate, rotations need no rows, and would have no inverse.
+      g.locked[e].set(lane, T(e < 3 || rotates ? joint.locked[e] : 0));
       g.impulse[e].set(lane, T(s.f64(columns::joint_impulse)[6 * k + e]));
     }
     if (joint.locked[3] || joint.locked[4] || joint.locked[5]) g.flags |= JointGroup<T>::kTurns;

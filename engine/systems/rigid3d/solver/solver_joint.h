@@ -43,8 +43,7 @@ class JointSolver {
                  std::span<uint8_t> held) const;
   /// Where only springs act on a body, a step may begin and end with half a spring impulse (oscillator_step).
   /// Marks these bodies in `sprung`. After `start`.
-  void loosen(const State& s, const JointList& joints, std::span<const uint8_t> held,
-              std::span<uint8_t> sprung, double h);
+  void loosen(const JointList& joints, std::span<const uint8_t> held, std::span<uint8_t> sprung, double h);
   /// Applies half a spring impulse of those at their current positions, times `times`.
   void kick(Record8<T>* v, T times, const ThreadTeam& team);
   /// After the bodies have moved, `elapsed` (s) after the start of the step: rotates the impulses of joints
@@ -69,6 +68,9 @@ class JointSolver {
   void set_drift(JointGroup<T>& g, int lane, const State& s, const std::array<uint32_t, 2>& held,
                  const Bodies& bodies, const JointPlace& at);
   void fill_gears(const State& s, const JointList& joints);
+  /// body(group, lane, drive, its coefficients) for springs that alone act on their bodies.
+  template <class Body>
+  void each_loose(const JointList& joints, std::span<const uint8_t> held, Body&& body);
   void soften(size_t group, const JointList& joints, double h);
   void prepare(JointGroup<T>& g, const Record8<T>* moved, double elapsed);
   /// The drive of the group for this row.
@@ -87,6 +89,7 @@ class JointSolver {
   std::vector<uint32_t> listed_;
   std::vector<uint32_t> place_;     // of joints: group * lanes + lane, or kNoBody
   std::vector<double> coordinate_;  // of the scene's drives at the start of the step
+  std::vector<double> rates_;       // 1/s, per body: sum over its springs
   JointPass<T> pass_, relax_;
   uint32_t end_ = 0;
 };

@@ -1,6 +1,7 @@
 // Springs and motors of a step's joints: their coefficients, and springs that are the only action on their
 // bodies, which begin and end a step with half an impulse (oscillator_step in soft_constraint.h).
 #include <algorithm>
+#include <cmath>
 
 #include "engine/math/trig.h"
 #include "engine/systems/rigid3d/solver/solver_joint.h"
@@ -60,8 +61,8 @@ void JointSolver<T>::mark_held(const State& s, const JointList& joints, std::spa
 }
 
 template <class T>
-void JointSolver<T>::loosen(const State& s, const JointList& joints, std::span<const uint8_t> held,
-                            std::span<uint8_t> sprung, double h) {
+template <class Body>
+void JointSolver<T>::each_loose(const JointList& joints, std::span<const uint8_t> held, Body&& body) {
   const auto loose = [&](uint32_t place) { return place == end_ || !held[place]; };
   for (size_t group = 0; group < lanes_.count; ++group) {
     const JointGroup<T>& g = groups_[group];
@@ -70,18 +71,39 @@ void JointSolver<T>::loosen(const State& s, const JointList& joints, std::span<c
       if (k == kNoBody || !joints.joints[k].springs_only || !loose(g.a[lane]) || !loose(g.b[lane])) continue;
       const Joint& joint = joints.joints[k];
       for (uint32_t i = joint.first_drive; i < joint.first_drive + joint.drives; ++i) {
-        const Drive& drive = joints.drives[i];
-        JointDrive<T>& d = drive_of(g, drive.row);
-        const double k_now = d.k[lane];
-        const OscillatorStep step = oscillator_step(drive.stiffness * k_now, drive.damping * k_now, h);
-        if (!(step.half > 0)) continue;
-        d.half.set(lane, T(step.half / k_now));
-        for (const uint32_t place : {g.a[lane], g.b[lane]}) {
-          if (place != end_) sprung[place] = 1;
-        }
+        body(g, lane, joints.drives[i], drive_of(g, joints.drives[i].row));
       }
     }
   }
+}
+
+template <class T>
+void JointSolver<T>::loosen(const JointList& joints, std::span<const uint8_t> held, std::span<uint8_t> sprung,
+                            double h) {
+  // In the basis of springs the matrix of an oscillation has at most w_i w_j where two share a body: their
+  // largest frequency is below a sum over a row (Gershgorin).
+  rates_.assign(end_ + 1, 0);
+  const auto rate = [](const Drive& drive, const JointDrive<T>& d, int lane) {
+    return std::sqrt(drive.stiffness * double(d.k[lane]));
+  };
+  each_loose(joints, held, [&](const JointGroup<T>& g, int lane, const Drive& drive, JointDrive<T>& d) {
+    rates_[g.a[lane]] += rate(drive, d, lane), rates_[g.b[lane]] += rate(drive, d, lane);
+  });
+  rates_[end_] = 0;
+  each_loose(joints, held, [&](const JointGroup<T>& g, int lane, const Drive& drive, JointDrive<T>& d) {
+    const double k_now = d.k[lane], w = rate(drive, d, lane);
+    const bool both = g.a[lane] != end_ && g.b[lane] != end_;
+    const double beside = rates_[g.a[lane]] + rates_[g.b[lane]] - (both ? w : 0);
+    const double most2 = w * beside * h * h < kResolvedAlone2 ? kResolvedAlone2 : kResolved2;
+    const OscillatorStep step = oscillator_step(drive.stiffness * k_now, drive.damping * k_now, h, most2);
+    if (!(step.half > 0)) return;
+    d.spring.pull.set(lane, T(h * drive.stiffness * (1 - step.scale)));
+    d.spring.scale.set(lane, T(step.scale));
+    d.half.set(lane, T(step.half / k_now));
+    for (const uint32_t place : {g.a[lane], g.b[lane]}) {
+      if (place != end_) sprung[place] = 1;
+    }
+  });
 }
 
 template <class T>
@@ -95,15 +117,15 @@ template void JointSolver<float>::soften(size_t, const JointList&, double);
 template bool JointSolver<float>::has_springs(const JointList&) const;
 template void JointSolver<float>::mark_held(const State&, const JointList&, std::span<const uint32_t>,
                                             std::span<uint8_t>) const;
-template void JointSolver<float>::loosen(const State&, const JointList&, std::span<const uint8_t>,
-                                         std::span<uint8_t>, double);
+template void JointSolver<float>::loosen(const JointList&, std::span<const uint8_t>, std::span<uint8_t>,
+                                         double);
 template void JointSolver<float>::kick(Record8<float>*, float, const ThreadTeam&);
 template void JointSolver<double>::soften(size_t, const JointList&, double);
 template bool JointSolver<double>::has_springs(const JointList&) const;
 template void JointSolver<double>::mark_held(const State&, const JointList&, std::span<const uint32_t>,
                                              std::span<uint8_t>) const;
-template void JointSolver<double>::loosen(const State&, const JointList&, std::span<const uint8_t>,
-                                          std::span<uint8_t>, double);
+template void JointSolver<double>::loosen(const JointList&, std::span<const uint8_t>, std::span<uint8_t>,
+                                          double);
 template void JointSolver<double>::kick(Record8<double>*, double, const ThreadTeam&);
 
 }  // namespace truestep::rigid3d

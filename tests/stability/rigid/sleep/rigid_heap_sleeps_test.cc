@@ -47,26 +47,25 @@ Rigid3dDef heap(unsigned seed) {
 }
 
 // All have fallen after some 7 s (27 m at most); the kinetic energy is then below a joule, of 4 MJ. Up to
-// three balls or capsules may roll on alone over the floor: nothing stops them (see the control). Heaps are
-// chaotic, so that twelve are judged together: of 64 starts 57 sleep within 10 s, half of them within 3 s.
+// three balls or capsules may roll on alone over the floor: nothing stops them (see the control), nor those
+// that roll or rock on others. Heaps are chaotic, so that twelve are judged together: of 128 starts 118 sleep
+// within 10 s, half of them within 2 s; in the others a capsule rocks or a ball rolls on.
 TEST(RigidHeapSleeps, WithinTenSecondsOfRest) {
   constexpr double kAlone = 3;
   std::vector<int> waits;
   for (unsigned seed = 1; seed <= 12; ++seed) {
     RigidRun run(heap(seed));
-    int rests = 0, sleeps = 0;
-    for (int t = 1; t <= 40 && sleeps == 0; ++t) {
-      run.seconds(1);
+    int rests = 0, t = 0;
+    while (t < 30 && run.observed("awake") > kAlone) {
+      run.seconds(1), ++t;
       if (rests == 0 && run.observed("energy.kinetic") < 1) rests = t;
-      if (run.observed("awake") <= kAlone) sleeps = t;
     }
-    ASSERT_GT(rests, 0) << seed;
-    ASSERT_GT(sleeps, 0) << seed;
-    waits.push_back(sleeps - rests);
+    // While something rolls on alone, the rest may sleep before the energy is below a joule.
+    waits.push_back(rests > 0 ? t - rests : t >= 30 ? t : 0);
   }
   std::sort(waits.begin(), waits.end());
-  EXPECT_LE(waits[6], 6);   // of all 64 starts: 3
-  EXPECT_LE(waits[7], 10);  // two thirds
+  EXPECT_LE(waits[6], 6);   // of all starts: 2
+  EXPECT_LE(waits[9], 10);  // three quarters
 }
 
 // The control: a ball that rolls faster than the sleep threshold keeps rolling, forever.

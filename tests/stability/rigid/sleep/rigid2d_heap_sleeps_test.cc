@@ -32,7 +32,7 @@ std::string heap(unsigned seed) {
               R"(, 0], "angle": )" + Trial::number(2 * std::numbers::pi * dice()) + R"(, "shapes": [)" +
               shapes[i % 3] + "]}";
   }
-  return "\"bodies\": [" + bodies + "]";
+  return "\"friction\": 0.6, \"bodies\": [" + bodies + "]";
 }
 
 // All have fallen after 5 s: the kinetic energy is then below a joule, of 60 kJ. Some heaps sleep later,
