@@ -47,6 +47,63 @@ TEST(GridFluidStability, StepsBeyondAllSubstepsAreRefusedWithOneThatWorks) {
   }
 }
 
+// From rest, in one step: substeps that were as long as the fluid at rest allowed were some ten times too
+// long soon afterwards, and the answer never came.
+TEST(GridFluidStability, LongStepsOfTwoFluidsAreDividedAgainOnTheWay) {
+  for (const auto stepping : {GridFluidDef::Stepping::rk3, GridFluidDef::Stepping::ab2}) {
+    GridFluidDef d;
+    d.cells = {24, 24};
+    d.stepping = stepping;
+    d.all = FlowSideDef{SideKind::slip, {}};
+    d.viscosity = 1e-4;
+    d.second_fluid.emplace();
+    d.second_fluid->where = "x-0.5", d.second_fluid->density = 10;
+    const Vec3 down{0, -9.81, 0};
+    GridFlow whole(d, 1.67, 1, down);
+    const double before = whole.observed("energy.gravity"), volume = whole.observed("second_fluid.volume");
+    whole.steps(1);
+    GridFlow parts(d, 0.0167, 1, down);
+    parts.steps(100);
+    const double fell = before - whole.observed("energy.gravity"), moves = whole.observed("energy.kinetic");
+    std::printf("  %g substeps, cfl %.2f, fell %.2f J (in a hundred steps %.2f), moves %.2f J (%.2f)\n",
+                whole.observed("substeps"), whole.observed("cfl"), fell,
+                before - parts.observed("energy.gravity"), moves, parts.observed("energy.kinetic"));
+    EXPECT_LT(whole.observed("cfl"), 1.8) << "at the end";
+    EXPECT_LT(whole.observed("substeps"), GridFluid::kMostSubsteps);
+    EXPECT_LT(moves, fell) << "no energy from nothing";
+    EXPECT_GT(moves, 0) << "it flows";
+    EXPECT_NEAR(whole.observed("second_fluid.volume"), volume, 1e-9);
+    // The heavy fluid has sloshed from one side to the other by then, as it does in short steps.
+    EXPECT_NEAR(fell, before - parts.observed("energy.gravity"), 0.2 * fell);
+    // Control: substeps as long as rest allows, 41 of them, would be too long.
+    EXPECT_GT(whole.observed("substeps"), 100);
+  }
+}
+
+// A blob of smoke at rest, in one step: from the speed at rest a single substep would do, after which it had
+// moved at 2,000 m/s.
+TEST(GridFluidStability, LongStepsOfWhatRisesFromRestAreDivided) {
+  for (const A advection : {A::central, A::maccormack}) {
+    GridFluidDef d;
+    d.cells = {32, 48};
+    d.size = {1, 1.5};
+    d.origin = Vec3{-0.5, 0, 0};
+    d.advection = advection;
+    d.all = FlowSideDef{SideKind::slip, {}};
+    d.scalar = ScalarDef{.initial = "x^2+(y-0.4)^2<0.05 ? 1 : 0", .expansion = 0.3};
+    const Vec3 down{0, -9.81, 0};
+    GridFlow whole(d, 1.67, 1, down), parts(d, 0.0167, 1, down);
+    whole.steps(1), parts.steps(100);
+    const double moves = whole.observed("energy.kinetic"), in_parts = parts.observed("energy.kinetic");
+    std::printf("  %g substeps, moves %.3f J (in a hundred steps %.3f)\n", whole.observed("substeps"), moves,
+                in_parts);
+    // Control: at rest one would do.
+    EXPECT_GT(whole.observed("substeps"), 10);
+    // Paths are of first order in time.
+    EXPECT_NEAR(moves, in_parts, (advection == A::central ? 0.1 : 0.5) * in_parts);
+  }
+}
+
 TEST(GridFluidStability, LightAboveHeavyStaysAtRest) {
   for (const A advection : {A::central, A::maccormack}) {
     GridFluidDef d;

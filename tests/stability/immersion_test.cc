@@ -1,6 +1,7 @@
 // Bodies of all weights in water: nothing blows up, and floating bodies come to rest.
 #include <cmath>
 
+#include "engine/base/errors.h"
 #include "engine/base/random.h"
 #include "tests/support/immersed_scenes.h"
 
@@ -60,6 +61,50 @@ TEST(ImmersionStability, WhatIsThrownInStaysFiniteAndLosesEnergy) {
     EXPECT_LT(after, before) << seed;
     EXPECT_LT(run.observe("water.speed.max"), 6) << seed << ": what falls 1 m has 4.5 m/s";
   }
+}
+
+// Steps in which a body falls far are divided, since it falls as if the water did what it did in the step
+// before. Cork was thrown 28 m high.
+TEST(ImmersionStability, StepsInWhichABodyWouldFallFarAreDivided) {
+  Bath bath;
+  bath.size = {0.4, 0.5, 0.4}, bath.depth = 0.2, bath.spacing = 0.04, bath.dt = 0.8;
+  bath.body = R"("type": "sphere", "radius": 0.08, "position": [0.2, 0.22, 0.2], "density": 240)";
+  bath.hollow = R"("shape": "ball", "center": [0.2, 0.22, 0.2], "radius": 0.08)";
+  SceneRun run(bath.scene());
+  const auto substeps = run.world->scene().substeps();
+  // A tenth of a spacing: sqrt(2 0.004 m / 9.81 m/s^2) = 0.0286 s.
+  EXPECT_EQ(substeps, 29);
+  for (int k = 0; k < 4; ++k) {
+    run.session.step(1);
+    EXPECT_GT(body_height(run), 0.18) << "after step " << k;
+    EXPECT_LT(body_height(run), 0.32) << "after step " << k;
+  }
+  // Control: one that would fall a tenth of a spacing is not divided, and without gravity none is.
+  bath.dt = 0.028;
+  EXPECT_EQ(SceneRun(bath.scene()).world->scene().substeps(), 1);
+  bath.dt = 0.8, bath.gravity = {};
+  EXPECT_EQ(SceneRun(bath.scene()).world->scene().substeps(), 1);
+}
+
+TEST(ImmersionStability, ASceneThatChoosesTooFewSubstepsIsToldHowManyWork) {
+  Bath bath;
+  bath.size = {0.4, 0.5, 0.4}, bath.depth = 0.2, bath.spacing = 0.04, bath.dt = 0.19;
+  bath.body = R"("type": "sphere", "radius": 0.08, "position": [0.2, 0.3, 0.2], "density": 240)";
+  const auto with = [&](int substeps) {
+    std::string scene = bath.scene();
+    const std::string time = R"("time": {)";
+    scene.insert(scene.find(time) + time.size(), "\"substeps\": " + std::to_string(substeps) + ", ");
+    return scene;
+  };
+  try {
+    const SceneRun run(with(6));
+    FAIL() << "0.032 s a substep";
+  } catch (const Error& e) {
+    ASSERT_EQ(e.issues().size(), 1u);
+    EXPECT_EQ(e.issues()[0].pointer, "/time/substeps");
+    EXPECT_NE(e.issues()[0].allowed.find(">= 7"), std::string::npos) << e.issues()[0].allowed;
+  }
+  EXPECT_EQ(SceneRun(with(7)).world->scene().substeps(), 7);
 }
 
 }  // namespace

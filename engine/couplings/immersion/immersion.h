@@ -1,6 +1,8 @@
 // The coupling type "immersion": rigid bodies of a in b, a medium that takes bodies (core/ports/medium.h).
 // Within its step the medium moves them by its own pressure and by their acceleration in the previous step;
-// at the step's end the bodies receive the medium's impulses and the resulting displacements.
+// at the step's end the bodies receive the medium's impulses and the resulting displacements. Until then they
+// fall, and meet other bodies, as if the medium did what it did in the previous step: a step must be too
+// short to fall far in (stable_h).
 #pragma once
 #include <memory>
 

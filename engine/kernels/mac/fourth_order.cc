@@ -62,6 +62,13 @@ void divergence4(const MacGrid& g, const ConstFields& u, double* out, const Thre
   });
 }
 
+void flow_through4(const MacGrid& g, size_t c, const double* u, double* out, const ThreadArena& arena) {
+  const size_t s = g.stride(c);
+  for_rows(g, c, arena, [&](size_t at, size_t, size_t, size_t n) {
+    for (size_t i = at; i < at + n; ++i) out[i] = 1.125 * u[i] - (u[i - s] + u[i] + u[i + s]) / 24;
+  });
+}
+
 void subtract_gradient4(const MacGrid& g, size_t c, const double* p, double factor, double* u,
                         const ThreadArena& arena) {
   const double scale = factor / g.spacing[c];

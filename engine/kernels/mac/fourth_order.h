@@ -20,6 +20,9 @@ void add_laplacian4(const MacGrid& grid, size_t place, const double* u, double f
 void divergence4(const MacGrid& grid, const ConstFields& u, double* out, const ThreadArena& arena);
 void subtract_gradient4(const MacGrid& grid, size_t c, const double* p, double factor, double* u,
                         const ThreadArena& arena);
+/// out = the flow through the faces of component c (m/s) of which divergence4 is the difference of second
+/// order: 9/8 u1 - (u0 + u1 + u2) / 24.
+void flow_through4(const MacGrid& grid, size_t c, const double* u, double* out, const ThreadArena& arena);
 /// Divergence of the cell at an offset, for callers that need single cells.
 double divergence4_at(const MacGrid& grid, const ConstFields& u, size_t at);
 

@@ -49,6 +49,8 @@ struct HalfSpace {
     const double f = place - static_cast<double>(i);
     return {share[i] + f * (share[i + 1] - share[i]), slope[i] + f * (slope[i + 1] - slope[i])};
   }
+  /// 1, the share at any distance, behind the wall too.
+  double share_at(double d) const { return d >= 0 ? at(d).share : 1 - at(-d).share; }
   /// 1/m^2: a no-slip wall decelerates a particle by nu (v - v_wall) times this. Behind the wall the velocity
   /// continues on a straight line through the wall's (Morris, Fox & Zhu 1997), so the sum of -2 dW/dr / r (1
   /// + depth / d) over the layers is twice the slope over d.

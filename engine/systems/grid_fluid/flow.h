@@ -8,8 +8,8 @@
 // (Stam 1999, "Stable fluids"). Obstacles cut cells: the flow through a face is that of its open fraction,
 // plus the obstacle's own motion (Ng, Min, Gibou 2009). With central advection and explicit viscosity
 // obstacles have walls of second order (solids.h); otherwise the volume around a face takes on their velocity
-// in proportion to its solid fraction. Two fluids: flow_two_fluids.cc. Scratch of one thread's run;
-// everything that lasts is in the state.
+// in proportion to its solid fraction. A scalar: flow_scalar.cc. Two fluids: flow_two_fluids.cc. Scratch of
+// one thread's run; everything that lasts is in the state.
 #pragma once
 #include <memory>
 #include <optional>
@@ -106,7 +106,12 @@ class Flow {
   void along_paths(FlowFields& f, double t, double h);
   void advect(size_t place, const mac::Sides& sides, const mac::ConstFields& u, double h, const double* from,
               double* to);
-  void carry(FlowFields& f, double t, double h);
+  /// The axes in turn, or the last one first.
+  enum class Axes : uint8_t { forwards, backwards };
+  /// Carries the scalar for h by the velocity at time t.
+  void carry(FlowFields& f, double t, double h, Axes order);
+  /// m/s through whole faces, free of divergence as far as the pressure solver goes.
+  mac::ConstFields scalar_flow(FlowFields& f, double t);
   void add_force(FlowFields& f, double t, size_t c, double factor, double* to);
   void confine(FlowFields& f, double h);
   /// to += factor times the effect of two fluids' weight on faces of component c, not including p - density
@@ -144,6 +149,8 @@ class Flow {
   void extend_into_solids(FlowFields& f, At where);
   /// Keeps faces inside obstacles unchanged; the change they would have had goes to the obstacles as impulse.
   void hold_solids(FlowFields& f, size_t c, double* change);
+  /// m/s through whole faces, with the obstacles' own motion; until arrays 6 to 8 are used again.
+  mac::ConstFields flow_between_solids(const FlowFields& f);
   /// phi = div(flow through the faces).
   void divergence_between_solids(const FlowFields& f, double* phi);
   /// Closed faces move with their obstacles, which receive the impulse of the pressure there.

@@ -1,4 +1,4 @@
-// Advection along paths, the transported scalar, and vorticity confinement.
+// Advection along paths, and vorticity confinement.
 #include <algorithm>
 #include <cmath>
 
@@ -76,33 +76,6 @@ void Flow::along_paths(FlowFields& f, double t, double h) {
     mac::fill_all(g, 0.0, f.pressure, *arena_);
   }
   project(f, t, h);
-}
-
-void Flow::carry(FlowFields& f, double t, double h) {
-  const mac::MacGrid& g = model_->grid;
-  const ScalarDef& d = *model_->def.scalar;
-  fill(f, t + h);
-  mac::fill_ghosts(g, kCentre, scalar_sides_, f.scalar, *arena_);
-  const mac::ConstFields u{f.u[0], f.u[1], f.u[2]};
-  double *to = array(0), *back = array(1);
-  // Always corrected: the scalar has fronts that first order would smear.
-  mac::trace(g, kCentre, u, h, f.scalar, to, *arena_);
-  mac::fill_ghosts(g, kCentre, scalar_sides_, to, *arena_);
-  mac::trace(g, kCentre, u, -h, to, back, *arena_);
-  mac::correct(g, kCentre, u, h, f.scalar, to, back, array(2), *arena_);
-  if (!model_->texts.scalar_source.zero) {
-    const Program& program = model_->texts.scalar_source;
-    if (source_.empty() || program.time) {
-      source_.resize(g.size());
-      model_->texts.sample(program, g, kCentre, t, source_.data(), *arena_);
-    }
-    mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {
-      for (size_t i = 0; i < n; ++i) array(2)[at + i] += h * source_[at + i];
-    });
-  }
-  mac::for_rows(g, kCentre, *arena_,
-                [&](size_t at, size_t, size_t, size_t n) { std::copy_n(array(2) + at, n, f.scalar + at); });
-  if (d.diffusivity > 0) scalar_->solve(1, h * d.diffusivity, f.scalar, *arena_);
 }
 
 // Fedkiw, Stam, Jensen 2001, "Visual simulation of smoke", equations 9 to 11: strength spacing (N x curl u),

@@ -102,7 +102,7 @@ void Flow::hold_solids(FlowFields& f, size_t c, double* change) {
   f.impulse[c] += taken * model_->grid.cell_volume();
 }
 
-void Flow::divergence_between_solids(const FlowFields& f, double* phi) {
+mac::ConstFields Flow::flow_between_solids(const FlowFields& f) {
   const mac::MacGrid& g = model_->grid;
   double* passing[3] = {array(6), array(7), array(8)};
   for (size_t c = 0; c < g.dimensions; ++c) {
@@ -114,7 +114,11 @@ void Flow::divergence_between_solids(const FlowFields& f, double* phi) {
     for (const Solids::Face& face : solids_->shut[c])
       passing[c][face.at] += (1 - open[face.at]) * solids_.velocity(face, c);
   }
-  mac::divergence(g, {passing[0], passing[1], passing[2]}, phi, *arena_);
+  return {passing[0], passing[1], passing[2]};
+}
+
+void Flow::divergence_between_solids(const FlowFields& f, double* phi) {
+  mac::divergence(model_->grid, flow_between_solids(f), phi, *arena_);
 }
 
 void Flow::settle_shut_faces(FlowFields& f, size_t c, const double* phi) {

@@ -27,6 +27,7 @@ enum Number : size_t {
   kBorderStep = kNumbers   ///< two fluids, which neither keep divergence nor turn obstacles
 };
 constexpr const char* kAxes[] = {"x", "y", "z"};
+constexpr double kTwoStepCells = 0.5;  ///< crossed in a substep of Adams and Bashforth's
 
 PartInfo cells_part(const FlowModel& m) {
   PartInfo part;
@@ -141,7 +142,7 @@ double GridFluid::largest_substep(double crossing_rate, double viscosity, double
   const bool rk3 = d.stepping == GridFluidDef::Stepping::rk3;
   // Three-stage Runge-Kutta is stable on the imaginary axis up to 1.73; the two-step method is not stable
   // there, and grows slowly enough only well below 1.
-  const double cfl = d.cfl.value_or(!central ? 3 : rk3 ? 1.2 : 0.5);
+  const double cfl = d.cfl.value_or(!central ? 3 : rk3 ? 1.2 : kTwoStepCells);
   double largest = crossing_rate > 0 ? std::min(h, cfl / crossing_rate) : h;
   // The border moves with the velocity that its own weight has just changed: a leapfrog, stable up to 2; half
   // of that.
@@ -162,34 +163,88 @@ double GridFluid::largest_substep(double crossing_rate, double viscosity, double
   return largest;
 }
 
+// Three-stage Runge-Kutta allows sqrt(3) cells, the two-step method about 1.
+double GridFluid::most_crossed() const {
+  const GridFluidDef& d = model_.def;
+  if (d.advection != GridFluidDef::Advection::central) return kMostTraced;
+  return d.stepping == GridFluidDef::Stepping::rk3 ? std::sqrt(3.0) : 1;
+}
+
+int GridFluid::substeps_for(double crossing, double viscosity, double h, int taken) const {
+  const double wanted = std::ceil(h / largest_substep(crossing, viscosity, h) - 1e-9);
+  if (!(wanted + taken <= kMostSubsteps)) {
+    const bool viscous = wanted > std::ceil(h / largest_substep(crossing, 0, h) - 1e-9);
+    Instability e(
+        id_, "velocity.x", -1,
+        (viscous ? "explicit viscosity holds " + short_number(largest_substep(crossing, viscosity, h)) + " s"
+                 : "the flow crosses " + short_number(crossing * h) + " cells in a step") +
+            ": more than " + std::to_string(kMostSubsteps) + " substeps would be needed");
+    if (std::isfinite(wanted)) e.suggested_dt = h * kMostSubsteps / wanted;
+    throw e;
+  }
+  return std::max(1, static_cast<int>(wanted));
+}
+
+namespace {
+/// 1/s^2, the most that buoyancy adds to the crossing rate in a second: what all of the scalar has in common
+/// moves nothing.
+double buoyancy_rate(const FlowModel& m, const double* scalar, const ThreadArena& arena) {
+  if (!scalar || m.def.scalar->expansion == 0) return 0;
+  const mac::MacGrid& g = m.grid;
+  const double first = scalar[g.base()];
+  const auto most = [&](double sign) {
+    return mac::largest_of_rows(g, mac::kCentre, arena, [&](size_t at, size_t n) {
+      double out = 0;
+      for (size_t i = at; i < at + n; ++i) out = std::max(out, sign * (scalar[i] - first));
+      return out;
+    });
+  };
+  const double along[] = {m.gravity.x, m.gravity.y, m.gravity.z};
+  double rate = 0;
+  for (size_t a = 0; a < g.dimensions; ++a) rate += std::abs(along[a]) / g.spacing[a];
+  return rate * std::abs(m.def.scalar->expansion) * (most(1) + most(-1));
+}
+}  // namespace
+
+// Substeps are equal as long as they hold: a flow that becomes faster on the way has the rest of its step
+// divided anew. None is so long that buoyancy alone would carry the flow too far in it.
 void GridFluid::advance(State& s, const StepInput& in) const {
   auto& flow = in.workspace.object<Flow>("grid_fluid");
   flow.bind(model_, in.arena);
   FlowFields f = fields(s);
   const auto numbers = s.f64(numbers_);
-  const double crossing = flow.crossing_rate(f, in.t);
-  const double wanted = std::ceil(in.h / largest_substep(crossing, f.viscosity, in.h) - 1e-9);
-  if (!(wanted <= kMostSubsteps)) {
-    const bool viscous = wanted > std::ceil(in.h / largest_substep(crossing, 0, in.h) - 1e-9);
-    Instability e(id_, "velocity.x", -1,
-                  (viscous ? "explicit viscosity holds " +
-                                 short_number(largest_substep(crossing, f.viscosity, in.h)) + " s"
-                           : "the flow crosses " + short_number(crossing * in.h) + " cells in a step") +
-                      ": more than " + std::to_string(kMostSubsteps) + " substeps would be needed");
-    if (std::isfinite(wanted)) e.suggested_dt = in.h * kMostSubsteps / wanted;
-    throw e;
-  }
-  const auto n = std::max(1, static_cast<int>(wanted));
-  const double h = in.h / n;
-  for (int i = 0; i < n; ++i) {
+  // Two steps grow slowly at more cells than these, and would do so through a whole step.
+  constexpr double kMargin = 1.25;
+  const GridFluidDef& d = model_.def;
+  const bool two_steps =
+      d.advection == GridFluidDef::Advection::central && d.stepping == GridFluidDef::Stepping::ab2;
+  const double most =
+      std::max(two_steps ? kMargin * kTwoStepCells : most_crossed(), kMargin * d.cfl.value_or(0));
+  const double buoyancy = buoyancy_rate(model_, f.scalar, in.arena);
+  double from = in.t, rest = in.h, h = 0;
+  int taken = 0;
+  for (int n = 0, i = 0; i < n || n == 0; ++i) {
+    const double crossing = n == 0 || n > 1 ? flow.crossing_rate(f, from + i * h) : 0;
+    if (n == 0 || crossing * h > most) {
+      from += i * h, rest -= i * h;
+      n = substeps_for(crossing, f.viscosity, rest, taken);
+      if (buoyancy > 0) {
+        // (crossing + buoyancy h) h = most
+        const double longest = 2 * most / (crossing + std::sqrt(crossing * crossing + 4 * buoyancy * most));
+        const double wanted = std::ceil(rest / longest - 1e-9);
+        n = std::max(n, static_cast<int>(std::min(wanted, 1.0 * kMostSubsteps)));
+      }
+      h = rest / n, i = 0;
+    }
     f.impulse = {}, f.turning = 0;
-    flow.substep(f, in.t + i * h, h);
+    flow.substep(f, from + i * h, h);
+    ++taken;
   }
   numbers[kIterations] = f.solved.iterations, numbers[kResidual] = f.solved.residual;
   numbers[kDrag] = model_.def.density * f.impulse[0] / h,
   numbers[kLift] = model_.def.density * f.impulse[1] / h;
   if (model_.texts.obstacles_turn) numbers[kTorque] = model_.def.density * f.turning / h;
-  numbers[kLastStep] = f.last_h, numbers[kSubsteps] = n;
+  numbers[kLastStep] = f.last_h, numbers[kSubsteps] = taken;
   if (second_) {
     flow.bring_up(f, in.t + in.h, s.f64(*second_).data());
     numbers[kBorderStep] = f.border_h;
@@ -268,13 +323,9 @@ void GridFluid::apply(State& s, const Command& c) const {
   s.f64(numbers_)[kLastStep] = 0;
 }
 
-// Three-stage Runge-Kutta allows sqrt(3) cells, the two-step method about 1.
 void GridFluid::warn(const State& s, double h, std::vector<Warning>& out) const {
-  const GridFluidDef& d = model_.def;
-  const bool central = d.advection == GridFluidDef::Advection::central;
-  const double most = !central ? kMostTraced : d.stepping == GridFluidDef::Stepping::rk3 ? std::sqrt(3.0) : 1;
   const auto numbers = s.f64(numbers_);
-  warn_of_crossing(numbers[kCfl], most, h / std::max(1.0, numbers[kSubsteps]), out);
+  warn_of_crossing(numbers[kCfl], most_crossed(), h / std::max(1.0, numbers[kSubsteps]), out);
 }
 
 void warn_of_crossing(double cells, double most, double h, std::vector<Warning>& out) {

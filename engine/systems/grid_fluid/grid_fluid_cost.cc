@@ -47,8 +47,8 @@ Cost grid_fluid_cost(const void* def) {
   c.state_bytes =
       8 * padded * (components + 1 + (ab2 ? components : 0) + (d.scalar ? 1 : 0) + (d.second_fluid ? 2 : 0)) +
       4e3;
-  // Rates, right-hand sides and transforms; the scalar's paths forwards and backwards; fractions and levels
-  // if there are solids.
+  // Rates, right-hand sides and transforms; the scalar's fluxes; fractions and levels if there are
+  // solids.
   c.workspace_bytes = 8 * padded * (3 * components + 4 + 4 * solids + (d.scalar ? 5 : 0)) + 3e5;
   // Densities of faces and what is carried along there, levels of the pressure's solver and its five vectors.
   if (d.second_fluid) {

@@ -5,6 +5,7 @@
 
 #include "engine/kernels/sph/cohesion.h"
 #include "engine/math/trig.h"
+#include "engine/systems/sph/speeds.h"
 
 namespace truestep::sph {
 
@@ -61,21 +62,18 @@ double largest_symbol(Smoothing kind, int dimension, double support) {
   return most;
 }
 
-double fastest_start(const SphDef& d, const Vec3& gravity) {
-  const Vec3 size = d.high - d.low;
-  double top = d.low.y, speed = norm(d.lid_velocity);
-  for (const BodyDef& b : d.bodies) {
-    const Vec3 reach = b.shape == Shape::ball ? Vec3{b.radius, b.radius, b.radius} : b.half_extents;
-    const double widest = d.dimension == 2 ? std::sqrt(reach.x * reach.x + reach.y * reach.y) : norm(reach);
-    top = std::max(top, b.center.y + reach.y);
-    const double strain = std::max({std::abs(b.strain.x), std::abs(b.strain.y), std::abs(b.strain.z)});
-    speed = std::max(speed, norm(b.velocity) + (norm(b.spin) + strain) * widest);
-  }
-  const double height = std::min(top - d.low.y, size.y);
-  return std::sqrt(speed * speed + 2 * norm(gravity) * height);
-}
-
 }  // namespace
+
+double Setting::sound_for(const Vec3& gravity) const {
+  // Compression is the same function of pressure whatever the density, and pressure grows with density.
+  double heaviest = 1;
+  for (const BodyDef& b : def.bodies)
+    heaviest = std::max(heaviest, b.density.value_or(def.density) / def.density);
+  for (const InletDef& e : def.emitters) {
+    heaviest = std::max(heaviest, e.density.value_or(def.density) / def.density);
+  }
+  return 10 * expected_speed(def, colliders, gravity) * std::sqrt(heaviest);
+}
 
 std::unique_ptr<const Setting> settle(const SphDef& def, const std::string& id, const Vec3& gravity) {
   auto out =
@@ -92,7 +90,6 @@ std::unique_ptr<const Setting> settle(const SphDef& def, const std::string& id, 
   if (!slopes_of_values(def.kernel)) {
     out->kernel_s = slope_sigma(def.kernel, def.dimension) * share / whole.slopes / (h * h);
   }
-  out->sound = def.sound_speed > 0 ? def.sound_speed : std::max(10 * fastest_start(def, gravity), 1e-6);
   out->relaxation = 0.75 / largest_symbol(def.kernel, def.dimension, def.support);
   out->wall.set(def.kernel, def.dimension, h, s);
   if (def.surface_tension > 0) {
@@ -104,6 +101,7 @@ std::unique_ptr<const Setting> settle(const SphDef& def, const std::string& id, 
     }
   }
   out->colliders = build_colliders(def.colliders);
+  out->sound = def.sound_speed > 0 ? def.sound_speed : std::max(out->sound_for(gravity), 1e-6);
   for (const BodyDef& b : def.bodies) {
     out->lightest = std::min(out->lightest, b.density.value_or(def.density) / def.density);
   }

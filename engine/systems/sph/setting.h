@@ -53,6 +53,9 @@ struct Setting {
   double ratio_of(const State& s, size_t row) const {
     return ratio ? RealColumn<const double>(s, ratio).at(row) : 1;
   }
+  /// m/s, at which wcsph compresses by less than 1 % under this gravity (m/s^2): ten times the speeds to
+  /// come.
+  double sound_for(const Vec3& gravity) const;
   HalfSpace wall;
   ColliderSet colliders;
 };
@@ -64,6 +67,8 @@ class Solver {
   virtual void step(State& s, const StepInput& in) const = 0;
   /// Pa, of all rows: what the liquid transmits beside each particle (transmitted.h).
   virtual void read_pressures(const State& s, std::vector<double>& out) const = 0;
+  /// 1/s, the largest magnitude of the velocity's divergence (divergence.h).
+  virtual double read_divergence(const State& s) const = 0;
 };
 
 /// Adds the layers that nozzles have emitted before time t (s), at their current positions; particles without

@@ -244,8 +244,11 @@ const DefTable& sph_table() {
             "density_error", &D::density_error, "1", {.min = 1e-6, .max = 0.1},
             "mean compression per substep at which a solve of dfsph ends; the largest may be ten times this")
         .integer("max_iterations", &D::max_iterations, between(2, 10'000), "of each solve of dfsph")
-        .number("sound_speed", &D::sound_speed, "m/s", at_least(0),
-                "of wcsph; 0: ten times the largest speed that the initial state can lead to")
+        .number(
+            "sound_speed", &D::sound_speed, "m/s", at_least(0),
+            "of wcsph, in liquid of this density; 0: ten times the largest speed that the start, emitters, "
+            "moving colliders and the fall from there can lead to, and for denser liquids as many times "
+            "more as their compression needs")
         .number("density_diffusion", &D::density_diffusion, "1", between(0, 0.5),
                 "delta of delta-SPH, of solver wcsph")
         .integer("pbf_iterations", &D::pbf_iterations, between(1, 1000), "per substep, of solver pbf")

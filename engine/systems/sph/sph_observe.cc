@@ -56,6 +56,7 @@ void Sph::observe(const State& s, double, Observables& out) const {
   out.add("density.max_error", r[report::max_error], "1");
   out.add("compression.mean", n > 0 ? compression / static_cast<double>(n) : 0, "1");
   out.add("compression.max", densest, "1");
+  out.add("divergence.max", solver_->read_divergence(s), "1/s");
   out.add("courant", r[report::courant], "1");
   out.add("substeps", r[report::substeps], "1");
   out.add("iterations.density", r[report::density_iterations], "1");
@@ -82,9 +83,11 @@ void Sph::warn(const State& s, double h, std::vector<Warning>& out) const {
   Warning w{.quantity = "density.mean_error", .value = value, .limit = limit};
   w.detail = "density is " + short_number(100 * value, 2) + " % off on average: ";
   if (d.solver == Method::wcsph) {
-    // At the same pressures, sound sqrt(k) times as fast gives a k-th of the error.
-    w.detail += "a sound_speed of " + short_number(kSpare * setting_->sound * std::sqrt(value / limit), 2) +
-                " m/s would do";
+    // At the same pressures, sound sqrt(k) times as fast gives a k-th of the error; but a liquid that has
+    // collapsed shows only a part of its pressure.
+    const double more = kSpare * setting_->sound * std::sqrt(value / limit);
+    const double enough = setting_->sound_for(load3(s.f64(columns::gravity).data(), 0));
+    w.detail += "a sound_speed of " + short_number(std::max(more, enough), 2) + " m/s would do";
   } else {
     // A substep's compression grows with its square.
     w.suggested_dt = h / std::max(1.0, r[report::substeps]) * std::sqrt(limit / value) / kSpare;
@@ -135,12 +138,14 @@ const Outputs& sph_outputs() {
            "the field says"},
           {"speed.max", "m/s", "of the fastest particle"},
           {"density.mean_error", "1",
-           "mean compression left by the last substep's pressure solve; with wcsph mean deviation of "
-           "density"},
+           "mean relative excess over the rest density that the last substep met, of pbf left; with wcsph "
+           "mean "
+           "deviation of density"},
           {"density.max_error", "1", "the largest"},
           {"compression.mean", "1",
            "mean relative excess over the rest density at the start of the last substep"},
           {"compression.max", "1", "the largest"},
+          {"divergence.max", "1/s", "largest divergence of the velocity at a particle, from the kernel"},
           {"courant", "1", "largest number of spacings crossed in a substep by what limits it"},
           {"substeps", "1", "of the last step"},
           {"iterations.density", "1", "per substep, for constant density"},

@@ -1,7 +1,11 @@
 // Contributions of the box's sides and the colliders to the sums of particles, and keeping particles off
 // them. Shares of several walls combine as if the kernel were a product over directions, so that an edge is
-// not counted twice: 1 - share = product of (1 - share of each).
+// not counted twice: 1 - share = product of (1 - share of each). Walls that meet a collider at another angle
+// than a right one combine as half spaces do under a Gaussian: of the slope of a wall that part counts which
+// lies, on its plane, outside of the others.
 #pragma once
+#include "engine/collision/points/near_surfaces.h"
+#include "engine/math/trig.h"
 #include "engine/systems/sph/fluid.h"
 
 namespace truestep::sph {
@@ -26,20 +30,52 @@ class BoxWalls {
     for (int a = 0; a < D; ++a) low_[a] = lows[a], high_[a] = highs[a];
   }
 
+  /// A wall within the kernel's reach of a place: distance (m), normal into the fluid, velocity (m/s).
+  struct Wall {
+    double d;
+    Vec3 n, velocity;
+  };
+  /// The walls at a place: sides of the box, then colliders.
+  struct Walls {
+    static constexpr size_t kSides = 6, kColliders = 8;
+    size_t count = 0, sides = 0;
+    Wall wall[kSides + kColliders];
+    /// Whether two of them meet at another angle than a right one, or face each other, and one of them is a
+    /// collider.
+    bool skew() const {
+      for (size_t k = sides; k < count; ++k) {
+        for (size_t j = 0; j < k; ++j) {
+          if (std::abs(dot(wall[j].n, wall[k].n)) > kRight) return true;
+        }
+      }
+      return false;
+    }
+  };
+  Walls walls_at(const double* x, double t) const {
+    const SphDef& d = set_.def;
+    Walls out;
+    for (int a = 0; a < D; ++a) {
+      if (d.wraps(a)) continue;
+      const double below = x[a] - low_[a], above = high_[a] - x[a];
+      if (below < set_.support) out.wall[out.count++] = {below, axis(a, 1), Vec3{}};
+      if (above < set_.support)
+        out.wall[out.count++] = {above, axis(a, -1), a == 1 ? d.lid_velocity : Vec3{}};
+    }
+    out.sides = out.count;
+    if (set_.colliders.empty()) return out;
+    NearSurface near[Walls::kColliders];
+    const size_t n = surfaces_within(set_.colliders, {x[0], x[1], D == 3 ? x[2] : 0}, t, set_.support, near);
+    for (size_t k = 0; k < n; ++k)
+      out.wall[out.count++] = {near[k].distance, near[k].normal, near[k].velocity};
+    return out;
+  }
+
   /// visit(distance, normal into the fluid, velocity) for every wall within the kernel's reach of x at time
   /// t.
   template <class Visit>
   void near(const double* x, double t, const Visit& visit) const {
-    const SphDef& d = set_.def;
-    for (int a = 0; a < D; ++a) {
-      if (d.wraps(a)) continue;
-      const double below = x[a] - low_[a], above = high_[a] - x[a];
-      if (below < set_.support) visit(below, axis(a, 1), Vec3{});
-      if (above < set_.support) visit(above, axis(a, -1), a == 1 ? d.lid_velocity : Vec3{});
-    }
-    if (set_.colliders.empty()) return;
-    const NearSurface s = set_.colliders.nearest({x[0], x[1], D == 3 ? x[2] : 0}, t);
-    if (s.distance < set_.support) visit(s.distance, s.normal, s.velocity);
+    const Walls w = walls_at(x, t);
+    for (size_t k = 0; k < w.count; ++k) visit(w.wall[k].d, w.wall[k].n, w.wall[k].velocity);
   }
 
   /// Gradient and share of all walls, and the rate of density due to their motion.
@@ -49,14 +85,23 @@ class BoxWalls {
         const double x[3] = {double{f.x[0][i]}, double{f.x[1][i]}, D == 3 ? double{f.x[2][i]} : 0};
         double rest = 1, drive = 0;
         Vec3 slope;
-        near(x, t, [&](double d, const Vec3& n, const Vec3& velocity) {
+        const Walls walls = walls_at(x, t);
+        const bool skew = walls.skew();
+        for (size_t k = 0; k < walls.count; ++k) {
+          const auto& [d, n, velocity] = walls.wall[k];
           const HalfSpace::At at = set_.wall.at(d);
+          if (skew) {
+            const Vec3 g = n * (-at.slope * beside(walls, k));
+            slope += g, drive -= dot(g, velocity);
+            continue;
+          }
           // d (1 - product) = sum of each slope times the others' factors 1 - share.
           const Vec3 g = n * -at.slope;
           slope = slope * (1 - at.share) + g * rest;
           drive = drive * (1 - at.share) - dot(g, velocity) * rest;
           rest *= 1 - at.share;
-        });
+        }
+        if (skew) rest = free_of(walls);
         T* w = f.wall.data() + 4 * i;
         w[0] = static_cast<T>(slope.x), w[1] = static_cast<T>(slope.y);
         w[2] = D == 3 ? static_cast<T>(slope.z) : T{0};
@@ -68,11 +113,14 @@ class BoxWalls {
   /// m/s^2, effect of the weight of a fluid at rest on a particle at these walls; `share` is that of all.
   Vec3 lean(const double* x, const Vec3& gravity, double share, double t) const {
     Vec3 out;
-    near(x, t, [&](double d, const Vec3& n, const Vec3&) {
+    const Walls walls = walls_at(x, t);
+    const bool skew = walls.skew();
+    for (size_t k = 0; k < walls.count; ++k) {
+      const auto& [d, n, velocity] = walls.wall[k];
       const HalfSpace::At at = set_.wall.at(d);
-      const double beside_others = (1 - share) / std::max(1 - at.share, 1e-6);
+      const double beside_others = skew ? beside(walls, k) : (1 - share) / std::max(1 - at.share, 1e-6);
       out += leaning(n * (-at.slope * beside_others), n, d, gravity);
-    });
+    }
     return out;
   }
 
@@ -91,17 +139,19 @@ class BoxWalls {
   /// particle that has left through a periodic side stays outside.
   void keep_inside(T* x, T* v, double t) const {
     const double least = kLeastGap * set_.def.spacing;
-    if (!set_.colliders.empty()) {
+    // Off the nearest collider, then off those that this brings it too close to.
+    size_t last = NearSurface::kNone;
+    for (size_t k = 0; k < std::min(set_.colliders.colliders().size(), kMostCorrected); ++k) {
       const NearSurface s =
           set_.colliders.nearest({double{x[0]}, double{x[1]}, D == 3 ? double{x[2]} : 0}, t);
-      if (s.distance < least) {
-        const Vec3 u{double{v[0]}, double{v[1]}, D == 3 ? double{v[2]} : 0};
-        const double into = std::min(dot(u - s.velocity, s.normal), 0.0);
-        const double n[3] = {s.normal.x, s.normal.y, s.normal.z};
-        for (int a = 0; a < D; ++a) {
-          x[a] += static_cast<T>(n[a] * (least - s.distance));
-          v[a] -= static_cast<T>(n[a] * into);
-        }
+      if (s.distance >= least || s.collider == last) break;
+      last = s.collider;
+      const Vec3 u{double{v[0]}, double{v[1]}, D == 3 ? double{v[2]} : 0};
+      const double into = std::min(dot(u - s.velocity, s.normal), 0.0);
+      const double n[3] = {s.normal.x, s.normal.y, s.normal.z};
+      for (int a = 0; a < D; ++a) {
+        x[a] += static_cast<T>(n[a] * (least - s.distance));
+        v[a] -= static_cast<T>(n[a] * into);
       }
     }
     for (int a = 0; a < D; ++a) {
@@ -128,6 +178,43 @@ class BoxWalls {
   }
 
  private:
+  static constexpr double kRight = 1e-6;       ///< cosine, below which walls meet at right angles
+  static constexpr size_t kMostCorrected = 4;  ///< colliders that a particle is moved off, one after another
+
+  /// 1, of the kernel's slice in the plane of wall k that lies outside of all others. Seen from the foot on
+  /// that plane, the border of wall j is (d_j - c d_k) / sqrt(1 - c^2) away, c the cosine of their normals.
+  double beside(const Walls& w, size_t k) const {
+    double out = 1;
+    for (size_t j = 0; j < w.count; ++j) {
+      if (j == k) continue;
+      const double c = dot(w.wall[j].n, w.wall[k].n);
+      const bool right = std::abs(c) <= kRight || std::max(j, k) < w.sides;
+      const double across = right ? 1 : std::sqrt(std::max(1 - c * c, 1e-12));
+      const double away = right ? w.wall[j].d : (w.wall[j].d - c * w.wall[k].d) / across;
+      out *= 1 - set_.wall.share_at(away);
+    }
+    return out;
+  }
+  /// 1, of the kernel outside of all walls. Of two half spaces with shares s and r that both contain half of
+  /// a Gaussian, s r + (2 asin(c) / pi) (min(s, r) - s r) overlaps; for opposite ones max(0, s + r - 1) takes
+  /// the minimum's place.
+  double free_of(const Walls& w) const {
+    constexpr double kTwoOverPi = 0.636619772367581343;
+    double out = 1, most = 1;
+    for (size_t k = 0; k < w.count; ++k) {
+      const double s = set_.wall.share_at(w.wall[k].d);
+      most = std::min(most, 1 - s), out *= 1 - s;
+      for (size_t j = 0; j < k; ++j) {
+        const double c = dot(w.wall[j].n, w.wall[k].n);
+        if (std::abs(c) <= kRight || k < w.sides) continue;
+        const double r = set_.wall.share_at(w.wall[j].d), apart = (1 - s) * (1 - r);
+        const double bound = c > 0 ? std::min(s, r) - s * r : s * r - std::max(s + r - 1, 0.0);
+        const double more = kTwoOverPi * trig::asin(std::clamp(c, -1.0, 1.0)) * bound;
+        out *= std::max(apart + more, 0.0) / std::max(apart, 1e-6);
+      }
+    }
+    return std::min(out, most);
+  }
   static Vec3 axis(int a, double sign) { return {a == 0 ? sign : 0, a == 1 ? sign : 0, a == 2 ? sign : 0}; }
   const Setting& set_;
   double low_[3] = {}, high_[3] = {};

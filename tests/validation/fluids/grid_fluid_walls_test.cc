@@ -73,8 +73,8 @@ TEST(GridFluidWalls, ABodyShakenInAClosedBoxLeavesNoDivergence) {
 double speed_between_blocks(int64_t cells, double lower_wall) {
   constexpr double kWidth = 0.5;
   GridFluidDef d;
-  d.cells = {8, cells};
-  d.size = {8 / double(cells), 1};
+  d.cells = {4, cells};
+  d.size = {4 / double(cells), 1};
   d.viscosity = 0.05;
   d.tolerance = 1e-10;
   d.force = {"1", "0"};

@@ -75,7 +75,8 @@ TEST(SphLayers, HeavyAboveLightFalls) {
   std::swap(d.bodies[0].density, d.bodies[1].density);
   SphRun run(d, 1.0 / 60, {0, -9.81, 0});
   const double before = run.observe("centre.y");
-  run.seconds(3);
+  // Within 3 s.
+  while (run.steps < 180 && run.observe("centre.y") >= before - 0.1) run.step();
   EXPECT_LT(run.observe("centre.y"), before - 0.1);
 }
 
@@ -84,11 +85,11 @@ TEST(SphLayers, HeavyAboveLightFalls) {
 // The amplitude is that of the interface's first mode, by the particles' moments. A sheared lattice sums to a
 // different density than one at rest, and pressure resists that like a stiffness: by 37 % of the rate with
 // wendland_c2 of three spacings, whatever the resolution. Wide kernels do not see the lattice.
-double growth(double density, Smoothing kernel, double support) {
+double growth(double density, Smoothing kernel, double support, double spacing) {
   constexpr double kSigma = 4.532771332692313;
   SphDef d;
   constexpr double kDepth = 0.5;
-  d.dimension = 2, d.low = {0, -kDepth, 0}, d.high = {0.5, kDepth, 1}, d.spacing = 0.0125;
+  d.dimension = 2, d.low = {0, -kDepth, 0}, d.high = {0.5, kDepth, 1}, d.spacing = spacing;
   d.precision = Precision::f64, d.kernel = kernel, d.support = support;
   d.density_error = 1e-5, d.xsph = 0, d.viscosity = 0;
   d.bodies = {{.center = {0.25, -kDepth / 2, 0}, .half_extents = {0.25, kDepth / 2, 1}},
@@ -129,9 +130,10 @@ double growth(double density, Smoothing kernel, double support) {
 
 TEST(SphLayers, AWaveBetweenLayersGrows) {
   // The case's tolerance.
-  EXPECT_NEAR(growth(2000, Smoothing::wendland_c4, 4), 1, 0.1);
-  EXPECT_LT(growth(1100, Smoothing::wendland_c4, 4), 0.5) << "control: an Atwood number of 1/21";
-  EXPECT_LT(growth(2000, Smoothing::wendland_c2, 3), 0.9) << "control: a kernel that sees the lattice";
+  EXPECT_NEAR(growth(2000, Smoothing::wendland_c4, 4, 0.0125), 1, 0.1);
+  // At twice the spacing, where this wave grows at 0.92 of the rate.
+  EXPECT_LT(growth(1100, Smoothing::wendland_c4, 4, 0.025), 0.5) << "control: an Atwood number of 1/21";
+  EXPECT_LT(growth(2000, Smoothing::wendland_c2, 3, 0.025), 0.9) << "control: a kernel that sees the lattice";
 }
 
 }  // namespace

@@ -26,8 +26,11 @@ class Dfsph {
     SolveResult flow, push;
   };
   /// Removes compression from the velocities (a torn region may close, by a part of the gap per substep),
-  /// then makes them such that the density after a substep of `h` s is the rest density.
-  Solved solve(Fluid<D, T>& f, BodiesIn<D, T>& bodies, double h, const ThreadArena& arena) const {
+  /// then makes them such that the density after a substep of `h` s is the rest density. Of the compression
+  /// that a substep may remove, this one removes the part `share`.
+  Solved solve(Fluid<D, T>& f, BodiesIn<D, T>& bodies, double h, double share,
+               const ThreadArena& arena) const {
+    const T most = static_cast<T>(kMostAtOnce * share);
     const T step = static_cast<T>(h), per_step = 1 / step, closing = static_cast<T>(kClosing / h);
     begin_from(f, f.flow, arena);
     push_by<Answer::mirror>(f, f.flow, arena);
@@ -48,7 +51,7 @@ class Dfsph {
     out.push = relax<Answer::rest>(
         f, bodies, f.push, h * h, arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
           const T rate = compression<Answer::rest, D, T>(f, f.v, i, c, begin, end) + f.drive[i];
-          return per_step * (per_step * std::min(f.delta[i] - 1, static_cast<T>(kMostAtOnce)) + rate);
+          return per_step * (per_step * std::min(f.delta[i] - 1, most) + rate);
         });
     push_by<Answer::rest>(f, f.change, arena);
     move<Answer::rest>(f, bodies, f.change, h, arena);

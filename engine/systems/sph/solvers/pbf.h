@@ -30,7 +30,8 @@ class Pbf {
       arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
           const T over = f.fixed(i) ? T{0} : std::max(f.delta[i] - 1, T{0});
-          f.push[i] = over / (f.stiffness[i] + relief + (any ? bodies.template give<Answer::rest>(i) : T{0}));
+          f.push[i] = over / (f.stiffness[i] + relief * f.lightness(i) +
+                              (any ? bodies.template give<Answer::rest>(i) : T{0}));
           f.flow[i] += f.push[i];
         }
       });
@@ -47,6 +48,7 @@ class Pbf {
   using W = Wide<T>;
   static constexpr double kNear = 0.2;  ///< radii, at which the artificial pressure has its nominal strength
   static constexpr double kRelief = 0.1;  ///< epsilon of their equation 11, over the square of the spacing
+                                          ///< and the particle's density
 
   void renew(Fluid<D, T>& f, BodiesIn<D, T>& bodies, double t, const ThreadArena& arena) const {
     walls_.shares(f, t, arena);
@@ -62,7 +64,8 @@ class Pbf {
       for (auto& s : sums) s = W::zero();
       for (size_t k = begin; k < end; k += W::kLanes) {
         const W ratio = load(c.w.data() + k) * W::all(per_near_), square = ratio * ratio;
-        const W p = W::all(strength) * square * square;
+        W p = W::all(strength) * square * square;
+        if (f.weighted) p = p * part_of_pair(f, i, c, k);
         for (size_t a = 0; a < D; ++a) sums[a] = madd(p, c.gradient(a, k), sums[a]);
       }
       for (size_t a = 0; a < D; ++a) f.a[4 * i + a] -= f.unit * sum(sums[a]);

@@ -6,12 +6,15 @@
 #include "engine/base/text/short_number.h"
 #include "engine/systems/sph/neighbours.h"
 #include "engine/systems/sph/solvers/dfsph.h"
+#include "engine/systems/sph/solvers/divergence.h"
+#include "engine/systems/sph/solvers/layer_load.h"
 #include "engine/systems/sph/solvers/pbf.h"
+#include "engine/systems/sph/solvers/read_pressures.h"
 #include "engine/systems/sph/solvers/tension.h"
-#include "engine/systems/sph/solvers/transmitted.h"
 #include "engine/systems/sph/solvers/viscosity.h"
 #include "engine/systems/sph/solvers/vorticity.h"
 #include "engine/systems/sph/solvers/wcsph.h"
+#include "engine/systems/sph/speeds.h"
 #include "engine/systems/sph/walls.h"
 
 namespace truestep::sph {
@@ -48,7 +51,8 @@ class SolverOf final : public Solver {
     double left = in.h;
     for (int64_t k = 0; left > 0; ++k) {
       f.resize(s.rows(columns::position));
-      const double allowed = limit(s, f, bodies.fastest(), gravity, in.arena);
+      const double walls = fastest_wall(set_.def, set_.colliders, in.t + in.h - left, left);
+      const double allowed = limit(s, f, std::max(bodies.fastest(), walls), gravity, in.arena);
       const double parts = std::ceil(left / allowed);
       if (!(parts + static_cast<double>(k) <= set_.def.max_substeps)) refuse(allowed);
       const double h = parts > 1 ? left / parts : left;
@@ -66,35 +70,34 @@ class SolverOf final : public Solver {
   }
 
   void read_pressures(const State& s, std::vector<double>& out) const override {
-    Fluid<D, T> f;
     const ThreadArena alone;
-    f.unit = neighbours_.unit();
-    f.resize(s.rows(columns::position));
+    Fluid<D, T> f = listed(s, alone);
     out.resize(f.n);
-    neighbours_.sort(f, s.span<T>(columns::position).data(), alone);
-    neighbours_.list(f, alone);
-    const SphDef& d = set_.def;
-    const bool draws = d.surface_tension > 0 && d.surface_tension_model == Tension::cohesion;
-    const bool shrinks = d.surface_tension > 0 && d.surface_tension_model == Tension::interface;
-    const T strength = static_cast<T>(set_.cohesion), support = static_cast<T>(set_.support);
-    if (shrinks) find_interface(f, *set_.interface, support, alone);
-    transmitted_pressures(f, s.span<T>(columns::pressure).data(), s.span<T>(columns::density).data(), alone,
-                          out.data(), [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
-                            const T rest = static_cast<T>(d.density);
-                            if (draws) return rest * work_of_drawing<D, T>(c, begin, end, strength, support);
-                            if (!shrinks) return T{0};
-                            return rest *
-                                   work_of_shrinking(f, i, c, begin, end, strength, *set_.interface, support);
-                          });
+    sph::read_pressures(set_, f, s, alone, out.data());
+  }
+
+  double read_divergence(const State& s) const override {
+    const ThreadArena alone;
+    Fluid<D, T> f = listed(s, alone);
+    return largest_divergence(f, s.span<T>(columns::velocity).data(), alone);
   }
 
  private:
+  /// The places of a state with the lists of their neighbours.
+  Fluid<D, T> listed(const State& s, const ThreadArena& alone) const {
+    Fluid<D, T> f;
+    f.unit = neighbours_.unit(), f.resize(s.rows(columns::position));
+    neighbours_.sort(f, s.span<T>(columns::position).data(), alone);
+    neighbours_.list(f, alone);
+    return f;
+  }
+
   struct Tracks {
     double mean = 0, most = 0, substeps = 0, density = 0, flow = 0, viscous = 0, courant = 0;
   };
 
-  /// s, allowed by the fastest particle, sound and viscosity.
-  double limit(const State& s, Fluid<D, T>& f, double bodies, const Vec3& gravity,
+  /// s, allowed by the fastest particle, body or wall (`solids`, m/s), sound and viscosity.
+  double limit(const State& s, Fluid<D, T>& f, double solids, const Vec3& gravity,
                const ThreadArena& arena) const {
     const auto v = s.span<T>(columns::velocity);
     const SphDef& d = set_.def;
@@ -108,7 +111,7 @@ class SolverOf final : public Solver {
       }
       f.partial[begin / kBlockRows] = most;
     });
-    double most = bodies * bodies;
+    double most = solids * solids;
     for (const Inlet& inlet : set_.inlets) most = std::max(most, inlet.speed * inlet.speed);
     for (const double square : f.partial) {
       if (!(square <= most)) most = square;
@@ -121,10 +124,26 @@ class SolverOf final : public Solver {
     if (const double g = norm(gravity); g > 0 && d.solver != Method::wcsph) {
       out = std::min(out, kFall * std::sqrt(d.spacing / g));
       if (d.solver == Method::pbf) {
-        const double under = std::max(depth(s, f, gravity / g, arena), d.spacing);
+        const double under = std::max(
+            depth<D>(s.span<T>(columns::position).data(), f.n, gravity / g, f.partial, arena), d.spacing);
         const double most = d.pbf_iterations == 1 ? kCarriedByOne : kCarried;
         out = std::min(out, d.spacing * std::sqrt(most * d.pbf_iterations / (g * under)));
+        // Not by the pressures found: those of a shorter substep are larger, and would shorten the next.
+        if (set_.ratio) {
+          const double load = load_by_weight<D>(set_, s.span<T>(columns::position).data(),
+                                                s.span<T>(set_.ratio).data(), f.n, gravity, f.partial);
+          const double layers = std::min(most, kCarriedLayers) * d.pbf_iterations;
+          if (load > 0) out = std::min(out, d.spacing * std::sqrt(layers / load));
+        }
       }
+    }
+    if (set_.ratio && d.solver == Method::dfsph && norm(gravity) > 0) {
+      const T* ratio = s.span<T>(set_.ratio).data();
+      const double found = load_of_pressures(s.span<T>(columns::push).data(), s.span<T>(columns::flow).data(),
+                                             ratio, f.n, f.partial, arena);
+      const double weight =
+          load_by_weight<D>(set_, s.span<T>(columns::position).data(), ratio, f.n, gravity, f.partial);
+      out = std::min(out, kHeld * d.spacing / std::sqrt(std::min(found, kMostOverWeight * weight)));
     }
     if (d.surface_tension > 0) {
       const double inertia = d.density * set_.lightest * d.spacing * d.spacing * d.spacing;
@@ -132,32 +151,6 @@ class SolverOf final : public Solver {
     }
     if (viscous_) out = std::min(out, kDiffusion * set_.support * set_.support / d.viscosity);
     return out;
-  }
-
-  /// m, depth of a pool with this liquid's mean depth: in a pool above its lowest particle, the mean square
-  /// of the height is a third of the squared depth.
-  double depth(const State& s, Fluid<D, T>& f, const Vec3& down, const ThreadArena& arena) const {
-    const T* x = s.span<T>(columns::position).data();
-    const double n[3] = {down.x, down.y, down.z};
-    const size_t blocks = (f.n + kBlockRows - 1) / kBlockRows;
-    f.partial.assign(3 * blocks, 0);
-    arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
-      double low = HUGE_VAL, sum = 0, squares = 0;
-      for (size_t i = begin; i < end; ++i) {
-        double height = 0;
-        for (size_t a = 0; a < D; ++a) height -= n[a] * double{x[3 * i + a]};
-        low = std::min(low, height), sum += height, squares += height * height;
-      }
-      double* out = f.partial.data() + 3 * (begin / kBlockRows);
-      out[0] = low, out[1] = sum, out[2] = squares;
-    });
-    double low = HUGE_VAL, sum = 0, squares = 0;
-    for (size_t k = 0; k < blocks; ++k) {
-      low = std::min(low, f.partial[3 * k]), sum += f.partial[3 * k + 1], squares += f.partial[3 * k + 2];
-    }
-    if (f.n == 0) return 0;
-    const double count = static_cast<double>(f.n);
-    return std::sqrt(3 * std::max((squares - 2 * low * sum) / count + low * low, 0.0));
   }
 
   /// One substep of h s from `t`.
@@ -189,17 +182,18 @@ class SolverOf final : public Solver {
     if (viscous_ && d.walls == Walls::no_slip) bodies.hold(f, h);
     if (d.solver == Method::wcsph) wcsph_.advance(f, bodies, gravity, h, in.arena);
     if (d.solver == Method::dfsph) {
-      const auto [flow, push] = dfsph_.solve(f, bodies, h, in.arena);
+      // Substeps that a load makes short must not separate an overlap of the start as much faster.
+      const double g = norm(gravity), longest = g > 0 ? kFall * std::sqrt(d.spacing / g) : h;
+      const double share = set_.ratio && t < kSettling * longest ? std::min(h / longest, 1.0) : 1;
+      const auto [flow, push] = dfsph_.solve(f, bodies, h, share, in.arena);
       tracks.flow += flow.iterations, tracks.density += push.iterations;
-      tracks.mean = push.mean, tracks.most = push.most;
-    } else {
-      const bool both = d.solver == Method::wcsph;
-      const auto error = f.tally(in.arena, [&](size_t i, const Chunk<T>&, size_t, size_t) {
-        const double e = double{f.delta[i]} - 1;
-        return std::array<double, 2>{both ? std::abs(e) : std::max(e, 0.0), 0};
-      });
-      tracks.mean = error.sum / std::max(static_cast<double>(f.n), 1.0), tracks.most = error.most;
     }
+    const bool both = d.solver == Method::wcsph;
+    const auto error = f.tally(in.arena, [&](size_t i, const Chunk<T>&, size_t, size_t) {
+      const double e = double{f.delta[i]} - 1;
+      return std::array<double, 2>{both ? std::abs(e) : std::max(e, 0.0), 0};
+    });
+    tracks.mean = error.sum / std::max(static_cast<double>(f.n), 1.0), tracks.most = error.most;
     move(s, f, t + h, static_cast<T>(h), in.arena);
     if (!places) bodies.advance(h);
     if (!set_.inlets.empty()) pour(set_, s, t + h, in.workspace);
@@ -371,6 +365,13 @@ class SolverOf final : public Solver {
   /// stays in order: at twice as much, corrections shoot particles out. A single iteration, which no second
   /// one corrects, overshoots much earlier.
   static constexpr double kCarried = 0.09, kCarriedByOne = 0.012;
+  /// The same between liquids of different density, by the load on the lightest (layer_load.h): at 0.2 two of
+  /// 100:1 burst, at 0.02 the first corrections add 2 % of energy.
+  static constexpr double kCarriedLayers = 0.04;
+  /// For dfsph between such liquids, the largest h sqrt(p / rho) / s, p and rho of a particle: at 1.3 the
+  /// light liquid collapses. What separates an overlap counts up to so many weights.
+  static constexpr double kHeld = 0.6, kMostOverWeight = 4;
+  static constexpr double kSettling = 20;  ///< longest substeps, in which an overlap of the start separates
   static constexpr double kDiffusion = 0.03;  ///< of the squared kernel radius: Morris, Fox & Zhu 1997
 
   const Setting& set_;

@@ -42,7 +42,7 @@ class Wcsph {
       const T *pull = f.pull.data() + 4 * i, *wall = f.wall.data() + 4 * i;
       T spread = 2 * sum(sums);
       // Liquid at rest is denser with depth: that part is not diffused.
-      const T weight = per_sound / std::max(f.lightness(i), static_cast<T>(1e-3));
+      const T weight = f.fixed(i) ? per_sound : per_sound / std::max(f.lightness(i), static_cast<T>(1e-3));
       for (size_t a = 0; a < D; ++a) spread -= weight * g[a] * (pull[a] - wall[a]);
       f.source[i] =
           compression<Answer::mirror, D, T>(f, f.v, i, c, begin, end) + 2 * f.drive[i] + diffusion * spread;
