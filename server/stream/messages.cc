@@ -83,8 +83,7 @@ void set_part(v1::Part& p, const PartTable::Entry& part, const std::string& syst
   p.set_system(system);
   p.set_kind(std::string(name_of(info.kind)));
   for (const FieldInfo& f : info.fields) set_field(*p.add_fields(), f);
-  if (info.elements == PartInfo::Elements::lines) p.set_elements("lines");
-  if (info.elements == PartInfo::Elements::triangles) p.set_elements("triangles");
+  p.set_elements(std::string(name_of(info.elements)));
   if (info.kind != PartInfo::Kind::grid) return;
   v1::Lattice& l = *p.mutable_lattice();
   for (const uint32_t n : info.lattice.counts) l.add_counts(n);
@@ -141,6 +140,7 @@ v1::ServerMessage topology_message(const World& world, const Frame& frame) {
     s.set_lines(bytes_of(drawing.lines));
     s.set_triangles(bytes_of(drawing.triangles));
     s.set_line_kind(bytes_of(drawing.line_kinds));
+    s.set_triangle_elements(bytes_of(drawing.triangle_elements));
     s.set_point_radius(drawing.point_radius);
     if (drawing.color) {
       for (const double c : *drawing.color) s.add_color(c);
@@ -168,6 +168,8 @@ std::string marks_fields(const Frame& frame) {
   v1::Marks& marks = *m.mutable_marks();
   std::vector<float> contacts, joints;
   std::vector<uint8_t> kinds;
+  std::vector<uint32_t> rows;
+  bool valued = false;
   for (const ContactMark& c : frame.moving.contacts) {
     add(contacts, c.point), add(contacts, c.normal);
     contacts.push_back(static_cast<float>(c.force));
@@ -175,10 +177,13 @@ std::string marks_fields(const Frame& frame) {
   for (const JointMark& j : frame.moving.joints) {
     add(joints, j.a), add(joints, j.b), add(joints, j.axis);
     kinds.push_back(static_cast<uint8_t>(j.kind));
+    rows.insert(rows.end(), {j.part, j.row});
+    valued = valued || j.row != JointMark::kNoRow;
   }
   marks.set_contacts(bytes_of(contacts));
   marks.set_joints(bytes_of(joints));
   marks.set_joint_kinds(bytes_of(kinds));
+  if (valued) marks.set_joint_rows(bytes_of(rows));
   return m.SerializeAsString();
 }
 

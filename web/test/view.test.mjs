@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { arrows, axisOf, chapterOf, chooseAtFirst, colorStops, endsOf, evenStreamlines, Extent, gapsIn, infoOf, levelLine, matches, packScene, particleSurface, placeOf, readShared, relative, scaleLabel, scaleOf, speedAtFirst, speedsFor, streamline, fieldsOf, upOf, writeShared } from "../build/view.mjs";
+import { arrows, axisOf, chapterOf, chooseAtFirst, colorStops, endsOf, evenStreamlines, Extent, gapsIn, infoOf, levelLine, matches, packScene, particleSurface, placeOf, readShared, relative, scaleLabel, scaleOf, speedAtFirst, speedsFor, streamline, triangleValues, fieldsOf, JointValues, jointValues, Past, upOf, writeShared } from "../build/view.mjs";
 
 const front = { right: [1, 0, 0], above: [0, 1, 0], back: [0, 0, 1] };
 
@@ -202,6 +202,47 @@ test("a grid is shown by the field that its scene names, from the first frame on
   assert.deepEqual(asked("", { systems: [{ system: "flow", visuals: [], pointRadius: 0, color: [] }] }), ["velocity"]);
 });
 
+const bytesOf = (array) => new Uint8Array(array.buffer);
+
+test("triangles show the values of their elements", () => {
+  const triangles = bytesOf(Uint32Array.from([0, 1, 2, 2, 1, 3, 3, 4, 5]));
+  const field = { system: "s.elements", field: "stress", count: 2, width: 1, data: Float32Array.from([7, 9]) };
+  const shown = (...elements) => [...triangleValues({ triangles, triangleElements: bytesOf(Uint32Array.from(elements)) }, field)];
+  assert.deepEqual(shown(1, 1, 0), [9, 9, 7]);
+  assert.deepEqual(shown(1, 5, 0), [9, NaN, 7], "control: there is no such element");
+  assert.deepEqual(shown(), [7, 9, NaN], "without elements, the value of the triangle's own number");
+  assert.deepEqual([...triangleValues({ triangles: triangles.subarray(0, 12), triangleElements: new Uint8Array(0) }, { ...field, count: 1, width: 3, data: Float32Array.from([2, 3, 6]) })], [7], "the length of a vector");
+});
+
+test("marks of joints show the values of their rows in their part", () => {
+  const joints = new Uint8Array(3 * 36);
+  const values = new Map([[4, [10, 30]]]);
+  const marks = (...rows) => ({ joints, jointRows: bytesOf(Uint32Array.from(rows)) });
+  assert.deepEqual([...jointValues(marks(4, 1, 4, 0, 2, 0), values)], [30, 10, NaN]);
+  assert.deepEqual([...jointValues(marks(), values)], [NaN, NaN, NaN], "a service that sends no rows");
+  const part = (elements) => ({ elements });
+  const parts = new Map([["a", part("")], ["b", part("")], ["c", part("")], ["d", part("")], ["d.joints", part("joints")]]);
+  const found = new JointValues();
+  const force = { system: "d.joints", field: "force", count: 2, width: 1, data: Float32Array.from([10, 30]) };
+  found.take([force], parts, "force");
+  assert.deepEqual(found.ownRange, [10, 30]);
+  const colors = found.colors(marks(4, 1, 4, 0, 0, 4294967295), "viridis", [10, 30]);
+  assert.ok(colors[0].r > 0.9 && colors[0].b < 0.1 && colors[1].r < 0.1 && colors[2] === undefined, JSON.stringify(colors));
+  found.take([force], parts, "torque");
+  assert.equal(found.ownRange, undefined);
+});
+
+test("values of triangles and joints are requested where the scene names them", () => {
+  const field = (name, meaning = "value") => ({ name, unit: "", meaning });
+  const part = (id, system, elements, ...fields) => ({ id, system, elements, fields });
+  const hello = { parts: [part("s", "s", "", field("x", "position")), part("s.elements", "s", "triangles", field("stress")), part("s.bins", "s", "", field("density"))] };
+  const topology = { systems: [{ system: "s", visuals: [], pointRadius: 0, triangles: new Uint8Array(12) }] };
+  const asked = (colorBy, bySpeed = true) => fieldsOf({ colorBy, bySpeed }, hello, topology);
+  assert.deepEqual(asked("stress"), ["x", "stress"]);
+  assert.deepEqual(asked("stress", false), ["x"]);
+  assert.deepEqual(asked("density"), ["x"]);
+});
+
 test("up is the axis against gravity, or the one that a scene's own camera names", () => {
   assert.deepEqual(upOf([0, -9.81, 0]), [0, 1, 0]);
   assert.deepEqual(upOf([0, 0, -9.81]), [0, 0, 1]);
@@ -219,4 +260,30 @@ test("a plot begins with what the scene lists, unless that is its energy", () =>
   assert.equal(chooseAtFirst(names, ["flow.lift", "energy.total"], units).title, "Energy");
   assert.equal(chooseAtFirst(names, ["unknown"], units).title, "Energy");
   assert.equal(chooseAtFirst(names).title, "Energy");
+});
+
+test("a request for the past that comes too soon is made later, once", async () => {
+  let asked = 0;
+  const taken = [];
+  const past = new Past(async () => ++asked, 20);
+  const wait = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+  for (const k of [1, 2, 3]) past.request("s", (history) => taken.push([k, history]));
+  await wait(5);
+  assert.deepEqual(taken, [[1, 1]]);
+  await wait(100);
+  assert.deepEqual(taken, [[1, 1], [3, 2]]);
+  // A request that failed does not end them.
+  const failing = new Past(() => Promise.reject(new Error("gone")), 5);
+  failing.request("s", () => assert.fail("there is nothing to take"));
+  failing.request("s", () => assert.fail("there is nothing to take"));
+  await wait(50);
+});
+
+test("a request for the past of a session that the page has left meanwhile is not made", async () => {
+  const asked = [];
+  const past = new Past(async (id) => asked.push(id), 5);
+  for (let k = 0; k < 2; ++k) past.request("left", () => undefined);
+  past.forget();
+  await new Promise((resolve) => setTimeout(resolve, 40));
+  assert.deepEqual(asked, ["left"]);
 });

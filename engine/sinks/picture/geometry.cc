@@ -34,6 +34,8 @@ void check(const DrawPoints& set, size_t index) {
     refuse(index, "one kind per line is needed");
   if (!set.line_scalar.empty() && 2 * set.line_scalar.size() != set.lines.size())
     refuse(index, "one scalar per line is needed");
+  if (!set.triangle_scalar.empty() && 3 * set.triangle_scalar.size() != set.triangles.size())
+    refuse(index, "one scalar per triangle is needed");
   for (const std::vector<uint32_t>* indices : {&set.lines, &set.triangles})
     for (uint32_t i : *indices)
       if (i >= n) refuse(index, "index " + std::to_string(i) + " but only " + std::to_string(n) + " points");
@@ -64,23 +66,39 @@ std::array<Bytes4, 4> line_colors(const Color& base) {
 }
 
 void add_surface(Geometry& g, const View& view, const DrawPoints& set, const std::vector<Vec3f>& p,
-                 const std::vector<Bytes4>& colors) {
+                 const std::vector<Bytes4>& colors, const Color& base) {
   std::vector<Vec3f> normals(p.size());
+  std::vector<uint32_t> drawn;
   const auto first = static_cast<uint32_t>(g.mesh.size());
   for (size_t t = 0; t + 2 < set.triangles.size(); t += 3) {
     const uint32_t a = set.triangles[t], b = set.triangles[t + 1], c = set.triangles[t + 2];
     if (!drawable(p[a]) || !drawable(p[b]) || !drawable(p[c])) continue;
     const Vec3f area = cross(p[b] - p[a], p[c] - p[a]);
-    for (uint32_t i : {a, b, c}) {
-      normals[i] += area;
-      g.triangles.push_back(first + i);
-    }
+    for (uint32_t i : {a, b, c}) normals[i] += area;
+    drawn.push_back(static_cast<uint32_t>(t / 3));
   }
   // A vertex without a normal keeps its colour regardless of the light.
   const bool lit = set.surface == DrawPoints::Surface::lit;
+  const auto add = [&](size_t i, const Bytes4& color) {
+    g.mesh.push_back({p[i], lit ? normalized(normals[i], {0, 1, 0}) : Vec3f{}, color});
+  };
   for (size_t i = 0; i < p.size(); ++i) {
-    g.mesh.push_back({p[i], lit ? normalized(normals[i], {0, 1, 0}) : Vec3f{}, colors[i]});
     if (norm2(normals[i]) > 0) g.extent.add(view, p[i], 0);
+  }
+  if (set.triangle_scalar.empty()) {
+    for (size_t i = 0; i < p.size(); ++i) add(i, colors[i]);
+    for (const uint32_t t : drawn) {
+      for (size_t c = 0; c < 3; ++c) g.triangles.push_back(first + set.triangles[3 * t + c]);
+    }
+    return;
+  }
+  // Neighbours differ in colour: every triangle has corners of its own.
+  const std::vector<Bytes4> own = mapped_colors(set, set.triangle_scalar, set.triangle_scalar.size(), base);
+  for (const uint32_t t : drawn) {
+    for (size_t c = 0; c < 3; ++c) {
+      g.triangles.push_back(static_cast<uint32_t>(g.mesh.size()));
+      add(set.triangles[3 * t + c], own[t]);
+    }
   }
 }
 
@@ -133,7 +151,7 @@ void add_points(Geometry& g, const View& view, const DrawPoints& set, const Colo
   if (set.surface == DrawPoints::Surface::translucent) {
     add_translucent(g, view, set, p, colors);
   } else if (!set.triangles.empty()) {
-    add_surface(g, view, set, p, colors);
+    add_surface(g, view, set, p, colors, base);
   }
 }
 
@@ -173,9 +191,15 @@ bool level(const DrawShape& plane, const Vec3& up) {
 
 }  // namespace
 
+bool has_scalars(const DrawPoints& set) {
+  return !(set.scalar.empty() && set.line_scalar.empty() && set.triangle_scalar.empty());
+}
+
 std::pair<float, float> scalar_range(const DrawPoints& set) {
   float low = std::numeric_limits<float>::infinity(), high = -low;
-  for (const float s : set.line_scalar.empty() ? set.scalar : set.line_scalar)
+  for (const float s : !set.line_scalar.empty()       ? set.line_scalar
+                       : !set.triangle_scalar.empty() ? set.triangle_scalar
+                                                      : set.scalar)
     if (std::isfinite(s)) low = std::min(low, s), high = std::max(high, s);
   if (!(low <= high)) low = 0, high = 1;
   return {set.scalar_min.value_or(low), set.scalar_max.value_or(high)};
@@ -234,8 +258,10 @@ void Geometry::build(const DrawList& list, const View& view) {
   }
   for (const DrawMark& m : list.marks) {
     const Vec3f from = view.units.position(m.from), to = view.units.position(m.to);
-    if (drawable(from) && drawable(to))
-      marks.insert(marks.end(), 4, {from, to, view.units.length(m.radius), bytes_of(m.color)});
+    if (!drawable(from) || !drawable(to)) continue;
+    const float radius = view.units.length(m.radius);
+    marks.insert(marks.end(), 4, {from, to, radius, bytes_of(m.color)});
+    if (m.framed) extent.add(view, from, radius), extent.add(view, to, radius);
   }
   sort_near_to_far(sprites, view);
 }

@@ -48,6 +48,9 @@ struct Geometry {
 
 Bytes4 bytes_of(const Color& color);
 
+/// Whether values colour points, lines or triangles of `set`.
+bool has_scalars(const DrawPoints& set);
+
 /// Limits of the colour map of `set`: the given ones, otherwise the smallest and largest finite value (0, 1
 /// if there is none).
 std::pair<float, float> scalar_range(const DrawPoints& set);

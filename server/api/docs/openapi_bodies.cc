@@ -75,7 +75,8 @@ constexpr RouteParameter kParameters[] = {
      R"({"type": "string", "pattern": "^[1-3][0-9]{2,3}x[1-3][0-9]{2,3}$"})",
      "WIDTHxHEIGHT in pixels, instead of width and height"},
     {net::Method::get, "/v1/sessions/{id}/picture.png", "query", "color_by", kColor,
-     "field that colours points, bodies, lines or a grid; empty: none; the scene's own if absent"},
+     "field that colours points, bodies, lines, triangles, joints or a grid; empty: none; the scene's own if "
+     "absent"},
     {net::Method::get, "/v1/sessions/{id}/picture.png", "query", "theme",
      R"({"enum": ["light", "dark"], "default": "light"})", "of the background"},
     {net::Method::get, "/v1/sessions/{id}/picture.png", "query", "show",

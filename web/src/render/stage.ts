@@ -10,7 +10,8 @@ import { Ground } from "./ground";
 import { Handle } from "./handle";
 import { GridView, type Scale } from "./fields/grid_view";
 import { Labels, type Label } from "./labels";
-import { MarkLines } from "./marks";
+import { JointValues } from "./fields/joint_values";
+import { eachJointEnd, MarkLines } from "./marks";
 import { namesOf } from "./names";
 import { Painter } from "./painter";
 import { PlotAxes } from "./plot_axes";
@@ -41,6 +42,8 @@ export class Stage {
   private readonly scene = new Scene();
   private readonly ground = new Ground();
   private readonly marks = new MarkLines();
+  private marked: Marks | undefined;
+  private readonly joints = new JointValues();
   private parts = new Map<string, Part>();
   private settings: ViewerSettings = {};
   private readonly shapes = new ShapeGroup();
@@ -131,7 +134,7 @@ export class Stage {
       const part = this.parts.get(system.system);
       const view = part?.lattice
         ? new GridView(part, this.settings, this.viewHeight)
-        : new SystemView(system.system, system, index, this.viewHeight, this.ground.shadowUniforms, part, system.plot.length > 0, this.settings.liquid === "surface");
+        : new SystemView(system.system, system, index, this.viewHeight, this.ground.shadowUniforms, part, system.plot.length > 0, this.settings.liquid === "surface", (id) => this.elementsOf(id));
       this.views.set(view.id, view);
       this.scene.add(view.group);
     });
@@ -170,8 +173,26 @@ export class Stage {
 
   /** Contacts and joints to draw from now on. */
   setMarks(marks: Marks | undefined): void {
-    this.marks.update(marks, 0.16 * this.bounds.radius);
+    this.marked = marks;
+    this.drawMarks();
     this.invalidate();
+  }
+
+  private drawMarks(): void {
+    const colors = this.marked ? this.joints.colors(this.marked, this.settings.color_map ?? "viridis", this.jointRange ?? [0, 1]) : [];
+    this.marks.update(this.marked, 0.16 * this.bounds.radius, colors);
+  }
+
+  /** What the colours of joints show. */
+  private get jointRange(): [number, number] | undefined {
+    const { range, common } = this.show;
+    if (!this.joints.ownRange) return undefined;
+    return range?.length === 2 ? (range as [number, number]) : widest([common, this.joints.ownRange]);
+  }
+
+  /** What shows the values of a part by its colour; "" or undefined: nothing. */
+  private elementsOf(id: string): string | undefined {
+    return this.parts.get(id)?.elements;
   }
 
   /** Views of parts whose rows can be grabbed. */
@@ -184,10 +205,10 @@ export class Stage {
     for (const view of this.views.values()) if (view instanceof GridView) return view.scale;
     let low = Infinity;
     let high = -Infinity;
-    for (const view of this.views.values()) {
-      if (!view.range) continue;
-      low = Math.min(low, view.range[0]);
-      high = Math.max(high, view.range[1]);
+    for (const range of [...[...this.views.values()].map((view) => view.range), this.jointRange]) {
+      if (!range) continue;
+      low = Math.min(low, range[0]);
+      high = Math.max(high, range[1]);
     }
     if (low > high) return undefined;
     const name = this.show.colorBy || "speed";
@@ -199,21 +220,23 @@ export class Stage {
   /** Draws `frame` with the next picture; the promise resolves when that picture has been drawn. */
   present(frame: DecodedFrame): Promise<void> {
     const fieldsOf = (view: SystemView | GridView): FieldArray[] =>
-      // Values of a system's lines travel as a part of their own.
-      frame.fields.filter((field) => field.system === view.id || (this.parts.get(field.system)?.elements === "lines" && this.parts.get(field.system)?.system === view.id));
+      // Values of a system's lines and triangles travel as a part of their own.
+      frame.fields.filter((field) => field.system === view.id || (this.elementsOf(field.system) && this.parts.get(field.system)?.system === view.id));
     const update = (view: SystemView | GridView): void => {
       const fields = fieldsOf(view);
       if (fields.length > 0) view.update(fields, this.show);
     };
     // Going back in time begins the range of the colours anew.
-    if (frame.time < this.time) for (const view of this.pointViews()) view.forgetRange();
+    if (frame.time < this.time) for (const colored of [...this.pointViews(), this.joints]) colored.forgetRange();
     this.time = frame.time;
-    const common = (): [number, number] | undefined => widest(this.pointViews().map((view) => view.ownRange));
+    this.joints.take(frame.fields, this.parts, this.show.bySpeed ? this.show.colorBy : "");
+    const common = (): [number, number] | undefined => widest([...this.pointViews(), this.joints].map((colored) => colored.ownRange));
     const before = (this.show.common = common());
     for (const view of this.views.values()) update(view);
     // One colour bar explains all systems: what does not reach as far takes its colours from what does.
     const now = (this.show.common = common());
     if (now && (!before || now[0] < before[0] || now[1] > before[1])) for (const view of this.pointViews()) if (view.ownRange) update(view);
+    if (this.joints.ownRange && this.marked) this.drawMarks();
     this.strings.update((id) => {
       const view = this.views.get(id);
       return view instanceof SystemView ? view : undefined;
@@ -240,7 +263,7 @@ export class Stage {
   get colorable(): boolean {
     const name = this.show.colorBy || "speed";
     const has = (part: Part): boolean => part.fields.some((field) => field.name === name) || (name === "speed" && meaning(part, "velocity") !== undefined);
-    return [...this.parts].some(([id, part]) => !part.lattice && (this.views.has(id) || part.elements === "lines") && has(part));
+    return [...this.parts].some(([id, part]) => !part.lattice && (this.views.has(id) || part.elements !== "") && has(part));
   }
 
   /** Only grids are on the screen. */
@@ -280,6 +303,8 @@ export class Stage {
     for (const view of this.views.values()) view.reachOf(now);
     for (const shape of this.topology?.shapes ?? []) reachOfShape(now, shape);
     this.axes.forEach((axes) => axes.reachOf(now));
+    // Marks that tell values belong to the picture; others are notes on it.
+    if (this.marked && this.joints.ownRange) eachJointEnd(this.marked, (x, y, z) => now.add(x, y, z));
     return now;
   }
 

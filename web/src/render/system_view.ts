@@ -10,6 +10,7 @@ import { Liquid } from "./fields/liquid";
 import { kindColors, WideLines } from "./lines";
 import { PointCloud } from "./points";
 import { paletteColor } from "./shading";
+import { triangleValues } from "./fields/element_values";
 import { Surface } from "./fields/surface";
 import { ValueRange, widest } from "./value_range";
 import { extremes, mine, sizes, values, type Names } from "./values";
@@ -54,6 +55,9 @@ export class SystemView {
   private lineScale: [number, number] | undefined;
   /** What colours the points, and whether the liquid's surface is that of the last frame. */
   private shades: Float32Array | undefined;
+  /** Where points have no values: what colours the triangles. */
+  private facets: Float32Array | undefined;
+  private surfaceRange: [number, number] | undefined;
   private wrapped = false;
   private readonly pairs: Uint32Array;
   /** Which of the lines are drawn, and their rows. */
@@ -78,6 +82,8 @@ export class SystemView {
     part: Part | undefined,
     private readonly trails = false,
     smooth = false,
+    /** What the values of another part of the system belong to: "lines", "triangles". */
+    private readonly elementsOf: (id: string) => string | undefined = () => undefined,
   ) {
     this.names = { position: meaning(part, "position"), orientation: meaning(part, "orientation"), asleep: meaning(part, "asleep"), velocity: meaning(part, "velocity") };
 
@@ -122,7 +128,9 @@ export class SystemView {
     if (position) this.take(position);
     this.mark();
     this.shades = show.bySpeed ? values(mine(fields, this.id), show.colorBy || "speed", this.names, this.room) : undefined;
-    if (this.shades) this.own.take(this.shades, this.shades.length);
+    this.facets = this.shades ? undefined : this.facetValues(fields, show);
+    const colored = this.shades ?? this.facets;
+    if (colored) this.own.take(colored, colored.length);
     else this.own.forget();
     this.carry(fields, show);
     this.colorLines(fields, show);
@@ -131,6 +139,8 @@ export class SystemView {
       this.points.object.layers.enable(1);
       this.group.add(this.points.object);
     }
+    this.surfaceRange = this.surface && colored ? this.rangeOf(show) : undefined;
+    this.surface?.color(this.shades, this.facets, this.rangeOf(show));
     if (this.surface?.object.visible) this.surface.update();
     this.wrapped = false;
     this.apply(show);
@@ -264,12 +274,23 @@ export class SystemView {
     });
   }
 
+  /** The field named in the scene, of a part with a value for each of these. */
+  private elementField(elements: string, fields: FieldArray[], show: Visibility): FieldArray | undefined {
+    if (!show.bySpeed || !show.colorBy) return undefined;
+    return fields.find((one) => one.field === show.colorBy && this.elementsOf(one.system) === elements);
+  }
+
+  private facetValues(fields: FieldArray[], show: Visibility): Float32Array | undefined {
+    const field = this.triangles.length > 0 ? this.elementField("triangles", fields, show) : undefined;
+    return field && triangleValues(this.topology, field);
+  }
+
   /** Colours lines by the field named in the scene, if a part has a value for each line. */
   private colorLines(fields: FieldArray[], show: Visibility): void {
     if (!this.lines) return;
-    const field = show.bySpeed && show.colorBy ? fields.find((one) => one.system !== this.id && one.field === show.colorBy && one.count === this.pairs.length / 2) : undefined;
+    const field = this.elementField("lines", fields, show);
     this.lineScale = undefined;
-    if (!field) return this.lines.values(undefined);
+    if (field?.count !== this.pairs.length / 2) return this.lines.values(undefined);
     const size = sizes(field);
     const [low, high] = show.range?.length === 2 ? (show.range as [number, number]) : extremes(size);
     this.lineScale = [low, high];
@@ -278,7 +299,7 @@ export class SystemView {
 
   /** Range of values shown by the colours; undefined if nothing is coloured. */
   get range(): [number, number] | undefined {
-    return this.lineScale ?? this.points?.range ?? this.bodyRange;
+    return this.lineScale ?? this.points?.range ?? this.bodyRange ?? this.surfaceRange;
   }
 
   /** Lowest and highest of its own values that colours show. */

@@ -155,6 +155,7 @@ export class App {
 
   private leave(): void {
     this.live.close();
+    this.past.forget();
     if (this.id !== undefined && this.own && !this.neighbours.share(this.id)) void this.service.deleteSession(this.id).catch(() => undefined);
     this.page.lesson(undefined);
     this.page.accuracy(undefined);

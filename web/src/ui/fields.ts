@@ -26,10 +26,11 @@ export function fieldsOf({ colorBy, bySpeed }: Coloring, hello: Hello, topology:
     want(meaning(part, "position"));
     if (bodies) for (const what of ["orientation", "asleep"]) want(meaning(part, what));
     const shown = colorBy || "speed";
-    if (bySpeed && (drawn.pointRadius > 0 || bodies)) want(has(shown) ?? (shown === "speed" ? meaning(part, "velocity") : undefined));
-    // Values of a system's lines are in a separate part.
-    const lines = [...parts.values()].find((one) => one.elements === "lines" && one.system === drawn.system);
-    if (bySpeed && colorBy && lines?.fields.some((field) => field.name === colorBy)) want(colorBy);
+    const surface = !part?.lattice && drawn.triangles.length > 0;
+    if (bySpeed && (drawn.pointRadius > 0 || bodies || surface)) want(has(shown) ?? (shown === "speed" ? meaning(part, "velocity") : undefined));
+    // Values of a system's lines, triangles and joints are in separate parts.
+    const valued = [...parts.values()].filter((one) => one.elements !== "" && one.system === drawn.system);
+    if (bySpeed && colorBy && valued.some((one) => one.fields.some((field) => field.name === colorBy))) want(colorBy);
   }
   return [...wanted];
 }

@@ -12,4 +12,7 @@ export { packScene, readShared, writeShared } from "./address";
 export { chapterOf, matches } from "./gallery";
 export { chooseAtFirst, endsOf, gapsIn, relative, scaleOf } from "./plot_model";
 export { fieldsOf } from "./fields";
+export { Past } from "./past";
+export { triangleValues } from "../render/fields/element_values";
+export { JointValues, jointValues } from "../render/fields/joint_values";
 export { speedAtFirst, speedsFor } from "./speeds";

@@ -1,8 +1,9 @@
 // The stream of the session on the screen: what each of its messages does to the page.
 import type { DecodedFrame } from "../client/decode";
 import { partsOf } from "../client/parts";
+import { byId } from "./dom";
 import { connect, type Stream, type StreamState } from "../client/stream";
-import type { Event as StreamEvent, PlaybackState } from "../client/gen/truestep/v1/stream_pb";
+import type { Event as StreamEvent, Part, PlaybackState } from "../client/gen/truestep/v1/stream_pb";
 import type { Stage } from "../render/stage";
 import { Compact } from "./compact";
 import { fieldsOf } from "./fields";
@@ -38,6 +39,8 @@ export class Live {
   private readonly compact = new Compact();
   private stream: Stream | undefined;
   private measured = 0;
+  /** Whether joints were marked before colours marked them; undefined: colours have not. */
+  private markedBefore: boolean | undefined;
 
   constructor(private readonly on: Instruments) {}
 
@@ -63,6 +66,18 @@ export class Live {
     this.stream?.resubscribe();
   }
 
+  /** Joints are marked where the scene's colours show their values; other scenes find the switch as it was left. */
+  private showJoints(parts: Map<string, Part>): void {
+    const { stage, marks } = this.on;
+    const { bySpeed, colorBy } = stage.show;
+    const colored = bySpeed && [...parts.values()].some((part) => part.elements === "joints" && part.fields.some((field) => field.name === colorBy));
+    if (colored && !marks.joints) this.markedBefore = marks.joints;
+    if (colored) marks.joints = true;
+    else if (this.markedBefore !== undefined) marks.joints = this.markedBefore;
+    if (!colored) this.markedBefore = undefined;
+    byId("show-joints").setAttribute("aria-pressed", String(marks.joints));
+  }
+
   /** Shows the stream at `url` from now on. */
   open(url: string, listener: Listener): void {
     const { stage, page, plot, marks } = this.on;
@@ -80,6 +95,7 @@ export class Live {
       const parts = partsOf(hello);
       this.compact.greet(hello);
       stage.setParts(parts);
+      this.showJoints(parts);
     }));
     stream.on("topology", mine((topology) => {
       this.compact.connect(topology);

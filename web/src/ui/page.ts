@@ -72,7 +72,7 @@ export class Page {
     const { points, lines, surface, bodies } = this.stage.has;
     byId("show-points").hidden = !points;
     const { bySpeed, colorBy } = this.stage.show;
-    byId("show-speed").hidden = !this.stage.colorable || (!points && !bodies && !(lines && colorBy));
+    byId("show-speed").hidden = !this.stage.colorable || (!points && !bodies && !((lines || surface) && colorBy));
     byId("show-speed").setAttribute("aria-pressed", String(bySpeed));
     byId("show-contacts").hidden = byId("show-joints").hidden = !bodies;
     byId("show-lines").hidden = !lines;

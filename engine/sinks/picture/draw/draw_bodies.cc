@@ -114,20 +114,27 @@ void add_bodies(DrawList& list, const PartDrawing& drawing, const Poses& poses, 
   list.shapes.insert(list.shapes.end(), shapes.begin(), shapes.end());
 }
 
-void add_marks(DrawList& list, const Drawing& marks, double size) {
+void add_marks(DrawList& list, const Drawing& marks, double size,
+               const std::vector<std::optional<Color>>& joints) {
   using Kind = JointMark::Kind;
   const Vec3 dot = list.up * (0.05 * size);
-  const auto line = [&](const Vec3& a, const Vec3& b, const Color& c, double radius) {
-    list.marks.push_back({a, b, c, radius});
+  const auto line = [&](const Vec3& a, const Vec3& b, const Color& c, double radius, bool framed = false) {
+    list.marks.push_back({a, b, c, radius, framed});
   };
-  for (const JointMark& j : marks.joints) {
-    const Color color = j.kind == Kind::revolute    ? kRevolute
+  for (size_t k = 0; k < marks.joints.size(); ++k) {
+    const JointMark& j = marks.joints[k];
+    const Color usual = j.kind == Kind::revolute    ? kRevolute
                         : j.kind == Kind::spherical ? kSpherical
                         : j.kind == Kind::prismatic ? kPrismatic
                         : j.kind == Kind::fixed     ? kWeld
                                                     : picture::ink_over(list.background_bottom);
-    line(j.a, j.b, color, 0.02 * size);
-    for (const Vec3& end : {j.a, j.b}) line(end - dot, end + dot, color, 0.05 * size);
+    // A colour that tells a value is what the picture is about: it is large and never outside.
+    const bool valued = k < joints.size() && joints[k];
+    const Color color = valued ? *joints[k] : usual;
+    const double scale = valued ? 3 : 1;
+    line(j.a, j.b, color, 0.02 * scale * size, valued);
+    for (const Vec3& end : {j.a, j.b})
+      line(end - dot * scale, end + dot * scale, color, 0.05 * scale * size, valued);
     const Vec3 arm = j.axis * (0.35 * size);
     if (norm2(arm) > 0) line(j.a - arm, j.a + arm, color, 0.02 * size);
   }

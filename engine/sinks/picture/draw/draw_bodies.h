@@ -16,7 +16,9 @@ struct Poses {
 void add_bodies(DrawList& list, const PartDrawing& drawing, const Poses& poses, const DrawPoints& values);
 
 /// Appends contacts (a point, and a line along the normal as long as the force) and joints (their ends, and
-/// their axis). `size` is the length of the longest line, m.
-void add_marks(DrawList& list, const Drawing& marks, double size);
+/// their axis), in the colours of `joints` where they have one, otherwise in those of their kinds. `size` is
+/// the length of the longest line, m.
+void add_marks(DrawList& list, const Drawing& marks, double size,
+               const std::vector<std::optional<Color>>& joints = {});
 
 }  // namespace truestep

@@ -40,6 +40,7 @@ struct DrawPoints {
   double line_pixels = 0;                  ///< minimum width of lines in a picture 720 pixels high
   double point_pixels = 0;                 ///< the same for the diameter of points
   std::vector<uint32_t> triangles;         ///< 3 per triangle, smooth, seen from both sides
+  std::vector<float> triangle_scalar;      ///< one per triangle; colours triangles instead of points
   /// How triangles look: lit, in exactly the map's colours, or in those and more transparent the lower the
   /// value.
   enum class Surface : uint8_t { lit, plain, translucent } surface = Surface::lit;
@@ -64,7 +65,8 @@ struct DrawShape {
 struct DrawMark {
   Vec3 from, to;  ///< m
   Color color;
-  double radius = 0;  ///< m; never thinner than about 1.5 pixels
+  double radius = 0;    ///< m; never thinner than about 1.5 pixels
+  bool framed = false;  ///< whether an automatic camera shows it
 };
 
 /// Text at a position in the scene, on top of everything.
@@ -91,11 +93,19 @@ struct DrawCamera {
   double fov_degrees = 35;
 };
 
+/// What colours mean that no set of points explains.
+struct DrawScale {
+  std::string label;  ///< name and unit beside the colour bar
+  ColorMap map = ColorMap::viridis;
+  float low = 0, high = 1;
+};
+
 /// Everything one picture needs.
 struct DrawList {
   std::vector<DrawPoints> points;
   std::vector<DrawShape> shapes;
   std::vector<DrawMark> marks;
+  std::optional<DrawScale> scale;  ///< of the marks
   std::vector<DrawLabel> labels;
   std::vector<LegendRow> legend;        ///< top left
   std::vector<Vec3> framed;             ///< m; additional points that an automatic camera frames

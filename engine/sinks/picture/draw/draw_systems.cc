@@ -7,6 +7,11 @@ namespace {
 
 constexpr size_t kNames = 8;  // of more systems none is named
 
+// The part whose lines and triangles the values of part p belong to.
+const PartInfo& main_of(const World& world, size_t p) {
+  return world.parts()[p - world.parts()[p].index].info();
+}
+
 }  // namespace
 
 std::vector<float> magnitudes(const std::vector<float>& values, uint32_t width) {
@@ -31,7 +36,8 @@ std::vector<double> common_range(const World& world, const Frame& frame, const s
   for (size_t p = 0; p < world.parts().size(); ++p) {
     const PartInfo& info = world.parts()[p].info();
     const auto f = color_field(info, color_by);
-    if (!f || info.kind != PartInfo::Kind::points) continue;
+    if (!f || info.kind == PartInfo::Kind::grid || !info.colorable()) continue;
+    if (info.kind == PartInfo::Kind::values && color_field(main_of(world, p), color_by)) continue;
     ++colored;
     for (const float v : magnitudes(FrameValues(frame, p, f).floats(), info.fields[*f].width)) {
       if (std::isfinite(v)) low = std::min<double>(low, v), high = std::max<double>(high, v);

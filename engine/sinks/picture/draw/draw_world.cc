@@ -10,11 +10,13 @@
 #include "engine/scene/params/params.h"
 #include "engine/scene/params/params_text.h"
 #include "engine/sinks/picture/color_map.h"
+#include "engine/sinks/picture/draw/draw_elements.h"
 #include "engine/sinks/picture/draw/draw_grid.h"
 #include "engine/sinks/picture/draw/draw_liquid.h"
 #include "engine/sinks/picture/draw/draw_plot.h"
 #include "engine/sinks/picture/draw/draw_strings.h"
 #include "engine/sinks/picture/draw/draw_systems.h"
+#include "engine/sinks/picture/geometry.h"
 
 namespace truestep {
 
@@ -28,18 +30,13 @@ constexpr size_t kMarked = 128;      // points
 constexpr double kGridFill = 0.8;    // for a field's picture: caption and colour bar are below it
 constexpr double kFlatFov = 12;      // degrees: a planar scene shows its faces, not its sides
 
-/// Values of the lines drawn by a part, if its system has a part for them.
-struct LineValues {
-  size_t part, field;
-};
-std::optional<LineValues> line_values(const World& world, size_t drawn, const std::string& color_by) {
-  const PartTable& parts = world.parts();
-  for (size_t p = 0; p < parts.size() && !color_by.empty() && parts[drawn].index == 0; ++p) {
-    if (parts[p].system != parts[drawn].system || parts[p].info().elements != PartInfo::Elements::lines)
-      continue;
-    if (const auto f = parts[p].info().find(color_by)) return LineValues{p, *f};
-  }
-  return std::nullopt;
+/// Values of lines or triangles colour those that are drawn: `rows` of them; unless the points have values.
+std::vector<float> take_values(const World& world, const Frame& frame, const FieldPlace& at,
+                               const std::vector<uint32_t>& rows, const ViewerParams& viewer,
+                               DrawPoints& points) {
+  const FieldInfo& field = world.parts()[at.part].info().fields[at.field];
+  points.scalar_label = label_of(viewer, viewer.color_by, field.unit);
+  return picked(element_values(world, frame, at), rows);
 }
 
 DrawPoints points_of(const World& world, const Frame& frame, size_t p, const ViewerParams& viewer) {
@@ -47,12 +44,11 @@ DrawPoints points_of(const World& world, const Frame& frame, size_t p, const Vie
   const PartInfo& info = world.parts()[p].info();
   DrawPoints points;
   points.positions = FrameValues(frame, p, info.find(Meaning::position)).floats();
+  points.color_map = viewer.color_map;
+  if (const auto& range = viewer.range; !range.empty())
+    points.scalar_min = static_cast<float>(range[0]), points.scalar_max = static_cast<float>(range[1]);
   if (const auto f = color_field(info, color_by)) {
     points.scalar = magnitudes(FrameValues(frame, p, f).floats(), info.fields[*f].width);
-    points.color_map = viewer.color_map;
-    if (const auto& range = viewer.range; !range.empty()) {
-      points.scalar_min = static_cast<float>(range[0]), points.scalar_max = static_cast<float>(range[1]);
-    }
     if (points.scalar.size() * 3 == points.positions.size()) {
       points.scalar_label = label_of(viewer, color_by, info.fields[*f].unit);
     } else {
@@ -63,24 +59,33 @@ DrawPoints points_of(const World& world, const Frame& frame, size_t p, const Vie
   points.radius = static_cast<float>(topology.point_radius);
   points.line_radius = points.radius / 4;
   const auto n = static_cast<uint32_t>(points.positions.size() / 3);
+  const auto valued_lines = element_field(world, p, PartInfo::Elements::lines, color_by);
+  const auto valued_triangles = element_field(world, p, PartInfo::Elements::triangles, color_by);
+  std::vector<uint32_t> lines, elements;
   for (size_t i = 0; i < topology.lines.size(); ++i) {
     const auto& l = topology.lines[i];
-    if (l[0] >= n || l[1] >= n) continue;
+    const bool brace = i < topology.line_kinds.size() && topology.line_kinds[i] != LineKind::structural;
+    if (l[0] >= n || l[1] >= n || (brace && !topology.triangles.empty())) continue;
+    lines.push_back(static_cast<uint32_t>(i));
     points.lines.insert(points.lines.end(), {l[0], l[1]});
     points.line_kinds.push_back(i < topology.line_kinds.size() ? static_cast<uint8_t>(topology.line_kinds[i])
                                                                : 0);
   }
-  for (const auto& t : topology.triangles) {
-    if (t[0] < n && t[1] < n && t[2] < n) points.triangles.insert(points.triangles.end(), {t[0], t[1], t[2]});
+  for (size_t i = 0; i < topology.triangles.size(); ++i) {
+    const auto& t = topology.triangles[i];
+    if (t[0] >= n || t[1] >= n || t[2] >= n) continue;
+    points.triangles.insert(points.triangles.end(), {t[0], t[1], t[2]});
+    const bool named = i < topology.triangle_elements.size();
+    elements.push_back(named ? topology.triangle_elements[i] : static_cast<uint32_t>(i));
   }
-  if (const auto at = line_values(world, p, color_by); at && points.triangles.empty() && points.radius == 0) {
-    points.line_scalar = FrameValues(frame, at->part, at->field).floats();
-    points.line_scalar.resize(points.lines.size() / 2);
-    const FieldInfo& field = world.parts()[at->part].info().fields[at->field];
-    points.scalar_label = label_of(viewer, color_by, field.unit);
-  }
-  // Springs under a surface would only be clutter.
-  if (!points.triangles.empty()) points.lines.clear(), points.line_kinds.clear();
+  const bool bare = points.triangles.empty() && points.radius == 0;
+  if (valued_lines && (bare || points.scalar.empty()))
+    points.line_scalar = take_values(world, frame, *valued_lines, lines, viewer, points);
+  if (valued_triangles && points.scalar.empty())
+    points.triangle_scalar = take_values(world, frame, *valued_triangles, elements, viewer, points);
+  // Springs under a surface would only be clutter, unless their colours are what is asked for.
+  if (!points.triangles.empty() && points.line_scalar.empty())
+    points.lines.clear(), points.line_kinds.clear();
   if (topology.color) {
     const auto& c = *topology.color;
     points.color = Color{static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])};
@@ -248,13 +253,10 @@ double lowest_point(const DrawList& list) {
 
 void require_color(const World& world, const std::string& color_by) {
   if (color_by.empty()) return;
-  for (size_t p = 0; p < world.parts().size(); ++p) {
-    if (color_field(world.parts()[p].info(), color_by) || line_values(world, p, color_by)) return;
-  }
-  std::vector<std::string> names = world.parts().field_names("");
-  if (std::find(names.begin(), names.end(), "speed") == names.end()) names.emplace_back("speed");
-  throw Error("bad_request", "nothing in this scene has this field",
-              {{"?color_by", "unknown_field", "nothing in this scene has this field",
+  const std::vector<std::string> names = world.parts().color_names();
+  if (std::find(names.begin(), names.end(), color_by) != names.end()) return;
+  throw Error("bad_request", "nothing that is drawn in this scene has this field",
+              {{"?color_by", "unknown_field", "nothing that is drawn in this scene has this field",
                 '"' + color_by.substr(0, 64) + '"', join_names(names), nearest_name(color_by, names), ""}});
 }
 
@@ -272,11 +274,11 @@ FrameRequest picture_request(const World& world, const PictureLook& look) {
     const auto colors = color_field(info, color_by);
     take(info.kind == PartInfo::Kind::grid && !colors ? std::optional<size_t>(0) : colors);
   }
-  for (size_t p = 0; p < world.parts().size(); ++p) {
-    const auto at = line_values(world, p, color_by);
-    if (!at) continue;
-    const Scalar type = world.parts()[at->part].info().fields[at->field].type;
-    request.fields.push_back({static_cast<uint32_t>(at->part), static_cast<uint32_t>(at->field), type});
+  for (const FieldPlace& at : element_fields(world, color_by)) {
+    const PartInfo& info = world.parts()[at.part].info();
+    request.fields.push_back(
+        {static_cast<uint32_t>(at.part), static_cast<uint32_t>(at.field), info.fields[at.field].type});
+    if (info.elements == PartInfo::Elements::joints) request.wishes = request.wishes | Wish::joints;
   }
   std::sort(request.fields.begin(), request.fields.end());
   request.fields.erase(std::unique(request.fields.begin(), request.fields.end()), request.fields.end());
@@ -317,7 +319,7 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
       plot.add(points.positions);
       if (axes.empty()) axes = drawing.plot;
     }
-    const bool colored = !points.scalar.empty() || !points.line_scalar.empty();
+    const bool colored = picture::has_scalars(points);
     if (!drawing.plot.empty() && !colored && !points.lines.empty()) {
       add_curves(list, points, drawing.curves, places[p]);
       continue;
@@ -351,7 +353,7 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
   }
   if (const double low = lowest_point(list); !has_plane && !grids_alone && std::isfinite(low))
     list.ground_height = low - 0.05;
-  add_marks(list, frame.moving, mark_size(list));
+  add_marks(list, frame.moving, mark_size(list), joint_colors(list, world, frame, viewer));
   if (look.view != PictureLook::View::scene) {
     if (look.view != PictureLook::View::all) list.facing = side_of(look.view, list.up);
   } else if (viewer.camera) {

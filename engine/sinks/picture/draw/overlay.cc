@@ -133,8 +133,8 @@ std::string end_of(double x, double largest) {
   return out;
 }
 
-void draw_bar(Canvas canvas, const Style& style, const DrawPoints& set) {
-  const auto [low, high] = scalar_range(set);
+void draw_bar(Canvas canvas, const Style& style, const DrawScale& scale) {
+  const float low = scale.low, high = scale.high;
   const double small = 0.8 * style.capital;
   const int length = std::min(canvas.width / 4, canvas.height / 2),
             thick = std::max(4, static_cast<int>(0.7 * style.capital));
@@ -146,11 +146,11 @@ void draw_bar(Canvas canvas, const Style& style, const DrawPoints& set) {
     for (int x = left; x < right; ++x) {
       const bool edge = y == top || y == bottom - 1 || x == left || x == right - 1;
       const Color color =
-          map_color(set.color_map, (static_cast<float>(x - left) + 0.5f) / static_cast<float>(length));
+          map_color(scale.map, (static_cast<float>(x - left) + 0.5f) / static_cast<float>(length));
       blend(canvas.rgba + 4 * (static_cast<size_t>(y) * canvas.width + x), edge ? style.ink : color,
             edge ? 0.6f : 1.0f);
     }
-  write(canvas, style, set.scalar_label, left, top - 0.8 * small, small);
+  write(canvas, style, scale.label, left, top - 0.8 * small, small);
   const double largest = std::max(std::abs(low), std::abs(high));
   write(canvas, style, end_of(low, largest), left, text_base, small);
   const std::string most = end_of(high, largest);
@@ -166,9 +166,14 @@ void draw_overlay(const DrawList& list, const View& view, Canvas canvas) {
   if (!list.caption.empty())
     write(canvas, style, list.caption, style.margin, canvas.height - style.margin, style.capital);
   const auto labelled = std::find_if(list.points.begin(), list.points.end(), [](const DrawPoints& set) {
-    return !(set.scalar.empty() && set.line_scalar.empty()) && !set.scalar_label.empty();
+    return has_scalars(set) && !set.scalar_label.empty();
   });
-  if (labelled != list.points.end()) draw_bar(canvas, style, *labelled);
+  if (labelled != list.points.end()) {
+    const auto [low, high] = scalar_range(*labelled);
+    draw_bar(canvas, style, {labelled->scalar_label, labelled->color_map, low, high});
+  } else if (list.scale) {
+    draw_bar(canvas, style, *list.scale);
+  }
 }
 
 }  // namespace truestep::picture

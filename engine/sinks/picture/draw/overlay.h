@@ -11,7 +11,7 @@ struct Canvas {
 };
 
 /// Draws the list's labels at their positions, its caption bottom left, its legend top left and, bottom
-/// right, the colour bar of the first set whose scalar has a label.
+/// right, the colour bar of the first set whose scalar has a label, or else that of the marks.
 void draw_overlay(const DrawList& list, const View& view, Canvas canvas);
 
 }  // namespace truestep::picture

@@ -131,7 +131,7 @@ void write_block(hid_t file, hid_t block, const RecordedPart& system, const std:
   write_steps(block, system, times);
 }
 
-// An image: [T, N, w] as [T, z, y, x, w], the z left out of a grid in the plane x y.
+// An image: [T, N, w] as [T, z, y, x, w] without the axes that the grid lacks.
 void write_image(hid_t block, const RecordedPart& part, const std::vector<double>& times) {
   const uint64_t frames = times.size();
   const Lattice& l = part.lattice;
@@ -156,8 +156,9 @@ void write_image(hid_t block, const RecordedPart& part, const std::vector<double
   h5_attribute(block, "Spacing", spacing, 3);
   h5_attribute(block, "Direction", direction, 9);
   std::vector<hsize_t> shape{frames};
-  if (l.counts[2] > 1) shape.push_back(l.counts[2]);
-  shape.insert(shape.end(), {l.counts[1], l.counts[0]});
+  for (const size_t axis : {2, 1, 0}) {
+    if (l.counts[axis] > 1) shape.push_back(l.counts[axis]);
+  }
   const char* kind = cells ? "CellData" : "PointData";
   H5 data = h5_group(block, kind), steps = h5_group(block, "Steps");
   const int64_t count = static_cast<int64_t>(frames);

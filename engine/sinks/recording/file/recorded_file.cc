@@ -169,6 +169,7 @@ RecordedFile::RecordedFile(const std::string& path, RecordingOwner owner) : file
     read_parts(kind);
   read_observables();
   info_.layout.drawing = read_shapes(file_, info_.layout, file_size_);
+  if (info_.completion != RecordingCompletion::kFinalized) leave_out_missing_frames();
 }
 
 void RecordedFile::read_parameters() {
