@@ -59,7 +59,8 @@ class Coupling {
   virtual void draw(const ConstCoupledStates& s, std::vector<DrawnString>& out) const {}
   /// Passes of `begin` and `end`, then what this scene does not need.
   virtual std::vector<PlanRow> plan() const = 0;
-  /// Largest substep (s) that the coupling is known to tolerate; empty when unknown or unlimited.
+  /// Largest substep (s) that the coupling is known to tolerate; empty when unknown or unlimited. In the
+  /// initial state it bounds the scene's substeps.
   virtual std::optional<double> stable_h(const ConstCoupledStates& s) const { return std::nullopt; }
 };
 
@@ -73,6 +74,7 @@ struct CouplingContext {
   std::string id;  ///< of the coupling
   const CouplingSide& a;
   const CouplingSide& b;
+  Vec3 gravity;  ///< m/s^2
 };
 
 }  // namespace truestep

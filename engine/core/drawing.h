@@ -72,6 +72,8 @@ struct PartDrawing {
   std::vector<std::array<uint32_t, 2>> lines;
   std::vector<LineKind> line_kinds;  ///< one per line, or empty
   std::vector<std::array<uint32_t, 3>> triangles;
+  /// One per triangle: the row of values that it shows (PartInfo::elements); empty: its own number.
+  std::vector<uint32_t> triangle_elements;
   double point_radius = 0;                     ///< m; 0: points are not drawn as spheres
   std::optional<std::array<double, 3>> color;  ///< r g b in [0, 1]
   std::vector<Visual> visuals;
@@ -108,6 +110,9 @@ struct JointMark {
   enum class Kind : uint8_t { spherical, revolute, prismatic, fixed, distance, other } kind = Kind::other;
   Vec3 a, b;  ///< m, positions of the two ends
   Vec3 axis;  ///< unit; zero where the joint has none
+  static constexpr uint32_t kNoRow = ~0u;
+  uint32_t row = kNoRow;  ///< its row among the values of the system's joints (PartInfo::elements)
+  uint32_t part = 0;      ///< of these values
 };
 
 /// What was requested; the rest is empty.

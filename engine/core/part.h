@@ -67,8 +67,12 @@ struct PartInfo {
   size_t max_rows = 0;            ///< upper bound of the number of rows
   Lattice lattice;                ///< of a grid
   size_t trail = 0;  ///< rows that follow each row and record where it was: its trail, newest first
-  /// Row k of values belongs to the k-th line or triangle drawn by the main part, which is coloured by it.
-  enum class Elements : uint8_t { none, lines, triangles } elements = Elements::none;
+  /// What shows the rows of values by its colour: row k the k-th line that the main part draws, the triangles
+  /// whose PartDrawing::triangle_elements is k, or the mark of the joint whose JointMark::row is k.
+  enum class Elements : uint8_t { none, lines, triangles, joints } elements = Elements::none;
+
+  /// Whether colours can show its fields: on rows, on cells, or on what belongs to an element.
+  bool colorable() const { return kind != Kind::values || elements != Elements::none; }
 
   std::optional<size_t> find(std::string_view field) const {
     const auto is = [&](const FieldInfo& f) { return f.name == field; };
@@ -98,6 +102,12 @@ inline constexpr size_t kMeanings = 6;
 /// As in streams and recordings: "points", "grid", "values".
 constexpr std::string_view name_of(PartInfo::Kind kind) {
   return kind == PartInfo::Kind::points ? "points" : kind == PartInfo::Kind::grid ? "grid" : "values";
+}
+
+/// As in streams: "", "lines", "triangles", "joints".
+constexpr std::string_view name_of(PartInfo::Elements elements) {
+  constexpr std::string_view kNames[] = {"", "lines", "triangles", "joints"};
+  return kNames[static_cast<size_t>(elements)];
 }
 
 }  // namespace truestep

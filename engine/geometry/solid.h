@@ -64,6 +64,10 @@ Solid compound_solid(std::vector<SolidPart> parts);
 inline bool is_convex(SolidKind kind) {
   return kind <= SolidKind::triangle;
 }
+/// A convex set, bounded or not: two of these touch in one place.
+inline bool is_convex_or_plane(SolidKind kind) {
+  return is_convex(kind) || kind == SolidKind::plane;
+}
 /// Box around a placed solid; infinite for a plane. Tight except for rotated meshes, height fields,
 /// compounds.
 Box bounds(const Solid& solid, const Transform& at);

@@ -53,8 +53,8 @@ EquationStepper::EquationStepper(const IntegratorChoice& choice, const Defaults&
     method_ = &named(choice.name, f), why_ = "named by the scene";
     if (const auto limit = stable_dt(rates); limit && dt > *limit) {
       why_ += ", which is stable for steps of at most " + short_number(*limit, 3) +
-              " s here: use that dt, or " + std::string(defaults.divides) + " or " +
-              std::string(defaults.stiff);
+              " s here: use that dt, or " + std::string(defaults.divides);
+      if (defaults.stiff != defaults.divides) why_ += " or " + std::string(defaults.stiff);
     }
     return;
   }

@@ -122,23 +122,4 @@ void BlockSparse::multiply(std::span<const double> x, std::span<double> y, const
                    [&](size_t begin, size_t end) { multiply_rows(x.data(), y.data(), begin, end); });
 }
 
-Eigen::SparseMatrix<double> BlockSparse::to_eigen() const {
-  std::vector<Eigen::Triplet<double>> triplets;
-  triplets.reserve(value_count());
-  const int b = block_size_;
-  for (size_t i = 0; i < block_rows_; ++i) {
-    for (Slot s = row_begin_[i]; s < row_begin_[i + 1]; ++s) {
-      for (int c = 0; c < b; ++c) {
-        for (int r = 0; r < b; ++r) {
-          triplets.emplace_back(static_cast<int>(i) * b + r, static_cast<int>(columns_[s]) * b + c,
-                                block(s)[static_cast<size_t>(b * c + r)]);
-        }
-      }
-    }
-  }
-  Eigen::SparseMatrix<double> m(static_cast<int>(size()), static_cast<int>(size()));
-  m.setFromTriplets(triplets.begin(), triplets.end());
-  return m;
-}
-
 }  // namespace truestep

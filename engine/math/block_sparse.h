@@ -5,7 +5,6 @@
 // Block element (r, c) is at values()[b * b * slot + b * c + r]: column after column, because a 3 x 3
 // product then runs over whole columns in one vector register.
 #pragma once
-#include <Eigen/SparseCore>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -64,9 +63,6 @@ class BlockSparse {
   void multiply(std::span<const double> x, std::span<double> y, const ThreadArena& arena) const;
   /// y = A x for the block rows [begin, end) only.
   void multiply_rows(const double* x, double* y, size_t begin, size_t end) const;
-
-  /// The same matrix for Eigen's solvers and for tests.
-  Eigen::SparseMatrix<double> to_eigen() const;
 
  private:
   size_t block_scalars() const { return static_cast<size_t>(block_size_) * static_cast<size_t>(block_size_); }

@@ -101,7 +101,8 @@ struct SceneHeader {
   std::vector<std::string> observables;
   std::vector<ProbeParams> probes;
   std::optional<RecordingParams> recording;
-  enum class OnInstability { pause, stop } on_instability = OnInstability::pause;
+  /// A session pauses at its last good step; there is no other way to go on from there.
+  enum class OnInstability { pause } on_instability = OnInstability::pause;
   bool keep_running = false;  ///< playing continues when the last viewer has left
   ViewerParams viewer;
   std::vector<ExpectParams> expect;

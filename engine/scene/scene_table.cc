@@ -10,9 +10,10 @@ const DefTable& time_table() {
       TableOf<TimeParams>("the clock: a fixed step, divided into substeps")
           .number("dt", &TimeParams::dt, "s", {.min = 1e-15, .max = kLongestDt},
                   "length of a session step; more than 10 s per substep only for equations (ode)")
-          .integer("substeps", &TimeParams::substeps, between(1, 10000),
-                   "equal parts of each step; without it one, or as many as the default methods of points in "
-                   "contact with bodies need")
+          .integer(
+              "substeps", &TimeParams::substeps, between(1, 10000),
+              "equal parts of each step; without it one, or as many as bodies in a medium and the default "
+              "methods of points in contact with bodies need")
           .number("duration", &TimeParams::duration, "s", between(0, kLongestDuration),
                   "how long `truestep run` simulates")
           .integer("max_catchup_steps", &TimeParams::max_catchup_steps, between(1, 1000),
@@ -88,7 +89,8 @@ const DefTable& viewer_table() {
       TableOf<ViewerParams>("how viewers show the scene")
           .object("camera", &ViewerParams::camera, camera_table(), "camera; without one the scene is framed")
           .text("color_by", &ViewerParams::color_by,
-                "field that colours points, or the field of a grid to show, e.g. speed")
+                "field that colours points, lines, triangles or joints, or the field of a grid to show, e.g. "
+                "speed")
           .text("legend", &ViewerParams::legend,
                 "what the colours of `color_by` show; without it the name of the field. Its unit follows")
           .choice("color_map", &ViewerParams::color_map, {"viridis", "water", "ember"},
@@ -162,8 +164,8 @@ const DefTable& scene_table() {
                    "rows whose fields become observables")
           .object("recording", &SceneHeader::recording, recording_table(),
                   "recording; without it, nothing is recorded")
-          .choice("on_instability", &SceneHeader::on_instability, {"pause", "stop"},
-                  "what happens when a state becomes non-finite")
+          .choice("on_instability", &SceneHeader::on_instability, {"pause"},
+                  "a state that becomes unstable is not kept: the session pauses at its last good step")
           .boolean("keep_running", &SceneHeader::keep_running,
                    "a playing session continues when its last viewer has left")
           .object("viewer", &SceneHeader::viewer, viewer_table(), "how viewers show the scene")

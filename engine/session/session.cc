@@ -13,12 +13,18 @@ namespace truestep {
 namespace {
 
 // Energies and probes are always kept. Observables named by the scene are kept at every step.
-Series series_of(const SceneHeader& header) {
+Series series_of(const Scene& scene) {
   constexpr size_t kUnasked = 2048;
+  const SceneHeader& header = scene.header;
   std::vector<std::string> wanted = header.observables;
   wanted.emplace_back("energy");
   for (const ProbeParams& p : header.probes) wanted.push_back(p.id);
   if (!header.observables.empty()) return Series(std::move(wanted));
+  if (scene.systems.size() > 1) {  // to be compared
+    for (const SceneSystem& one : scene.systems) {
+      for (const char* kind : {".energy.kinetic", ".energy.total"}) wanted.push_back(one.id + kind);
+    }
+  }
   return Series(std::move(wanted), Series::Rate::sparing, kUnasked);
 }
 
@@ -32,7 +38,7 @@ Session::Session(std::shared_ptr<const World> world, std::shared_ptr<const Threa
       state_(world_->initial_state()),
       frames_(world_),
       history_(options.history_bytes, options.history_room),
-      series_(series_of(world_->scene().header)) {
+      series_(series_of(world_->scene())) {
   world_->require_finite_energy(state_);
   record_series();
 }
@@ -178,7 +184,7 @@ void Session::record_series() {
 }
 
 double Session::most_series_bytes(const World& world) {
-  return static_cast<double>(series_of(world.scene().header).most_bytes(world.known_observables()));
+  return static_cast<double>(series_of(world.scene()).most_bytes(world.known_observables()));
 }
 
 size_t Session::overhead_bytes() const {

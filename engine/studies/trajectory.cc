@@ -74,7 +74,7 @@ Trace trace(const World& world, const TraceRequest& request, const StudyContext&
   return out;
 }
 
-double relative_error(const std::vector<double>& a, const std::vector<double>& b) {
+double relative_error(const std::vector<double>& a, const std::vector<double>& b, double least) {
   if (a.size() != b.size()) return std::numeric_limits<double>::infinity();
   double difference = 0, size = 0;
   for (size_t i = 0; i < a.size(); ++i) {
@@ -82,8 +82,20 @@ double relative_error(const std::vector<double>& a, const std::vector<double>& b
     difference += d * d;
     size += b[i] * b[i];
   }
+  if (std::max(difference, size) < least * least) return 0;
   const double e = std::sqrt(difference / std::max(size, 1e-300));
   return std::isfinite(e) ? e : std::numeric_limits<double>::infinity();
+}
+
+double rounding_size(const std::vector<std::vector<double>>& values) {
+  constexpr double kRounding = 1e-14;
+  double largest = 0;
+  for (const std::vector<double>& at : values) {
+    double size = 0;
+    for (const double x : at) size += x * x;
+    largest = std::max(largest, size);
+  }
+  return kRounding * std::sqrt(largest);
 }
 
 }  // namespace truestep

@@ -41,7 +41,11 @@ Trace trace(const World& world, const TraceRequest& request, const StudyContext&
 /// "scene_invalid" with pointer "/quantity" when the system has no such field.
 std::vector<double> field_values(const System& system, const State& state, const std::string& name);
 
-/// |a - b|_2 / |b|_2; infinity when the lengths differ or a number is not finite.
-double relative_error(const std::vector<double>& a, const std::vector<double>& b);
+/// |a - b|_2 / |b|_2; infinity when the lengths differ or a number is not finite. 0 where
+/// the difference and `b` are both smaller than `least`.
+double relative_error(const std::vector<double>& a, const std::vector<double>& b, double least = 0);
+/// Size of values that are no more than rounding of the largest ones of a trajectory: what has come to rest
+/// at 0 has no relative error of its own.
+double rounding_size(const std::vector<std::vector<double>>& values);
 
 }  // namespace truestep

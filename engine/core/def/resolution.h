@@ -1,6 +1,7 @@
 // How finely a system's parameters divide its object, and how they change when the same object is divided
 // more finely. Convergence in space and run time against error over resolution follow from it.
 #pragma once
+#include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,5 +25,15 @@ struct Resolution {
   /// The part on which resolutions are compared: one whose rows are at the same places at all of them.
   size_t part = 0;
 };
+
+/// Multiplies a number of cells or links by a factor; false, and nothing changes, if the result is not a
+/// whole number from `least` to `most`.
+template <class Count>
+bool divided(Count& count, double factor, double least, double most) {
+  const double wanted = factor * static_cast<double>(count);
+  if (wanted != std::floor(wanted) || !(wanted >= least && wanted <= most)) return false;
+  count = static_cast<Count>(wanted);
+  return true;
+}
 
 }  // namespace truestep

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/math/block_sparse_eigen.h"
 #include "engine/math/trig.h"
 
 namespace truestep {
@@ -32,7 +33,7 @@ void BlockSolver::reserve(const BlockSparse& a) {
 BlockSolver::Result BlockSolver::solve(const BlockSparse& a, std::span<const double> b, std::span<double> x,
                                        const Request& request, const ThreadArena& arena) {
   if (request.symmetry == Symmetry::general) {
-    Eigen::SparseLU<Eigen::SparseMatrix<double>> lu(a.to_eigen());
+    Eigen::SparseLU<Eigen::SparseMatrix<double>> lu(to_eigen(a));
     if (lu.info() != Eigen::Success) return {Method::lu, 0, false};
     const auto size = static_cast<Eigen::Index>(b.size());
     Eigen::Map<Eigen::VectorXd>(x.data(), size) = lu.solve(Eigen::Map<const Eigen::VectorXd>(b.data(), size));

@@ -78,10 +78,10 @@ class SmallLu {
  private:
   static constexpr double kHuge = 1e300;
   T& at(int i, int j) {
-    return a_[static_cast<size_t>(j * N + i)];
+    return a_[static_cast<size_t>(j) * N + static_cast<size_t>(i)];
   }
   const T& at(int i, int j) const {
-    return a_[static_cast<size_t>(j * N + i)];
+    return a_[static_cast<size_t>(j) * N + static_cast<size_t>(i)];
   }
 
   std::array<T, static_cast<size_t>(N* N)> a_;

@@ -45,6 +45,7 @@ class Checker {
     for (size_t i = 0; i < h.probes.size(); ++i) probe(h.probes[i], "/probes/" + std::to_string(i));
     if (h.recording) recording(*h.recording);
     color(h.viewer.color_by);
+    grids(h.viewer);
     if (h.accuracy) accuracy(*h.accuracy);
     if (h.observables.empty() && h.expect.empty()) return;
     known_ = known_observables(built_);
@@ -146,15 +147,47 @@ class Checker {
            std::find(built_.systems.begin(), built_.systems.end(), nullptr) == built_.systems.end();
   }
 
-  // As pictures look for it: a field of any part, or the speed of what has velocities.
+  // Fields of values that nothing on the screen belongs to are told from those that do not exist.
   void color(const std::string& by) {
     if (by.empty() || !complete()) return;
-    std::vector<std::string> names = table_.field_names("");
-    const auto moves = [](const PartTable::Entry& part) { return part.info().find(Meaning::velocity); };
-    if (std::any_of(table_.begin(), table_.end(), moves)) names.emplace_back("speed");
+    const std::vector<std::string> names = table_.color_names();
     if (std::find(names.begin(), names.end(), by) != names.end()) return;
-    issues_.push_back({"/viewer/color_by", "unknown_field", "nothing in this scene has this field",
+    const std::vector<std::string> all = table_.field_names("");
+    const bool known = std::find(all.begin(), all.end(), by) != all.end();
+    issues_.push_back({"/viewer/color_by", "unknown_field",
+                       known ? "no colours can show this field: nothing is drawn for its rows"
+                             : "nothing in this scene has this field",
                        quoted(by), listed(names), nearest_name(by, names), ""});
+  }
+
+  /// What only grids can show, and only grids of some kind.
+  void grids(const ViewerParams& v) {
+    if (!complete()) return;
+    bool any = false, plane = false, space = false, vectors = false;
+    for (const PartTable::Entry& part : table_) {
+      const PartInfo& info = part.info();
+      if (info.kind != PartInfo::Kind::grid) continue;
+      any = true;
+      (info.lattice.dimensions() == 3 ? space : plane) = true;
+      for (const FieldInfo& f : info.fields)
+        vectors |= f.width > 1 && (v.color_by.empty() || f.name == v.color_by);
+    }
+    const auto need = [&](bool wish, bool there, const char* where, const std::string& what,
+                          const std::string& allowed) {
+      if (wish && !there)
+        issues_.push_back({std::string("/viewer/") + where, "inconsistent", what, "", allowed, "", ""});
+    };
+    need(v.contours > 0, any, "contours", "no system of this scene is a grid: there are no level lines", "");
+    need(v.slice.has_value(), space, "slice",
+         "no system of this scene is a grid in space: nothing can be cut", "");
+    need(v.height.has_value(), plane, "height",
+         "no system of this scene is a grid on a line or in the plane: nothing can be raised", "");
+    need(v.streamlines > 0, any, "streamlines",
+         "no system of this scene is a grid: there is no flow to follow", "");
+    need(v.streamlines > 0 && any, vectors, "streamlines",
+         "streamlines follow the field that is shown, and " +
+             (v.color_by.empty() ? "no field" : quoted(v.color_by)) + " is a vector",
+         "color_by a field of vectors, such as velocity");
   }
 
   void recording(const RecordingParams& r) {

@@ -40,6 +40,21 @@ std::vector<std::string> PartTable::field_names(std::string_view name) const {
   return out;
 }
 
+std::vector<std::string> PartTable::color_names() const {
+  std::vector<std::string> out;
+  const auto add = [&](const std::string& name) {
+    if (std::find(out.begin(), out.end(), name) == out.end()) out.push_back(name);
+  };
+  bool moves = false;
+  for (const Entry& e : entries_) {
+    if (!e.info().colorable()) continue;
+    for (const FieldInfo& f : e.info().fields) add(f.name);
+    moves = moves || e.info().find(Meaning::velocity);
+  }
+  if (moves) add("speed");
+  return out;
+}
+
 std::vector<std::string> PartTable::ids() const {
   std::vector<std::string> out;
   for (const Entry& e : entries_) out.push_back(e.id);

@@ -40,6 +40,9 @@ class PartTable {
   std::optional<FieldPlace> find(std::string_view name, std::string_view field) const;
   /// Names of all fields in these parts, each once; for an empty name, of all parts.
   std::vector<std::string> field_names(std::string_view name) const;
+  /// Names of what colours can show, each once: fields of rows, cells, lines, triangles and joints, and the
+  /// speed of what has velocities.
+  std::vector<std::string> color_names() const;
   /// Ids of all parts, for messages.
   std::vector<std::string> ids() const;
 

@@ -6,6 +6,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/text/short_number.h"
+#include "engine/core/energy_swing.h"
 #include "engine/core/equations/configuration.h"
 #include "engine/core/lattice.h"
 #include "engine/integrators/table/integrators.h"
@@ -82,12 +83,23 @@ void World::watch_energy(WorldState& state, size_t i, double t, Workspace& works
     throw unstable(std::string(std::isfinite(now->kinetic) ? "potential" : "kinetic") +
                    " energy became non-finite");
   if (joined_to_[i] != i) return;
-  const auto all = couplings_.empty() ? now : energy_together(state, i, t, workspace, arena);
+  auto all = couplings_.empty() ? now : energy_together(state, i, t, workspace, arena);
   if (!all) return;
   EnergyWatch& watch = state.watch[i];
   // After one step of explicit Euler from rest there is speed although no potential has given anything yet.
   if (watch.phase != EnergyWatch::Phase::fresh && state.step == 0) return;
   const double reference = watch.reference;
+  // The limit takes as long as several steps: it is asked for only where the answer depends on it. What a
+  // coupling ties to a system moves its limit.
+  if (all->swing > Energy::kSwing && couplings_.empty()) {
+    Energy narrow = *all;
+    narrow.swing = Energy::kSwing;
+    EnergyWatch tried = watch;
+    if (!tried.holds(narrow)) {
+      const auto limit = systems_[i]->limit(Limit::stable_dt, state.systems[i], scene_.substep());
+      if (limit && *limit > 0) all->swing = swing_at(scene_.substep() / *limit);
+    }
+  }
   if (!watch.holds(*all)) {
     throw unstable("energy rose from " + joules(reference) + " to " + joules(all->kinetic + all->potential) +
                    " without a source (" + joules(watch.available) + " were available)");
@@ -250,6 +262,7 @@ void World::draw(const WorldState& state, Wish wishes, Drawing& out) const {
     }
   };
   std::vector<uint32_t> first_parts;
+  uint32_t parts_before = 0;  // whether or not constant drawings are wanted
   for (size_t i = 0; i < size(); ++i) {
     Drawing one;
     systems_[i]->draw(state.systems[i], t, wishes, one);
@@ -257,6 +270,8 @@ void World::draw(const WorldState& state, Wish wishes, Drawing& out) const {
     const auto first = static_cast<uint32_t>(out.parts.size());
     first_parts.push_back(first);
     for (DrawnString& string : one.strings) shift(string, first, first);
+    for (JointMark& joint : one.joints) joint.part += parts_before;
+    parts_before += static_cast<uint32_t>(systems_[i]->parts().size());
     append(out.parts, one.parts);
     append(out.strings, one.strings);
     append(out.obstacles, one.obstacles);

@@ -125,8 +125,12 @@ class World {
   void build_system(size_t i, bool meets_bodies, std::vector<Issue>& issues);
   void build_couplings(std::vector<Issue>& issues);
   /// Rebuilds systems whose points touch bodies with methods that can be solved together with them, and
-  /// subdivides steps that are too long for them when the scene does not set the substeps.
-  void let_bodies_be_met(std::vector<Issue>& issues);
+  /// subdivides steps that are too long for them when the scene does not set the substeps. Returns which.
+  std::vector<bool> let_bodies_be_met(std::vector<Issue>& issues);
+  /// Subdivides steps that are too long for the couplings, or refuses the number of substeps that the scene
+  /// chose.
+  enum class Substeps : uint8_t { chosen, free };
+  void hold_couplings(Substeps substeps, const std::vector<bool>& meets, std::vector<Issue>& issues);
   void build_finer();
   [[noreturn]] void reject(size_t i, const State& state, const State::BadValue& bad) const;
   void find_joined();

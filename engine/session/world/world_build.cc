@@ -6,6 +6,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/interrupt.h"
+#include "engine/base/text/short_number.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/session/world/world.h"
 
@@ -49,8 +50,10 @@ void World::build(std::vector<Issue>& issues, std::span<const std::string> lost_
   systems_.resize(scene_.systems.size());
   for (size_t i = 0; i < scene_.systems.size(); ++i) build_system(i, false, issues);
   if (!scene_.couplings.empty()) {
-    let_bodies_be_met(issues);
+    const auto substeps = scene_.header.time.substeps ? Substeps::chosen : Substeps::free;
+    const std::vector<bool> meets = let_bodies_be_met(issues);
     build_couplings(issues);
+    if (issues.empty()) hold_couplings(substeps, meets, issues);
   }
   BuiltScene built = this->built();
   built.lost_ids = lost_ids;
@@ -112,7 +115,7 @@ void World::find_joined() {
   }
 }
 
-void World::let_bodies_be_met(std::vector<Issue>& issues) {
+std::vector<bool> World::let_bodies_be_met(std::vector<Issue>& issues) {
   std::vector<bool> meets(systems_.size());
   for (const SceneCoupling& c : scene_.couplings) {
     if (c.reading == Reading::faulty || !c.row->touches || !systems_[c.a] || !systems_[c.b]) continue;
@@ -120,7 +123,7 @@ void World::let_bodies_be_met(std::vector<Issue>& issues) {
       if (systems_[bodies]->ports().bodies && systems_[points]->ports().answers) meets[points] = true;
     }
   }
-  if (std::ranges::none_of(meets, [](bool m) { return m; })) return;
+  if (std::ranges::none_of(meets, [](bool m) { return m; })) return meets;
   double parts = 1;
   for (size_t i = 0; i < systems_.size(); ++i) {
     if (!meets[i]) continue;
@@ -128,9 +131,41 @@ void World::let_bodies_be_met(std::vector<Issue>& issues) {
     const auto longest = systems_[i]->limit(Limit::stable_dt, systems_[i]->initial_state(), dt());
     if (longest) parts = std::max(parts, std::ceil(dt() / (kOfLongest * *longest)));
   }
-  if (scene_.header.time.substeps || !(parts > 1)) return;
+  if (scene_.header.time.substeps || !(parts > 1)) return meets;
   scene_.header.time.substeps = static_cast<int64_t>(std::min(parts, kMostSubsteps));
   for (size_t i = 0; i < systems_.size(); ++i) build_system(i, meets[i], issues);
+  return meets;
+}
+
+void World::hold_couplings(Substeps substeps, const std::vector<bool>& meets, std::vector<Issue>& issues) {
+  constexpr double kRounding = 1e-9;
+  double least = 1;
+  std::string which;
+  for (size_t k = 0; k < couplings_.size(); ++k) {
+    if (!couplings_[k]) continue;
+    const SceneCoupling& c = scene_.couplings[k];
+    const State a = systems_[c.a]->initial_state(), b = systems_[c.b]->initial_state();
+    const auto longest = couplings_[k]->stable_h({couplings_[k]->initial_state(), a, b});
+    const double parts = longest ? std::ceil(dt() / *longest - kRounding) : 1;
+    if (parts > least) least = parts, which = c.id;
+  }
+  if (!(least > static_cast<double>(scene_.substeps()))) return;
+  const double longest = dt() / least * static_cast<double>(scene_.substeps());
+  if (substeps == Substeps::chosen || least > kMostSubsteps) {
+    const std::string why = "the coupling \"" + which + "\" needs " + short_number(least) +
+                            " substeps in a step of " + short_number(dt()) + " s";
+    const bool chosen = substeps == Substeps::chosen;
+    issues.push_back({chosen ? "/time/substeps" : "/time/dt", "out_of_range", why,
+                      short_number(chosen ? static_cast<double>(scene_.substeps()) : dt()),
+                      chosen ? ">= " + short_number(least) + ", or a dt of at most " + short_number(longest)
+                             : "<= " + short_number(dt() * kMostSubsteps / least),
+                      "", ""});
+    return;
+  }
+  scene_.header.time.substeps = static_cast<int64_t>(least);
+  for (size_t i = 0; i < systems_.size(); ++i) build_system(i, meets[i], issues);
+  couplings_.clear();
+  build_couplings(issues);
 }
 
 // Couplings inspect their sides, so both must exist.
@@ -143,7 +178,7 @@ void World::build_couplings(std::vector<Issue>& issues) {
     couplings_.emplace_back();
     if (c.reading == Reading::faulty || !sides[c.a] || !sides[c.b]) continue;
     collecting(issues, "/couplings/" + std::to_string(c.place), [&] {
-      couplings_.back() = c.row->build(c.def.get(), {c.id, *sides[c.a], *sides[c.b]});
+      couplings_.back() = c.row->build(c.def.get(), {c.id, *sides[c.a], *sides[c.b], scene_.header.gravity});
     });
   }
 }

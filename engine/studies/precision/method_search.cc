@@ -208,9 +208,10 @@ class Search {
       return;
     }
     const auto& reference = answer_.reference->trace.values;
+    const double least = rounding_size(reference);
     double half = 0;
     for (size_t i = 0; i < reference.size(); ++i) {
-      out.error = std::max(out.error, relative_error(t.values[i], reference[i]));
+      out.error = std::max(out.error, relative_error(t.values[i], reference[i], least));
       if (2 * i <= reference.size()) half = out.error;
     }
     // A run may equal the reference bit by bit when both take the scene's steps.

@@ -70,8 +70,10 @@ class Search {
 
 Reference compare(Attempt taken, const Attempt& other) {
   Reference r;
+  const double least = rounding_size(taken.trace.values);
   for (size_t i = 0; i < taken.trace.values.size(); ++i)
-    r.uncertainty = std::max(r.uncertainty, relative_error(other.trace.values[i], taken.trace.values[i]));
+    r.uncertainty =
+        std::max(r.uncertainty, relative_error(other.trace.values[i], taken.trace.values[i], least));
   if (!taken.trace.observed.empty() && !taken.trace.observed.back().empty()) {
     r.observed_difference = std::abs(taken.trace.observed.back()[0] - other.trace.observed.back()[0]);
   }

@@ -226,9 +226,10 @@ class Measurer {
       return;
     }
     const Trace& r = out_.reference.trace;
+    const double least = rounding_size(r.values);
     for (size_t i = 0; i < r.values.size(); ++i)
-      p.error_path = std::max(p.error_path, relative_error(t.values[i], r.values[i]));
-    p.error_end = relative_error(t.values.back(), r.values.back());
+      p.error_path = std::max(p.error_path, relative_error(t.values[i], r.values[i], least));
+    p.error_end = relative_error(t.values.back(), r.values.back(), least);
     p.status = p.error_path < out_.reference.floor() ? "at the floor" : "ok";
   }
 

@@ -53,6 +53,7 @@ Fem::Fem(std::unique_ptr<const FemField> field, const ChosenMethod& method, cons
   if (def.contact == Meeting::barrier) add_barrier(def);
   plan_stages(def, method.why);
   drawing_.triangles = body().mesh.triangles();
+  drawing_.triangle_elements = body().mesh.triangle_cells();
   if (body().plane) drawing_.space = PartDrawing::Space::plane;
   name_parts();
   if (def.modes > 0) frequencies_ = natural_frequencies(elements_, def.modes);
@@ -184,9 +185,7 @@ void Fem::name_parts() {
                      {"energy_density", "J/m^3"},
                      {"jacobian", "1"}};
   elements.max_rows = body().mesh.cells();
-  if (body().mesh.kind->dimension == 2 && body().mesh.kind->triangles.size() == 1) {
-    elements.elements = PartInfo::Elements::triangles;
-  }
+  elements.elements = PartInfo::Elements::triangles;
   set_parts({std::move(points), std::move(elements)});
 }
 

@@ -63,7 +63,6 @@ void Fem::end_holds(State& s, double t, double h) const {
 void Fem::equilibrium(State& s, const StepInput& in) const {
   constexpr double kBeyondMass = 1e12;  // times the fastest period
   constexpr double kShortest = 1.0 / 256;
-  const double scale = kBeyondMass / force_field().stiffness(s)->omega;
   const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity), w = s.f64(Columns::inverse_mass),
              balance = s.f64(Columns::balance);
   const size_t n = x.size();
@@ -93,7 +92,17 @@ void Fem::equilibrium(State& s, const StepInput& in) const {
     std::fill(v.begin(), v.end(), 0.0);
     return;
   }
+  const auto held = [&](size_t k) { return body().axes[k / 3] >> (k % 3) & 1 || !(w[k / 3] > 0); };
+  bool all_held = true;
+  for (size_t k = 0; k < n; ++k) all_held = all_held && held(k);
+  if (all_held) {  // nothing to solve for
+    prescribed(in.t + in.h, [&](size_t k, double place) { x[k] = place; });
+    unbalanced = out_of_balance();
+    for (size_t k = 0; k < n; ++k) v[k] = (x[k] - start[k]) / in.h;
+    return;
+  }
 
+  const double scale = kBeyondMass / force_field().stiffness(s)->omega;
   double done = 0, share = 1;
   while (done < 1) {
     share = std::min(share, 1 - done);
@@ -101,8 +110,7 @@ void Fem::equilibrium(State& s, const StepInput& in) const {
     // Prescribed components jump there at once; the last step's displacements are the guess for the others.
     prescribed(in.t + (done + share) * in.h, [&](size_t k, double place) { x[k] = place; });
     for (size_t k = 0; k < n; ++k) {
-      const bool held = body().axes[k / 3] >> (k % 3) & 1 || !(w[k / 3] > 0);
-      u[k] = held ? 0 : share * in.h / scale * kept[k];
+      u[k] = held(k) ? 0 : share * in.h / scale * kept[k];
       balance[k] = left * first[k];
     }
     const auto take_back = [&] {

@@ -1,6 +1,4 @@
 // Refinement of finite elements: the same block or quad in more cells.
-#include <cmath>
-
 #include "engine/core/def/resolution.h"
 #include "engine/systems/fem/mesh.h"
 
@@ -8,13 +6,7 @@ namespace truestep::fem {
 
 namespace {
 
-bool divided(int& count, double factor) {
-  constexpr int kMost = 2000;
-  const double wanted = factor * count;
-  if (wanted != std::floor(wanted) || wanted < 1 || wanted > kMost) return false;
-  count = static_cast<int>(wanted);
-  return true;
-}
+constexpr double kMost = 2000;  // cells along an edge
 
 std::optional<std::string> divide(void* def, double factor) {
   auto& d = *static_cast<FemDef*>(def);
@@ -27,9 +19,9 @@ std::optional<std::string> divide(void* def, double factor) {
     d.fill->spacing /= factor;
     return std::nullopt;
   }
-  const bool whole = d.block ? divided(d.block->cells_x, factor) && divided(d.block->cells_y, factor) &&
-                                   divided(d.block->cells_z, factor)
-                             : divided(d.quad->cells_x, factor) && divided(d.quad->cells_y, factor);
+  const auto cells = [factor](int& count) { return divided(count, factor, 1, kMost); };
+  const bool whole = d.block ? cells(d.block->cells_x) && cells(d.block->cells_y) && cells(d.block->cells_z)
+                             : cells(d.quad->cells_x) && cells(d.quad->cells_y);
   if (!whole) return "numbers of cells must be whole";
   return std::nullopt;
 }

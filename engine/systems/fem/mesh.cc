@@ -253,6 +253,16 @@ std::vector<std::array<uint32_t, 3>> Mesh::triangles() const {
   return out;
 }
 
+std::vector<uint32_t> Mesh::triangle_cells() const {
+  std::vector<uint32_t> out;
+  if (kind->dimension == 2) {
+    for (uint32_t k = 0; k < cells(); ++k) out.insert(out.end(), kind->triangles.size(), k);
+    return out;
+  }
+  for (const Facet& f : surface) out.insert(out.end(), kind->faces[f.face].kind->triangles.size(), f.cell);
+  return out;
+}
+
 Mesh build_mesh(const FemDef& def) {
   Mesh out;
   out.kind = &element_of(kind_of(cell_of(def)));

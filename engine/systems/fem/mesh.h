@@ -45,6 +45,8 @@ struct Mesh {
   double diagonal() const;
   /// Triangles to draw: the surface, or a plane body itself.
   std::vector<std::array<uint32_t, 3>> triangles() const;
+  /// The element that each of them belongs to.
+  std::vector<uint32_t> triangle_cells() const;
 };
 
 Mesh build_mesh(const FemDef& def);

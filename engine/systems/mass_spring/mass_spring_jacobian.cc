@@ -208,16 +208,18 @@ std::optional<ForceField::Stiffness> MassSpringField::stiffness(const State& sta
   const auto w = state.f64(Columns::inverse_mass);
   const double viscous = state.f64(Columns::damping)[0], internal = state.f64(Columns::damping)[1];
   const size_t n = network_.x.size();
-  // u^T K u <= 2 sum_i u_i^T K_ii u_i holds for every spring, hence for all: only diagonal blocks matter.
+  // u^T K u <= 2 sum_i u_i^T K_ii u_i holds for every spring, hence for all: only diagonal blocks matter. A
+  // spring that ends at a point that does not move has u^T K u = u_i^T K_ii u_i, half of that.
   std::vector<double> sum_k(9 * n, 0.0), sum_n(9 * n, 0.0);
   for (size_t s = 0; s < schedule_.a.size(); ++s) {
     const Vec3 d = load3(x.data(), schedule_.b[s]) - load3(x.data(), schedule_.a[s]);
     const double k = k_family[static_cast<size_t>(schedule_.family[s])] * schedule_.scale[s];
     const double l2 = norm2(d), per_l2 = l2 > 0 ? 1 / l2 : 0;
     const double across = std::max(0.0, spring::stiffness(l2, k, schedule_.rest[s]).alpha);
+    const double part = w[schedule_.a[s]] > 0 && w[schedule_.b[s]] > 0 ? 1 : 0.5;
     for (const uint32_t p : {schedule_.a[s], schedule_.b[s]}) {
-      add_symmetric(&sum_k[9 * size_t{p}], across, (k - across) * per_l2, d);
-      add_symmetric(&sum_n[9 * size_t{p}], 0, per_l2, d);
+      add_symmetric(&sum_k[9 * size_t{p}], part * across, part * (k - across) * per_l2, d);
+      add_symmetric(&sum_n[9 * size_t{p}], 0, part * per_l2, d);
     }
   }
   // Three points: u^T K u <= 3 sum_i u_i^T K_ii u_i, half as much again as for two.

@@ -1,8 +1,6 @@
 // Refinement of ropes, hair and cloth. A chain of n springs of stiffness k is as stiff as one of 2 n with 2
 // k; a sheet keeps its spring stiffness at any number of springs. Mass comes from a density. At ends and
 // borders the lumped values are off by half a link, which makes them first order there.
-#include <cmath>
-
 #include "engine/core/def/resolution.h"
 #include "engine/systems/mass_spring/mass_spring_def.h"
 
@@ -12,12 +10,7 @@ namespace {
 
 using Why = std::optional<std::string>;
 
-bool divided(int& count, double factor, int least) {
-  const double wanted = factor * count;
-  if (wanted != std::floor(wanted) || wanted < least || wanted > 1e6) return false;
-  count = static_cast<int>(wanted);
-  return true;
-}
+constexpr double kMost = 1e6;  // links along a line
 
 Why divide(void* def, double factor) {
   auto& d = *static_cast<MassSpringDef*>(def);
@@ -30,14 +23,16 @@ Why divide(void* def, double factor) {
   }
   if (!d.pins.empty()) return "pins by index mean other points at another resolution: give names (pinned)";
   if (d.rope || d.hair) {
-    if (!divided(d.rope ? d.rope->links : d.hair->links, factor, 2)) return "numbers of links must be whole";
+    if (!divided(d.rope ? d.rope->links : d.hair->links, factor, 2, kMost))
+      return "numbers of links must be whole";
     d.stiffness *= factor, d.internal_damping *= factor, d.damping /= factor;
     return std::nullopt;
   }
   // Points along a side; refinement divides the links between them.
   auto& g = *d.cloth_grid;
   int u = g.nx - 1, v = g.ny - 1;
-  if (!divided(u, factor, 2) || !divided(v, factor, 2)) return "nx - 1 and ny - 1 must be whole numbers";
+  if (!divided(u, factor, 2, kMost) || !divided(v, factor, 2, kMost))
+    return "nx - 1 and ny - 1 must be whole numbers";
   g.nx = u + 1, g.ny = v + 1;
   d.damping /= factor * factor;
   return std::nullopt;

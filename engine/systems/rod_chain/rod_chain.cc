@@ -5,6 +5,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/core/commands/command_checks.h"
+#include "engine/core/commands/user_forces.h"
 #include "engine/integrators/advance.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/systems/rod_chain/treatments.h"
@@ -16,7 +17,26 @@ using rod_chain::Rod;
 
 namespace {
 
-enum Column : State::Column { kPosition, kVelocity, kDirection, kSpin, kGravity, kCarry };
+enum Column : State::Column {
+  kPosition,
+  kVelocity,
+  kDirection,
+  kSpin,
+  kGravity,
+  kPushRod,
+  kPushForce,
+  kPushRemaining,
+  kPushAt,
+  kDragRod,
+  kDragTarget,
+  kDragStiffness,
+  kDragAt,
+  kCarry
+};
+// Points of action are kept as their distance along the rod from its centre, in x.
+constexpr UserForces kHands{{kPushRod, kPushForce, kPushRemaining, kPushAt},
+                            {kDragRod, kDragTarget, kDragStiffness, kDragAt}};
+constexpr double kDragDampingRatio = 0.7;  // of a drag on the mass of a rod
 constexpr std::string_view kScratch = "rod_chain";
 constexpr int kMostHalvings = 12;  // of a step of projection
 
@@ -43,6 +63,8 @@ class RodChain final : public StagedSystem {
     for (size_t k = 0; k < 3; ++k) {
       if (k != chosen) skip_stage(names[k], "constraints is " + std::string(names[chosen]));
     }
+    add_stage("hands", "ends pushes whose duration is over",
+              [](State& s, const StepInput& in) { kHands.count_down(s, in.h); });
     set_parts({{PartInfo::Kind::points,
                 "",
                 {{"position", "m", Scalar::f64, 3, Meaning::position},
@@ -66,6 +88,14 @@ class RodChain final : public StagedSystem {
     s.add({"direction", "1", Scalar::f64, 3, Role::position}, n);
     s.add({"angular_velocity", "rad/s", Scalar::f64, 3, Role::velocity}, n);
     s.add({"gravity", "m/s^2", Scalar::f64, 3}, 1);
+    s.add({"push.rod", "1", Scalar::u32}, 0);
+    s.add({"push.force", "N", Scalar::f64, 3}, 0);
+    s.add({"push.remaining", "s"}, 0);
+    s.add({"push.at", "m", Scalar::f64, 3}, 0);
+    s.add({"drag.rod", "1", Scalar::u32}, 0);
+    s.add({"drag.target", "m", Scalar::f64, 3}, 0);
+    s.add({"drag.stiffness", "N/m"}, 0);
+    s.add({"drag.at", "m", Scalar::f64, 3}, 0);
     if (adaptive()) s.add({"integrator.carry", "1"}, 2);
     store3(s.f64(kGravity).data(), 0, gravity_);
     const Vec3 u = normalized(def_.direction);
@@ -90,7 +120,17 @@ class RodChain final : public StagedSystem {
                                const ThreadArena&) const override {
     auto& scratch = workspace.object<rod_chain::Scratch>(kScratch);
     load(s, scratch.rods);
-    return energy_of(chain(s), scratch.rods);
+    Energy e = energy_of(chain(s), scratch.rods);
+    if (kHands.any(s)) e.exchange = Energy::Exchange::open;
+    return e;
+  }
+
+  void check(StateCheck& check, double) const override {
+    const auto n = static_cast<uint64_t>(def_.links);
+    kHands.check_pushes(check, n);
+    check.together({kDragRod, kDragTarget, kDragStiffness, kDragAt});
+    for (const uint32_t rod : check.state().span<uint32_t>(kDragRod))
+      check.require(rod < n, "the rod of a drag");
   }
 
   FieldView field(const State& s, size_t part, size_t field, std::vector<double>& scratch) const override {
@@ -101,20 +141,34 @@ class RodChain final : public StagedSystem {
 
   void apply(State& s, const Command& c) const override {
     check_command_numbers(c);
-    refuse_place(c, "joint of rods");
-    if (c.kind == CommandKind::impulse) {
-      const size_t j = checked_command_row(c, s.rows(kPosition), "rod");
-      double* v = s.f64(kVelocity).data();
-      return store3(v, j, load3(v, j) + c.vector / def_.mass);
+    const auto rod = [&] { return checked_command_row(c, s.rows(kPosition), "rod"); };
+    switch (c.kind) {
+      case CommandKind::push: {
+        const size_t j = rod();
+        return kHands.add_push(s, {j, c.vector, {place(s, c, j), 0, 0}}, c.duration);
+      }
+      case CommandKind::impulse:
+        return hit(s, rod(), c);
+      case CommandKind::drag: {
+        if (c.value < 0) refuse_command("value", "out_of_range", "the stiffness must be at least 0");
+        // The weight of the whole chain stretches a drag of the usual stiffness by a tenth of a metre.
+        const double usual = 100 * def_.mass * static_cast<double>(def_.links);
+        const size_t j = rod();
+        const auto at = c.at ? std::optional(Vec3{place(s, c, j), 0, 0}) : std::nullopt;
+        return kHands.set_drag(s, j, c.vector, c.value > 0 ? c.value : usual, at);
+      }
+      case CommandKind::release:
+        return kHands.release(s, c.index == -1 ? std::nullopt : std::optional<uint64_t>(rod()));
+      case CommandKind::set_parameter:
+        if (c.name != "gravity")
+          refuse_command("name", "unknown_parameter", "there is no parameter \"" + c.name + "\" to set",
+                         "gravity");
+        return store3(s.f64(kGravity).data(), 0, c.vector);
+      default:
+        break;
     }
-    if (c.kind == CommandKind::set_parameter) {
-      if (c.name != "gravity")
-        refuse_command("name", "unknown_parameter", "there is no parameter \"" + c.name + "\" to set",
-                       "gravity");
-      return store3(s.f64(kGravity).data(), 0, c.vector);
-    }
-    refuse_command("type", "unsupported_command", "a chain of rods takes no such command",
-                   "impulse, set_parameter");
+    refuse_command("type", "unsupported_command", "rods can neither be pinned nor added nor removed",
+                   "push, impulse, drag, release, set_parameter");
   }
 
   void draw(const State& s, double, Wish wishes, Drawing& out) const override {
@@ -136,6 +190,21 @@ class RodChain final : public StagedSystem {
   }
 
  private:
+  // The nearest point of a rod to that of the command, m from its centre.
+  double place(const State& s, const Command& c, size_t j) const {
+    if (!c.at) return 0;
+    const Vec3 arm = *c.at - load3(s.f64(kPosition).data(), j);
+    return std::clamp(dot(arm, load3(s.f64(kDirection).data(), j)), -chain_.half, chain_.half);
+  }
+  // Springs pass an impulse on in time; where joints are exact, all rods respond at once.
+  void hit(State& s, size_t j, const Command& c) const {
+    std::vector<Rod> rods = load(s);
+    const Change d = pulled(chain_, rods[j], place(s, c, j), c.vector);
+    rods[j].v += d.v, rods[j].w += d.w;
+    rod_chain::Scratch scratch;
+    if (def_.constraints != RodChainDef::Treatment::penalty) close_rates(chain_, rods, scratch);
+    store(s, rods);
+  }
   // Of every rod's end that is farther from the anchor: position, or velocity.
   FieldView ends(const State& s, bool velocities, std::vector<double>& scratch) const {
     const size_t n = s.rows(kPosition);
@@ -180,10 +249,37 @@ class RodChain final : public StagedSystem {
     return out;
   }
 
+  static void store(State& s, std::span<const Rod> rods) {
+    for (size_t j = 0; j < rods.size(); ++j) {
+      const Rod& r = rods[j];
+      store3(s.f64(kPosition).data(), j, r.x), store3(s.f64(kVelocity).data(), j, r.v);
+      store3(s.f64(kDirection).data(), j, r.u), store3(s.f64(kSpin).data(), j, r.w);
+    }
+  }
+  void load_hands(const State& s, std::vector<Hand>& out) const {
+    out.clear();
+    for (size_t k = 0; k < kHands.pushes(s); ++k) {
+      const UserForces::Push p = kHands.push(s, k);
+      out.push_back({.rod = static_cast<size_t>(p.who), .along = p.at.x, .force = p.force});
+    }
+    for (size_t k = 0; k < kHands.drags(s); ++k) {
+      const UserForces::Drag d = kHands.drag(s, k);
+      const double damping = 2 * kDragDampingRatio * std::sqrt(d.stiffness * def_.mass);
+      out.push_back({.rod = static_cast<size_t>(d.who),
+                     .along = d.at.x,
+                     .force = {},
+                     .stiffness = d.stiffness,
+                     .damping = damping,
+                     .target = d.target});
+    }
+  }
+
   void advance(State& s, const StepInput& in) const {
     auto& scratch = in.workspace.object<rod_chain::Scratch>(kScratch);
     load(s, scratch.rods);
-    const Chain c = chain(s);
+    Chain c = chain(s);
+    load_hands(s, scratch.hands);
+    c.hands = scratch.hands;
     const double h = in.h / static_cast<double>(substeps_);
     if (adaptive()) choose_steps(s, c, in, scratch);
     for (int64_t k = 0; k < substeps_ && !adaptive(); ++k) {
@@ -199,11 +295,7 @@ class RodChain final : public StagedSystem {
           break;
       }
     }
-    for (size_t j = 0; j < scratch.rods.size(); ++j) {
-      const Rod& r = scratch.rods[j];
-      store3(s.f64(kPosition).data(), j, r.x), store3(s.f64(kVelocity).data(), j, r.v);
-      store3(s.f64(kDirection).data(), j, r.u), store3(s.f64(kSpin).data(), j, r.w);
-    }
+    store(s, scratch.rods);
   }
 
   // A step from which projection finds no way back to a closed chain is split in two.

@@ -2,8 +2,6 @@
 // springs stand in series, so that n of k are as stiff as 2 n of 2 k. In the limit it is a flexible,
 // inextensible thread. Centres of rods lie elsewhere at every resolution; the ends of the coarse ones are
 // ends of fine ones too.
-#include <cmath>
-
 #include "engine/core/def/resolution.h"
 #include "engine/systems/rod_chain/rod_chain.h"
 
@@ -13,10 +11,7 @@ namespace {
 
 std::optional<std::string> divide(void* def, double factor) {
   auto& d = *static_cast<RodChainDef*>(def);
-  const double wanted = factor * static_cast<double>(d.links);
-  if (wanted != std::floor(wanted) || wanted < 1 || wanted > 1e5)
-    return "the number of links must be whole, from 1 to 100000";
-  d.links = static_cast<int64_t>(wanted);
+  if (!divided(d.links, factor, 1, 1e5)) return "the number of links must be whole, from 1 to 100000";
   d.length /= factor, d.mass /= factor;
   d.stiffness *= factor, d.damping *= factor;
   return std::nullopt;

@@ -56,6 +56,28 @@ Change response(const Chain& c, std::span<const Rod> rods, std::span<const Vec3>
   return {(at_start + at_end) / c.mass, cross(rods[j].u, at_end - at_start) * (c.half / c.inertia)};
 }
 
+Change pulled(const Chain& c, const Rod& rod, double along, const Vec3& force) {
+  return {force / c.mass, cross(rod.u, force) * (along / c.inertia)};
+}
+
+namespace {
+Vec3 hand_force(const Rod& r, const Hand& hand) {
+  const Vec3 arm = r.u * hand.along;
+  return hand.force - (r.x + arm - hand.target) * hand.stiffness - (r.v + cross(r.w, arm)) * hand.damping;
+}
+}  // namespace
+
+Change hand_rates(const Chain& c, const Rod& rod, const Hand& hand) {
+  return pulled(c, rod, hand.along, hand_force(rod, hand));
+}
+
+Change hand_step(const Chain& c, const Rod& rod, const Hand& hand, double h) {
+  // Implicit Euler with the largest mobility of the point: across the rod.
+  const double mobility = 1 / c.mass + hand.along * hand.along / c.inertia;
+  const double yield = 1 + mobility * h * (h * hand.stiffness + hand.damping);
+  return pulled(c, rod, hand.along, hand_force(rod, hand) * (h / yield));
+}
+
 double kinetic(const Chain& c, std::span<const Rod> rods) {
   double e = 0;
   for (const Rod& r : rods) e += 0.5 * c.mass * norm2(r.v) + 0.5 * c.inertia * norm2(r.w);

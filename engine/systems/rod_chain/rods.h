@@ -14,9 +14,19 @@ struct Rod {
   Vec3 v, w;  ///< m/s; rad/s, across u
 };
 
+/// A push, or a drag: a damped spring from a point of a rod to a point in space.
+struct Hand {
+  size_t rod = 0;
+  double along = 0;                   ///< m, from the rod's centre towards its end
+  Vec3 force;                         ///< N
+  double stiffness = 0, damping = 0;  ///< N/m, N s/m
+  Vec3 target;                        ///< m
+};
+
 struct Chain {
   double half = 0.1, mass = 0.1, inertia = 0;  ///< m, kg, kg m^2 across
   Vec3 anchor, gravity;
+  std::span<const Hand> hands;
 };
 
 /// x turned by the rotation vector r.
@@ -37,6 +47,12 @@ struct Change {
   Vec3 v, w;
 };
 Change response(const Chain& c, std::span<const Rod> rods, std::span<const Vec3> force, size_t j);
+/// Effect of a force (or impulse) on a rod, `along` m from its centre.
+Change pulled(const Chain& c, const Rod& rod, double along, const Vec3& force);
+/// Accelerations of a hand's rod by its present force.
+Change hand_rates(const Chain& c, const Rod& rod, const Hand& hand);
+/// Changes of v and w in a step of h (s); stable for any stiffness.
+Change hand_step(const Chain& c, const Rod& rod, const Hand& hand, double h);
 /// Energies (J).
 double kinetic(const Chain& c, std::span<const Rod> rods);
 double potential(const Chain& c, std::span<const Rod> rods);

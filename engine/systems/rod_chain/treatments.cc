@@ -38,15 +38,20 @@ double project_places(const Chain& c, std::span<Rod> rods, double tolerance, Scr
   return largest(s.force);
 }
 
-/// Enforces C' = 0 by impulses.
-void project_velocities(const Chain& c, std::span<Rod> rods, Scratch& s) {
-  gap_rates(c, rods, s.force);
-  for (Vec3& f : s.force) f = -f;
-  constraint_matrix(c, rods, s.matrix);
-  s.matrix.solve(s.force);
-  for (size_t j = 0; j < rods.size(); ++j) {
-    const Change d = response(c, rods, s.force, j);
-    rods[j].v += d.v, rods[j].w += d.w;
+void sum_pulls(const Chain& c, std::span<const Rod> rods, Scratch& s) {
+  s.pulls.assign(rods.size(), {});
+  for (const Hand& hand : c.hands) {
+    const Change d = hand_rates(c, rods[hand.rod], hand);
+    s.pulls[hand.rod].v += d.v, s.pulls[hand.rod].w += d.w;
+  }
+}
+
+/// Hands in semi-implicit steps of h.
+void take_hands(const Chain& c, std::span<Rod> rods, double h) {
+  for (const Hand& hand : c.hands) {
+    Rod& r = rods[hand.rod];
+    const Change d = hand_step(c, r, hand, h);
+    r.v += d.v, r.w += d.w;
   }
 }
 
@@ -60,11 +65,23 @@ void lagrange_rates(const Chain& c, std::span<const Rod> rods, std::span<Rod> ra
     s.force[j] = inward + before - (j == 0 ? c.gravity : Vec3{});
     before = inward;
   }
+  if (!c.hands.empty()) {
+    sum_pulls(c, rods, s);
+    Vec3 end;  // acceleration of the previous rod's end by hands
+    for (size_t j = 0; j < rods.size(); ++j) {
+      const Vec3 turning = cross(s.pulls[j].w, rods[j].u) * c.half;
+      s.force[j] -= s.pulls[j].v - turning - end;
+      end = s.pulls[j].v + turning;
+    }
+  }
   constraint_matrix(c, rods, s.matrix);
   s.matrix.solve(s.force);
   for (size_t j = 0; j < rods.size(); ++j) {
     const Change d = response(c, rods, s.force, j);
     rates[j] = {rods[j].v, cross(rods[j].w, rods[j].u), c.gravity + d.v, d.w};
+  }
+  for (size_t j = 0; j < rods.size() && !c.hands.empty(); ++j) {
+    rates[j].v += s.pulls[j].v, rates[j].w += s.pulls[j].w;
   }
 }
 
@@ -110,16 +127,16 @@ void step_penalty(const Chain& chain, std::span<Rod> rods, double h, double k, d
     const Change d = response(chain, rods, s.force, j);
     rods[j].v += (chain.gravity + d.v) * h, rods[j].w += d.w * h;
   }
+  take_hands(chain, rods, h);
   for (Rod& r : rods) r.x += r.v * h, r.u = normalized(turned(r.u, r.w * h));
 }
 
 bool step_projection(const Chain& chain, std::span<Rod> rods, double h, double tolerance, Scratch& s) {
   const size_t n = rods.size();
   s.force.resize(n), s.from.resize(n), s.stage.assign(rods.begin(), rods.end());
-  for (Rod& r : rods) {
-    r.v += chain.gravity * h;
-    r.x += r.v * h, r.u = normalized(turned(r.u, r.w * h));
-  }
+  for (Rod& r : rods) r.v += chain.gravity * h;
+  take_hands(chain, rods, h);
+  for (Rod& r : rods) r.x += r.v * h, r.u = normalized(turned(r.u, r.w * h));
   constexpr double kClosed = 1e-9;  // of a rod: far above rounding, far below anything visible
   if (!(project_places(chain, rods, tolerance, s) <= std::max(tolerance, kClosed * chain.half))) {
     std::copy(s.stage.begin(), s.stage.end(), rods.begin());
@@ -150,6 +167,18 @@ void step_lagrange(const Chain& chain, std::span<Rod> rods, double h, double tol
   close_gaps(chain, rods, tolerance, s);
 }
 
+void close_rates(const Chain& chain, std::span<Rod> rods, Scratch& s) {
+  s.force.resize(rods.size());
+  gap_rates(chain, rods, s.force);
+  for (Vec3& f : s.force) f = -f;
+  constraint_matrix(chain, rods, s.matrix);
+  s.matrix.solve(s.force);
+  for (size_t j = 0; j < rods.size(); ++j) {
+    const Change d = response(chain, rods, s.force, j);
+    rods[j].v += d.v, rods[j].w += d.w;
+  }
+}
+
 void close_gaps(const Chain& chain, std::span<Rod> rods, double tolerance, Scratch& s) {
   s.force.resize(rods.size()), s.from.resize(rods.size());
   for (Rod& r : rods) {
@@ -157,7 +186,7 @@ void close_gaps(const Chain& chain, std::span<Rod> rods, double tolerance, Scrat
     r.w -= r.u * dot(r.u, r.w);
   }
   project_places(chain, rods, tolerance, s);
-  project_velocities(chain, rods, s);
+  close_rates(chain, rods, s);
 }
 
 }  // namespace truestep::rod_chain

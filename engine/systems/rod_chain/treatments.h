@@ -10,6 +10,8 @@ struct Scratch {
   BlockTridiagonal matrix;
   std::vector<Vec3> force;
   std::vector<Rod> rods, from, stage, rates, sum;
+  std::vector<Hand> hands;
+  std::vector<Change> pulls;  ///< accelerations by hands, one per rod
 };
 
 /// The chain with exact joint forces as first-order equations: x, u, v, w of every rod.
@@ -40,6 +42,8 @@ void step_penalty(const Chain& chain, std::span<Rod> rods, double h, double k, d
                                    Scratch& s);
 /// Exact multipliers, RK4, then projection of positions and velocities.
 void step_lagrange(const Chain& chain, std::span<Rod> rods, double h, double tolerance, Scratch& s);
+/// Makes the rates of all gaps 0 by impulses in the joints.
+void close_rates(const Chain& chain, std::span<Rod> rods, Scratch& s);
 /// Completes a step with multipliers: normalises directions, makes spins perpendicular to them, then closes
 /// gaps and their rates.
 void close_gaps(const Chain& chain, std::span<Rod> rods, double tolerance, Scratch& s);

@@ -6,8 +6,6 @@
 // refinement with their number given.
 #include "engine/systems/xpbd/xpbd_resolution.h"
 
-#include <cmath>
-
 #include "engine/systems/xpbd/xpbd_def.h"
 
 namespace truestep::xpbd {
@@ -16,13 +14,7 @@ namespace {
 
 using Why = std::optional<std::string>;
 
-bool divided(int& count, double factor, int least) {
-  constexpr double kMost = 1e6;  // along a line
-  const double wanted = factor * count;
-  if (wanted != std::floor(wanted) || wanted < least || wanted > kMost) return false;
-  count = static_cast<int>(wanted);
-  return true;
-}
+constexpr double kMost = 1e6;  // along a line
 
 Why cannot(const XpbdDef& d) {
   if (d.mesh) return "a mesh cannot be refined";
@@ -41,14 +33,14 @@ Why divide(void* def, double factor) {
   if (Why why = cannot(d)) return why;
   if (d.rope || d.helix || d.hair) {
     int& links = d.rope ? d.rope->links : d.helix ? d.helix->links : d.hair->links;
-    if (!divided(links, factor, 2)) return "numbers of links must be whole and at least 2";
+    if (!divided(links, factor, 2, kMost)) return "numbers of links must be whole and at least 2";
     d.stiffness *= factor, d.internal_damping *= factor, d.damping /= factor;
     return std::nullopt;
   }
   if (d.block) {
     SoftBlockShape& b = *d.block;
     for (int* cells : {&b.cells_x, &b.cells_y, &b.cells_z}) {
-      if (!divided(*cells, factor, 1)) return "numbers of cells must be whole";
+      if (!divided(*cells, factor, 1, kMost)) return "numbers of cells must be whole";
     }
     d.stiffness /= factor, d.internal_damping /= factor, d.damping /= factor * factor * factor;
     return std::nullopt;
@@ -56,7 +48,8 @@ Why divide(void* def, double factor) {
   // Points along a side; refinement divides the links between them.
   ClothGridShape& g = *d.cloth_grid;
   int u = g.nx - 1, v = g.ny - 1;
-  if (!divided(u, factor, 2) || !divided(v, factor, 2)) return "nx - 1 and ny - 1 must be whole numbers";
+  if (!divided(u, factor, 2, kMost) || !divided(v, factor, 2, kMost))
+    return "nx - 1 and ny - 1 must be whole numbers";
   g.nx = u + 1, g.ny = v + 1;
   d.damping /= factor * factor;
   return std::nullopt;
