@@ -10,6 +10,7 @@
 #include "engine/core/equations/integrator.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/math/block_sparse.h"
+#include "engine/math/block_sparse_eigen.h"
 #include "engine/math/trig.h"
 #include "engine/systems/mass_spring/mass_spring_def.h"
 #include "engine/systems/mass_spring/mass_spring_field.h"
@@ -181,7 +182,7 @@ void implicit_step() {
   // Where each value of Eigen's matrix comes from.
   BlockSparse index = dfdx;
   for (size_t i = 0; i < index.values().size(); ++i) index.values()[i] = double(i + 1);
-  Eigen::SparseMatrix<double> a = index.to_eigen();
+  Eigen::SparseMatrix<double> a = to_eigen(index);
   std::vector<size_t> from(static_cast<size_t>(a.nonZeros()));
   for (size_t i = 0; i < from.size(); ++i) from[i] = static_cast<size_t>(a.valuePtr()[i]) - 1;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> ldlt;

@@ -130,4 +130,56 @@ test("the switch of colours is there where something has the field", async () =>
   assert.ok(await page.locator("#show-speed").isVisible(), "control: water has");
 });
 
+/** How many pixels have the colours of the map's ends, violet and yellow. */
+async function ends() {
+  const shot = await pixels(page, { x: 60, y: 70, width: 1160, height: 600 });
+  return [shot.where((r, g, b) => b > g + 40 && r > g + 20).length, shot.where((r, g, b) => r > 2.5 * b && g > 2.5 * b && r > 100).length];
+}
+
+test("triangles have the colours of their elements", async () => {
+  // Of two squares one is stretched by half: J = 1 and 1.5, the ends of the map, violet and yellow.
+  const squares = (viewer) => ({
+    time: { dt: 0.1 }, gravity: [0, 0, 0], viewer: { labels: false, ...viewer },
+    systems: [{
+      type: "fem", id: "s", motion: "quasi_static", plane: "strain", element: "quad4",
+      mesh: { cells: [0, 1, 2, 3, 4, 5, 6, 7], vertices: [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [3, 0, 0], [3, 1, 0], [2, 1, 0]] },
+      sets: [{ name: "still", high: [1.5, 2, 1] }, { name: "pulled", low: [1.5, -1, -1] }],
+      holds: [{ on: "still" }, { on: "pulled", x: "X/2-1", y: "0" }],
+    }],
+  });
+  const shown = async (viewer) => {
+    const id = await open(page, url, squares(viewer));
+    await ask(url, `/v1/sessions/${id}/step`, { steps: 1 });
+    await until(page, async () => (await page.textContent("#read-step")) === "1", "a step");
+  };
+  await shown({ color_by: "jacobian" });
+  await until(page, async () => Math.min(...(await ends())) > 3000, "a violet square and a yellow one");
+  assert.match(await page.textContent("#scale"), /jacobian/);
+  await shown({});
+  const without = await ends();
+  assert.ok(Math.max(...without) < 50, `control: ${without}`);
+});
+
+test("joints have the colours of their forces", async () => {
+  const hanging = (viewer) => ({
+    time: { dt: 0.01 }, gravity: [0, -10, 0], viewer: { labels: false, ...viewer },
+    systems: [{
+      type: "rigid3d", id: "r", sleeping: false,
+      bodies: [{ type: "sphere", radius: 0.2, mass: 1, position: [0, 0, 0] }, { type: "sphere", radius: 0.2, mass: 3, position: [2, 0, 0] }],
+      joints: [{ type: "ball", a: -1, b: 0, anchor: [0, 0.5, 0] }, { type: "ball", a: -1, b: 1, anchor: [2, 0.5, 0] }],
+    }],
+  });
+  const shown = async (viewer) => {
+    const id = await open(page, url, hanging(viewer));
+    await ask(url, `/v1/sessions/${id}/step`, { steps: 20 });
+    await until(page, async () => (await page.textContent("#read-step")) === "20", "20 steps");
+  };
+  await shown({ color_by: "force", range: [10, 30] });
+  await until(page, async () => Math.min(...(await ends())) > 20, "a violet mark and a yellow one");
+  assert.match(await page.textContent("#scale"), /force \(N\)/);
+  await shown({});
+  const without = await ends();
+  assert.ok(Math.max(...without) < 5, `control: ${without}`);
+});
+
 test("nothing complained", () => assert.deepEqual(bad, []));

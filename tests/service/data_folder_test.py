@@ -12,16 +12,14 @@ RECORDED = {**OSCILLATOR, "recording": {}}
 
 
 def second(folder):
-    """A server on a folder that is in use: it ends by itself, and the one that does not is ended."""
+    """A server on a folder that is in use: it ends by itself, and one that listens instead is ended."""
     process = subprocess.Popen([BINARY, "serve", "--port", "0", "--data-dir", folder], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    try:
-        return process.wait(patience(5)), process.stderr.read()
-    except subprocess.TimeoutExpired:
-        process.terminate()
-        return process.wait(patience(20)), "listens"
-    finally:
-        process.stdout.close()
-        process.stderr.close()
+    with process:
+        listens = "listening on " in process.stdout.readline()
+        if listens:
+            process.terminate()
+        said = process.communicate(timeout=patience(20))[1]
+        return process.returncode, "listens" if listens else said
 
 
 def contents(folder):

@@ -77,7 +77,7 @@ class Schemathesis(Case):
         environment = {**os.environ, "SCHEMATHESIS_HOOKS": "schemathesis_hooks", "PYTHONPATH": str(HERE),
                        "TRUESTEP_SESSION": session, "TRUESTEP_OPERATION": study.json()["id"]}
         done = subprocess.run([TOOL, "--config-file", HERE / "schemathesis.toml", "run", self.service.url + "/openapi.json",
-                               "--max-time", str(SECONDS)],
+                               "--max-time", str(SECONDS), "--request-timeout", str(patience(5))],
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment, cwd=self.service.data,
                               timeout=patience(3 * SECONDS))
         self.assertEqual(done.returncode, 0, done.stdout[-6000:])

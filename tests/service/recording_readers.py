@@ -110,7 +110,8 @@ def image_of(data):
 def case_grids(loop, folder):
     """Images: in the VTKHDF group without a copy, and exported; every number, and where it lies."""
     path = record(loop, folder, 40, 7, "grids")
-    places = {"plate": ((1, 2, 0), (0.5, 0.25, 1), False), "block": ((-0.5, -1, -1.5), (1, 2, 3), True)}
+    places = {"plate": ((1, 2, 0), (0.5, 0.25, 1), False), "block": ((-0.5, -1, -1.5), (1, 2, 3), True),
+              "rod": ((1, 2, 3), (0.5, 1, 1), False)}
     subprocess.run([READ, path, "export", "vti", Path(folder) / "out"], check=True, stdout=subprocess.DEVNULL)
     with h5py.File(path, "r") as f:
         assert f["VTKHDF/plate/PointData/value"].is_virtual, "no data is copied"
@@ -127,8 +128,8 @@ def case_grids(loop, folder):
             reader.SetStep(step)
             reader.Update()
             out = reader.GetOutputDataObject(0)
-            assert out.GetNumberOfPartitionedDataSets() == 2
-            for k, name in enumerate(("plate", "block")):
+            assert out.GetNumberOfPartitionedDataSets() == 3
+            for k, name in enumerate(places):
                 exported = vtk.vtkXMLImageDataReader()
                 exported.SetFileName(str(Path(folder) / f"out.{name}.{step:06}.vti"))
                 exported.Update()

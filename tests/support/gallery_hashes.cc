@@ -1,7 +1,8 @@
 // Prints, for every scene of a folder, its name and its state's hash after 40 steps, on which all builds must
 // agree. Or the first half of that in one process, which saves the states, and the other half in another.
-// `short` is for slow builds: 8 steps if the state is large.
-//   gallery_hashes FOLDER THREADS [short]
+// `short` is for slow builds: 8 steps if the state is large. `both` prints from one run what would be printed
+// without a word and, in lines that begin with `short`, what would be printed with that word.
+//   gallery_hashes FOLDER THREADS [short | both]
 //   gallery_hashes FOLDER THREADS save | resume STATES
 #include <algorithm>
 #include <cstdlib>
@@ -33,6 +34,12 @@ std::vector<std::byte> bytes_of(const std::filesystem::path& file) {
   return bytes;
 }
 
+std::string line(const std::filesystem::path& file, uint64_t steps, const truestep::Session& session) {
+  std::ostringstream text;
+  text << file.stem().string() << ' ' << steps << ' ' << std::hex << session.hash() << '\n';
+  return text.str();
+}
+
 // A scene that is meant to fail ends at its last good step, which is part of the comparison.
 uint64_t run(truestep::Session& session, uint64_t steps) {
   try {
@@ -46,9 +53,11 @@ uint64_t run(truestep::Session& session, uint64_t steps) {
 
 int main(int count, char** words) {
   const std::string_view mode = count > 3 ? words[3] : "";
-  const int words_of_mode = mode == "save" || mode == "resume" ? 2 : mode == "short" ? 1 : 0;
+  const int words_of_mode = mode == "save" || mode == "resume"  ? 2
+                            : mode == "short" || mode == "both" ? 1
+                                                                : 0;
   if (count != 3 + words_of_mode) {
-    std::cerr << "gallery_hashes FOLDER THREADS [short | save STATES | resume STATES]\n";
+    std::cerr << "gallery_hashes FOLDER THREADS [short | both | save STATES | resume STATES]\n";
     return 2;
   }
   std::vector<std::filesystem::path> scenes;
@@ -69,9 +78,11 @@ int main(int count, char** words) {
     if (mode == "resume")
       session.restore(
           truestep::WorldState::deserialize(bytes_of(std::filesystem::path(words[4]) / file.stem())));
-    const bool few = mode == "short" && session.state().serialize().size() > kLarge;
-    const uint64_t steps = run(session, (few ? kFewSteps : kSteps) - session.step_index());
-    std::cout << file.stem().string() << ' ' << steps << ' ' << std::hex << session.hash() << std::dec
-              << '\n';
+    const bool large = session.state().serialize().size() > kLarge;
+    if (mode == "both" && large) std::cout << "short " << line(file, run(session, kFewSteps), session);
+    const uint64_t steps = mode == "short" && large ? kFewSteps : kSteps;
+    const std::string last = line(file, run(session, steps - session.step_index()), session);
+    std::cout << last;
+    if (mode == "both" && !large) std::cout << "short " << last;
   }
 }

@@ -8,7 +8,7 @@ namespace {
 
 using testing_rig::XpbdRun;
 
-class XpbdDeterminism : public testing::TestWithParam<Precision> {
+class XpbdDeterminism : public ::testing::TestWithParam<Precision> {
  protected:
   static XpbdDef cloth() {
     XpbdDef d;
@@ -45,7 +45,7 @@ class XpbdDeterminism : public testing::TestWithParam<Precision> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Precisions, XpbdDeterminism, testing::Values(Precision::f64, Precision::f32));
+INSTANTIATE_TEST_SUITE_P(Precisions, XpbdDeterminism, ::testing::Values(Precision::f64, Precision::f32));
 
 TEST_P(XpbdDeterminism, ThreadsChangeNothing) {
   for (const XpbdDef& d : {cloth(), block()}) {

@@ -22,7 +22,7 @@ struct Rules {
   /// Largest fraction that may be lost; empty: any.
   std::optional<double> loss;
   double stored = 0;  ///< J that springs hold at the start, whether the observable energy counts them or not
-  double drives = 0;  ///< J that motors and emitters can give at most
+  double drives = 0;  ///< J that motors, emitters and the lift out of an overlap at the start can give
   /// Closed systems: kg m/s and kg m^2/s by which the totals may change; empty: not closed.
   std::optional<double> momentum, angular_momentum;
   /// m that a body found asleep may move within 0.4 s of being woken; empty: sleep is not judged.

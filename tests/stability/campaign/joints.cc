@@ -166,11 +166,7 @@ void springs_2d(Dice& d, Trial& t) {
     if (kind == "prismatic" || kind == "wheel") j["axis"] = vec(1, 0);
     const double hertz = d.spread(0.5, 30) * std::min(1.0, 1.0 / (60 * dt));
     fastest = std::max(fastest, 2 * std::numbers::pi * hertz);
-    if (kind == "wheel") {
-      j["spring_hertz"] = hertz, j["spring_damping_ratio"] = 0;
-    } else {
-      j["hertz"] = hertz, j["damping_ratio"] = 0;
-    }
+    j["hertz"] = hertz, j["damping_ratio"] = 0;
     if (kind == "distance" && d.chance(0.6)) {
       // Between centres, the frequency is that of the reduced mass.
       const double rest = kSpacing * d.between(0.6, 1.4), w = 2 * std::numbers::pi * hertz;
@@ -197,6 +193,8 @@ void springs_3d(Dice& d, Trial& t) {
     return std::sqrt(s.at("stiffness").to_number<double>() / (0.5 * inertia));
   };
   constexpr double kLeastMass = 0.3, kLeastInertia = 0.4 * kLeastMass * 0.3 * 0.3;
+  // What a force feels that acts on such a body at `lever` from its centre, across the lever.
+  const auto mass_at = [](double lever) { return 1 / (1 / kLeastMass + lever * lever / kLeastInertia); };
   const auto drive = [&](const char* by, double reach, double inertia) {
     json::object s = sprung(d, by);
     fastest = std::max(fastest, rate(s, inertia));
@@ -212,8 +210,8 @@ void springs_3d(Dice& d, Trial& t) {
     json::object j;
     if (kind == "spring") {
       j = sprung(d, by);
-      fastest = std::max(fastest, rate(j, kLeastMass));
       const Vec3 off = d.chance(0.6) ? d.in_cube(0.2) : Vec3{};
+      fastest = std::max(fastest, rate(j, mass_at(norm(off))));
       const Vec3 from = Vec3{kSpacing * i, 0, 0} + off, to = Vec3{kSpacing * (i + 1), 0, 0} - off;
       j["anchor"] = vec(from), j["anchor_b"] = vec(to);
       if (j.contains("stiffness") && d.chance(0.6)) {
@@ -223,12 +221,12 @@ void springs_3d(Dice& d, Trial& t) {
       }
     } else if (kind == "six_dof") {
       for (const char* way : {"x", "y"}) {
-        if (d.chance(0.6)) j[way] = drive(by, 0.3, kLeastMass);
+        if (d.chance(0.6)) j[way] = drive(by, 0.3, mass_at(0.5 * kSpacing));
       }
       if (d.chance(0.6)) j["turn_x"] = drive(by, 1, kLeastInertia);
     } else {
       const bool turns = kind == "hinge";
-      j = drive(by, turns ? 1 : 0.3, turns ? kLeastInertia : kLeastMass);
+      j = drive(by, turns ? 1 : 0.3, turns ? kLeastInertia : mass_at(0.5 * kSpacing));
     }
     if (kind != "spring") j["anchor"] = anchor(i), j["axis"] = vec(axes(d).first);
     j["type"] = kind, j["a"] = i, j["b"] = i + 1;

@@ -20,10 +20,16 @@ inline double usual_dt(Dice& d) {
   return d.chance(0.7) ? 1.0 / 60 : d.of({1.0 / 30, 1.0 / 120, 1.0 / 240, 0.001});
 }
 
+/// Of bodies in the plane that do not say: a trial's scene does not depend on the system's default.
+inline constexpr double kFlatFriction = 0.6;
+
 /// A scene of one or more systems; systems' ids are "a", "b" ...
 inline void set_scene(Trial& t, double dt, double seconds, const Vec3& gravity, json::array systems) {
-  for (size_t i = 0; i < systems.size(); ++i)
-    systems[i].as_object()["id"] = std::string(1, static_cast<char>('a' + i));
+  for (size_t i = 0; i < systems.size(); ++i) {
+    json::object& system = systems[i].as_object();
+    system["id"] = std::string(1, static_cast<char>('a' + i));
+    if (system["type"] == "rigid2d" && !system.contains("friction")) system["friction"] = kFlatFriction;
+  }
   t.scene = {{"schema_version", "1.0"},       {"seed", t.seed},
              {"gravity", vec(gravity)},       {"time", json::object{{"dt", dt}, {"duration", seconds}}},
              {"systems", std::move(systems)}, {"probes", json::array{}},

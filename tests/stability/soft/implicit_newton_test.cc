@@ -6,6 +6,7 @@
 #include "engine/base/errors.h"
 #include "engine/integrators/implicit/newton/stage_newton.h"
 #include "engine/math/block_sparse.h"
+#include "engine/math/block_sparse_eigen.h"
 #include "tests/unit/soft/mass_spring_rig.h"
 
 namespace truestep {
@@ -68,7 +69,7 @@ bool plain_newton(SpringRun& run, double h, std::vector<double>& norms) {
     if (!std::isfinite(norms.back()) || norms.back() > 1e12) return false;
     if (norms.back() <= 1e-13 * norms.front()) break;
     field.jacobian(at, dfdx, dfdv, e);
-    Eigen::SparseMatrix<double> m = -h * h * dfdx.to_eigen() - h * dfdv.to_eigen();
+    Eigen::SparseMatrix<double> m = -h * h * to_eigen(dfdx) - h * to_eigen(dfdv);
     for (Eigen::Index c = 0; c < n; ++c) {
       const double wc = w[static_cast<size_t>(c) / 3];
       for (Eigen::SparseMatrix<double>::InnerIterator i(m, c); i; ++i) {

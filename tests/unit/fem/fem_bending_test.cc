@@ -9,6 +9,7 @@
 
 #include "engine/base/random.h"
 #include "engine/kernels/fem/cell.h"
+#include "engine/math/block_sparse_eigen.h"
 #include "tests/unit/fem/fem_rig.h"
 
 namespace truestep {
@@ -95,7 +96,7 @@ struct Probe {
     field.jacobian_pattern(state, dfdx, dfdv);
     kind == Definite::yes ? field.definite_jacobian(phase(x), dfdx, dfdv, e)
                           : field.jacobian(phase(x), dfdx, dfdv, e);
-    return dfdx.to_eigen();
+    return to_eigen(dfdx);
   }
   Phase phase(const std::vector<double>& x) {
     velocity.assign(x.size(), 0);

@@ -55,6 +55,23 @@ TEST(FemIdleEquilibrium, WhateverChangesIsAnswered) {
   EXPECT_GT(solutions(run), 0);
 }
 
+// It used to look for an equilibrium of nothing and to fail after 256 parts of a step.
+TEST(FemIdleEquilibrium, ABodyThatIsHeldEverywhereGoesWhereItIsTold) {
+  FemDef d = hung_block();
+  d.pinned = {};
+  d.sets = {{.name = "all"}};
+  d.holds = {{.on = "all", .x = "0.1*X*t", .y = "0", .z = "0"}};
+  FemRun run(d, 0.1, {0, -9.81, 0});
+  for (int k = 1; k <= 3; ++k) {
+    EXPECT_EQ(solutions(run), 0);
+    EXPECT_NEAR(run.displacement_at({1, 1, 1}).x, 0.01 * k, 1e-15) << k;
+  }
+  // Control: a component that is free has something to solve for.
+  d.holds[0].y.reset();
+  FemRun some(d, 0.1, {0, -9.81, 0});
+  EXPECT_GT(solutions(some), 0);
+}
+
 TEST(FemIdleEquilibrium, LoadsAndHoldsThatGrowAreFollowed) {
   FemDef d = hung_block();
   d.load_time = 0.35;

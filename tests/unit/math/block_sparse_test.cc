@@ -7,6 +7,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/random.h"
+#include "engine/math/block_sparse_eigen.h"
 
 namespace truestep {
 namespace {
@@ -38,7 +39,7 @@ TEST(BlockSparse, MultipliesLikeEigen) {
     std::vector<double> y(s.x.size());
     s.matrix.multiply(s.x, y, serial);
     const Eigen::VectorXd expected =
-        s.matrix.to_eigen() * Eigen::Map<const Eigen::VectorXd>(s.x.data(), Eigen::Index(s.x.size()));
+        to_eigen(s.matrix) * Eigen::Map<const Eigen::VectorXd>(s.x.data(), Eigen::Index(s.x.size()));
     double worst = 0;
     for (size_t i = 0; i < y.size(); ++i) worst = std::max(worst, std::abs(y[i] - expected[Eigen::Index(i)]));
     // At most some 60 products below 1/4 are added per row: 60 roundings of 1e-16.

@@ -14,7 +14,7 @@
 namespace truestep {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 /// Faults by pointer.
 std::map<std::string, boost::json::object> faults(const std::string& text) {
@@ -115,6 +115,12 @@ TEST(SceneFaults, AnUnknownKeyHidesNoOtherFault) {
   EXPECT_TRUE(method.contains("/systems/0/integrator") && method.contains("/gravty"));
 }
 
+// There was a second choice, "stop", that nothing read.
+TEST(SceneFaults, AnInstabilityPausesTheSession) {
+  EXPECT_TRUE(faults(rope(R"("on_instability": "stop")")).contains("/on_instability"));
+  EXPECT_TRUE(faults(rope(R"("on_instability": "pause")")).empty());
+}
+
 TEST(SceneFaults, OfASystemOfUnknownTypeNothingElseIsSaid) {
   const auto found = faults(R"({"systems": [{"type": "rope", "id": "r"}, {"type": "pendulum", "id": "p"}],
     "couplings": [{"type": "contact", "a": "r", "b": "p"}], "observables": ["r.energy", "energy.total", "q"],
@@ -174,6 +180,22 @@ TEST(SceneFaults, ColorOfAFieldThatNothingHasIsNamed) {
   EXPECT_EQ(text_of(found.at("/viewer/color_by"), "did_you_mean"), "strain");
   for (const char* known : {"speed", "strain", "velocity"}) {
     EXPECT_TRUE(faults(rope(R"("viewer": {"color_by": ")" + std::string(known) + R"("})")).empty()) << known;
+  }
+}
+
+TEST(SceneFaults, WhatOnlyGridsShowIsRefusedWithoutThem) {
+  const auto plate = [](const std::string& viewer) {
+    return faults(R"({"viewer": {)" + viewer +
+                  R"(}, "systems": [{"type": "grid_fluid", "size": [1, 1], "cells": [16, 16]}]})");
+  };
+  // Streamlines follow the field that is shown.
+  EXPECT_TRUE(plate(R"("color_by": "velocity", "streamlines": 20)").empty());
+  EXPECT_TRUE(plate(R"("color_by": "vorticity", "streamlines": 20)").contains("/viewer/streamlines"));
+  // A cut is one through space; a line or a plane is raised.
+  EXPECT_TRUE(plate(R"("slice": {"axis": "z"})").contains("/viewer/slice"));
+  EXPECT_TRUE(plate(R"("color_by": "vorticity", "height": 0.1)").empty());
+  for (const char* view : {R"("contours": 5)", R"("height": 1)", R"("streamlines": 9)"}) {
+    EXPECT_EQ(faults(rope(R"("viewer": {)" + std::string(view) + "}")).size(), 1u) << view;
   }
 }
 

@@ -2,6 +2,8 @@
 // time.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "engine/session/session.h"
 
 namespace truestep {
@@ -26,6 +28,30 @@ TEST(SessionSeries, EnergyIsKeptFromTheStart) {
   ASSERT_FALSE(s.series().steps().empty());
   EXPECT_EQ(s.series().steps().front(), 0u);
   for (const std::string& name : s.series().names()) EXPECT_EQ(name.rfind("energy.", 0), 0u) << name;
+}
+
+// Plots compare them; without their past a plot began where its page was opened.
+TEST(SessionSeries, OfSeveralSystemsTheEnergyOfEachIsKept) {
+  const auto kept = [](const std::string& more) {
+    Session s(std::make_shared<const World>(parse_scene(
+                  R"({"time": {"dt": 0.01}, "systems": [{"type": "oscillator", "id": "a"},
+                    {"type": "oscillator", "id": "b"}])" +
+                  more + "}")),
+              std::make_shared<const ThreadArena>(1));
+    s.step(3);
+    return s.series().names();
+  };
+  const auto has = [](const std::vector<std::string>& names, std::string_view name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  const std::vector<std::string> unasked = kept(""),
+                                 asked = kept(R"(, "observables": ["a.energy.potential"])");
+  for (const char* name : {"a.energy.total", "b.energy.kinetic", "b.energy.total", "energy.total"})
+    EXPECT_TRUE(has(unasked, name)) << name;
+  EXPECT_FALSE(has(unasked, "a.energy.potential"));
+  // Controls: a scene that says what is to be kept; a single system (above).
+  EXPECT_FALSE(has(asked, "b.energy.total"));
+  EXPECT_TRUE(has(asked, "energy.total"));
 }
 
 TEST(SessionSeries, AScenesListIsWorthEveryStep) {

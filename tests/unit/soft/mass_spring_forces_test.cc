@@ -7,6 +7,7 @@
 #include "engine/base/random.h"
 #include "engine/kernels/springs/spring.h"
 #include "engine/math/block_sparse.h"
+#include "engine/math/block_sparse_eigen.h"
 #include "engine/systems/mass_spring/mass_spring_field.h"
 
 namespace truestep {
@@ -138,7 +139,7 @@ TEST_P(Networks, JacobiansAreTheDerivativesOfTheForces) {
     rig.field.jacobian_pattern(rig.state, dfdx, dfdv);
     auto e = rig.evaluation();
     rig.field.jacobian(rig.phase(), dfdx, dfdv, e);
-    const Eigen::SparseMatrix<double> kx = dfdx.to_eigen(), kv = dfdv.to_eigen();
+    const Eigen::SparseMatrix<double> kx = to_eigen(dfdx), kv = to_eigen(dfdv);
 
     const auto expect_column = [&](std::span<double> values, size_t column,
                                    const Eigen::SparseMatrix<double>& k) {
@@ -297,7 +298,7 @@ TEST(MassSpringForces, StiffnessBoundsTheLargestFrequency) {
     network.field.jacobian_pattern(network.state, dfdx, dfdv);
     auto e = network.evaluation();
     network.field.jacobian(network.phase(), dfdx, dfdv, e);
-    Eigen::MatrixXd k = -dfdx.to_eigen().toDense();
+    Eigen::MatrixXd k = -to_eigen(dfdx).toDense();
     for (Eigen::Index r = 0; r < k.rows(); ++r) {
       for (Eigen::Index c = 0; c < k.cols(); ++c) {
         const auto w = network.state.f64(Columns::inverse_mass);

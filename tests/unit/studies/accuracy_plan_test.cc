@@ -95,6 +95,19 @@ TEST_F(Plan, AnEquationWithoutAPlotIsAsAccurateAsWasAsked) {
   EXPECT_GT(relative_error(end(out.scene, "euler", 1), exact), 1e-6) << "control";
 }
 
+// Two runs of a ball at rest were said to differ by all of their height of 1e-20 m.
+TEST_F(Plan, ABallThatHasComeToRestIsJudgedByItsFall) {
+  constexpr const char* kBall = R"json({"type": "ode", "id": "s", "states": {"y": 1, "v": 0},
+    "equations": {"y": "v", "v": "-9.81"},
+    "events": [{"name": "hit", "when": "y", "direction": "falling", "set": {"v": "-0.8*v"}}]})json";
+  for (const double tolerance : {1e-4, 1e-8})
+    EXPECT_TRUE(choose(scene_of(kBall, tolerance, "state", 10)).report.contains("chosen")) << tolerance;
+  // The control: what is larger than rounding counts in full.
+  const std::vector<std::vector<double>> path{{1, -9}, {1e-5, 0}, {1e-16, 0}};
+  EXPECT_NEAR(relative_error({1.1e-5, 0}, path[1], rounding_size(path)), 0.1, 1e-9);
+  EXPECT_EQ(relative_error({2e-16, 0}, path[2], rounding_size(path)), 0);
+}
+
 TEST_F(Plan, WhatCannotBeReachedIsRefusedWithWhatCan) {
   const json::value d = scene_of(kOscillator, 1e-14, "position", 2);
   try {

@@ -68,6 +68,9 @@ constexpr double kCoarse = 8e6;
 
 constexpr size_t kRow = 24;
 
+// Estimated over true memory.
+constexpr double kLeast = 0.7, kMost = 1.5;
+
 // A scene's busiest stretch: the largest median of several consecutive steps, without the first, which builds
 // what later ones reuse. Before it sources are not full; after it everything sleeps.
 double busiest(const std::vector<double>& took) {
@@ -88,7 +91,8 @@ double busiest(const std::vector<double>& took) {
 // When to stop weighing a scene.
 enum class Until {
   kSeconds,  // after its time
-  kSettled   // or once its memory has been constant for half of its steps, well within the allowed range
+  kSettled  // or once its memory has been constant for half of its steps, well within the allowed range; what
+            // is beyond it has six times as long, because a pile may still fall
 };
 
 Figures measure(const boost::json::value& document, double most_seconds, Until until) {
@@ -107,20 +111,23 @@ Figures measure(const boost::json::value& document, double most_seconds, Until u
   std::vector<double> took;
   const double start = cpu_seconds();
   double grown = 0, held = 0;
+  bool within = true;
   const auto weight = [&] { return std::max(held, grown - kCoarse); };
   // Whether it is the same as half as many steps ago.
   const auto weigh = [&] {
     const double last = weight();
     grown = peak_bytes() - peak_before, held = allocated() - before;
     const double ratio = f.estimated_bytes / weight();
+    within = ratio >= kLeast && ratio <= kMost;
     return std::abs(weight() - last) <= 0.01 * last && ratio > 0.8 && ratio < 1.35;
   };
-  constexpr size_t kFewest = 32, kWeighed = 120, kMost = 600;
+  constexpr size_t kFewest = 32, kWeighed = 120, kLongest = 600;
   const auto go_on = [&] {
     const double spent = cpu_seconds() - start;
-    return spent < most_seconds || (took.size() < kWeighed && spent < 10 * most_seconds);
+    const double longest = until == Until::kSettled && !within ? 60 : 10;
+    return spent < most_seconds || (took.size() < kWeighed && spent < longest * most_seconds);
   };
-  while (took.empty() || (took.size() < kMost && go_on())) {
+  while (took.empty() || (took.size() < kLongest && go_on())) {
     const double begun = cpu_seconds();
     try {
       if (!session.step(1)) break;  // a scene that fails at this size, or is meant to fail
@@ -173,7 +180,8 @@ std::optional<Figures> measure_apart(const boost::json::value& document, double 
 bool memory_is_off(const Figures& f) {
   constexpr double kSmall = 64 << 10;
   const double ratio = f.estimated_bytes / f.bytes;
-  return !(ratio >= 0.7 && ratio <= 1.5) && !(std::abs(f.estimated_bytes - f.bytes) <= kSmall * f.systems);
+  return !(ratio >= kLeast && ratio <= kMost) &&
+         !(std::abs(f.estimated_bytes - f.bytes) <= kSmall * f.systems);
 }
 
 // `machine`: speed relative to the machine of the estimates. A step of some microseconds is mostly overhead,

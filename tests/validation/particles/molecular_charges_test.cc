@@ -99,14 +99,14 @@ MolecularDef water(int64_t n) {
 }
 
 TEST(MolecularCharges, RigidWaterKeepsItsSidesAndItsEnergy) {
-  const auto spread = [](double h, double& sides) {
-    MolecularDef d = water(4);
-    d.coulomb = Coulomb::ewald, d.ewald_accuracy = 1e-6;
-    d.thermostat.emplace();
-    d.thermostat->time = 0.05;
-    AtomRun hot(d, 0.001);
-    hot.step(1500);
-    d.thermostat.reset();
+  MolecularDef d = water(4);
+  d.coulomb = Coulomb::ewald, d.ewald_accuracy = 1e-6;
+  d.thermostat.emplace();
+  d.thermostat->time = 0.05;
+  AtomRun hot(d, 0.001);
+  hot.step(1500);
+  d.thermostat.reset();
+  const auto spread = [&](double h, double& sides) {
     AtomRun run(d, h);
     for (const auto c : {Columns::position, Columns::velocity}) run.state.copy_column(c, hot.state, c);
     const double start = run.observe("energy.total");

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "engine/math/block_sparse.h"
+#include "engine/math/block_sparse_eigen.h"
 #include "tests/unit/soft/mass_spring_rig.h"
 
 namespace truestep {
@@ -75,7 +76,7 @@ TEST(MassSpringValidation, Chain10StiffnessHasTheseEigenvalues) {
   run.system->springs().jacobian(
       {0, run.state.f64(MassSpringColumns::position), run.state.f64(MassSpringColumns::velocity), run.state},
       dfdx, dfdv, e);
-  const Eigen::MatrixXd all = dfdx.to_eigen();
+  const Eigen::MatrixXd all = to_eigen(dfdx);
   Eigen::MatrixXd k(10, 10);
   for (Eigen::Index r = 0; r < 10; ++r) {
     for (Eigen::Index c = 0; c < 10; ++c) k(r, c) = -all(3 * (r + 1), 3 * (c + 1));
@@ -111,7 +112,7 @@ TEST(MassSpringValidation, HangingChainHasLaguerreFrequencies) {
     run.system->springs().jacobian_pattern(run.state, dfdx, dfdv);
     Evaluation e{run.workspace, run.arena};
     run.system->springs().jacobian({0, run.x(), run.v(), run.state}, dfdx, dfdv, e);
-    const Eigen::MatrixXd all = dfdx.to_eigen();
+    const Eigen::MatrixXd all = to_eigen(dfdx);
     Eigen::MatrixXd k(n, n);
     for (int r = 0; r < n; ++r) {
       for (int c = 0; c < n; ++c) k(r, c) = -all(3 * (r + 1) + 2, 3 * (c + 1) + 2) / def.mass;
