@@ -52,7 +52,7 @@ if(TRUESTEP_CCACHE)
 endif()
 
 find_program(TRUESTEP_LLD ld.lld)
-if(TRUESTEP_LLD AND NOT TRUESTEP_SANITIZE)
+if(TRUESTEP_LLD)
   add_link_options(-fuse-ld=lld)
 endif()
 
