@@ -56,13 +56,37 @@ if(TRUESTEP_LLD)
   add_link_options(-fuse-ld=lld)
 endif()
 
+# headers_of(OUT HEADER): HEADER and every header of ours that it includes, as paths below the source folder.
+function(headers_of out header)
+  set(found ${header})
+  set(unread ${header})
+  while(unread)
+    list(POP_FRONT unread next)
+    file(STRINGS ${PROJECT_SOURCE_DIR}/${next} lines REGEX "^#include \"(engine|server)/")
+    foreach(line ${lines})
+      string(REGEX REPLACE "^#include \"([^\"]*)\".*" "\\1" name "${line}")
+      if(NOT name IN_LIST found)
+        list(APPEND found ${name})
+        list(APPEND unread ${name})
+      endif()
+    endforeach()
+  endwhile()
+  set(${out} ${found} PARENT_SCOPE)
+endfunction()
+
 # precompile(TARGET HEADER): gcc's precompiled headers never come out the same twice and clang's hold the build folder's
-# path, so what ccache hashes in their place is what they are made from. HEADER includes only what its packages bring,
-# no header of ours.
+# path, so what ccache hashes in their place is what they are made from: the text of every header of ours, the versions of the
+# packages that bring the others.
 function(precompile target header)
   target_precompile_headers(${target} PRIVATE <${header}>)
-  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${header})
-  file(SHA256 ${PROJECT_SOURCE_DIR}/${header} sum)
+  headers_of(headers ${header})
+  set(sums "")
+  foreach(name ${headers})
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${name})
+    file(SHA256 ${PROJECT_SOURCE_DIR}/${name} sum)
+    string(APPEND sums ${sum})
+  endforeach()
+  string(SHA256 sum "${sums}")
   set(suffix gch)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
     set(suffix pch)

@@ -1,4 +1,4 @@
-// Headers that nearly every engine file includes, compiled once.
+// Headers that most engine files include, compiled once. A file still includes what it uses.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -29,6 +29,10 @@
 #include <utility>
 #include <variant>
 #include <vector>
+
+#include "engine/core/def/build.h"
+#include "engine/core/def/def.h"
+#include "engine/core/system.h"
 
 #if defined(__x86_64__)
 #include <immintrin.h>

@@ -33,6 +33,8 @@
 #include <variant>
 #include <vector>
 
+#include "engine/session/session.h"
+
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif

@@ -35,6 +35,10 @@
 #include <variant>
 #include <vector>
 
+#include "engine/core/def/def.h"
+#include "engine/geometry/shape.h"
+#include "engine/session/session.h"
+
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif
