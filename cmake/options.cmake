@@ -25,6 +25,9 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   endif()
   # gcc 12 makes vfmaddsub of a product and a sum here in spite of -ffp-contract=off (tests/determinism watches).
   add_compile_options(-fno-tree-slp-vectorize)
+else()
+  # `#pragma GCC ivdep` and `unroll` are gcc's: others find the same loops to be safe, or leave them.
+  add_compile_options(-Wno-unknown-pragmas)
 endif()
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   add_compile_options(-march=x86-64-v3 -mtune=generic)

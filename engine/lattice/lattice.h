@@ -40,7 +40,7 @@ struct Axis {
   friend bool operator==(const Axis&, const Axis&) = default;
 };
 
-/// Axes beyond `dimensions` have one node without coupling.
+/// Axes beyond `dimensions` have one node without coupling, at their origin.
 struct Lattice {
   size_t dimensions = 1;
   std::array<Axis, 3> axes{};

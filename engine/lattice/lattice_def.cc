@@ -42,12 +42,13 @@ std::string side_value(const LatticeDef& d, size_t axis, size_t end) {
 Lattice make_lattice(const LatticeDef& d, SideKind usual) {
   Lattice l;
   l.dimensions = d.cells.size();
+  if (d.origin)
+    l.axes[0].origin = d.origin->x, l.axes[1].origin = d.origin->y, l.axes[2].origin = d.origin->z;
   for (size_t a = 0; a < l.dimensions; ++a) {
     Axis& axis = l.axes[a];
     axis.cells = static_cast<size_t>(d.cells[a]);
     const double length = d.size.empty() ? 1 : d.size[a];
     axis.spacing = length / static_cast<double>(axis.cells);
-    if (d.origin) axis.origin = a == 0 ? d.origin->x : a == 1 ? d.origin->y : d.origin->z;
     for (size_t end = 0; end < 2; ++end) {
       const SideDef* s = side_of(d, a, end);
       axis.sides[end] = {s ? s->kind : usual, s && s->kind == SideKind::robin ? s->transfer : 0};

@@ -18,12 +18,12 @@ PartInfo grid_part(const Lattice& lattice, std::vector<FieldInfo> fields) {
   part.kind = PartInfo::Kind::grid;
   part.fields = std::move(fields);
   part.max_rows = lattice.nodes();
-  double origin[3] = {}, spacing[3] = {1, 1, 1};
+  double spacing[3] = {1, 1, 1};
   for (size_t a = 0; a < 3; ++a) {
     part.lattice.counts[a] = static_cast<uint32_t>(lattice.count(a));
-    if (a < lattice.dimensions) origin[a] = lattice.axes[a].origin, spacing[a] = lattice.axes[a].spacing;
+    if (a < lattice.dimensions) spacing[a] = lattice.axes[a].spacing;
   }
-  part.lattice.origin = {origin[0], origin[1], origin[2]};
+  part.lattice.origin = {lattice.axes[0].origin, lattice.axes[1].origin, lattice.axes[2].origin};
   part.lattice.spacing = {spacing[0], spacing[1], spacing[2]};
   return part;
 }

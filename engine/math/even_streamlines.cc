@@ -55,8 +55,9 @@ std::vector<std::vector<Point>> even_streamlines(const PlaneField& field, size_t
   Near near(field, apart);
   std::vector<std::vector<Point>> out;
   for (size_t k = 0; k < count; ++k) {
-    const double x = (static_cast<double>(k % columns) + 0.5) / static_cast<double>(columns) * width;
-    const double y = (static_cast<double>(k / columns) + 0.5) / static_cast<double>(rows) * height;
+    const size_t column = k % columns, row = k / columns;
+    const double x = (static_cast<double>(column) + 0.5) / static_cast<double>(columns) * width;
+    const double y = (static_cast<double>(row) + 0.5) / static_cast<double>(rows) * height;
     if (near.any_within({x, y}, apart)) continue;
     std::vector<Point> added;
     for (const double h : {kStep, -kStep}) {

@@ -168,7 +168,7 @@ Reduced reduce_huge(double x) {
   const int e = static_cast<int>(bits >> 52 & 0x7ff) - 1075;  // |x| = m 2^e, e >= -22 here
   // 192 digits starting at the one whose product with 2^e has weight 2: digits before it only add multiples
   // of 4.
-  const auto position = static_cast<size_t>(e - 1 + 63);
+  const auto position = static_cast<size_t>(int64_t{e} - 1 + 63);
   const size_t word = position / 64, shift = position % 64;
   const auto digits = [&](size_t i) {
     return kTwoOverPi[word + i] << shift | (shift ? kTwoOverPi[word + i + 1] >> (64 - shift) : 0);

@@ -3,7 +3,7 @@
 // TRUESTEP_URL.
 import assert from "node:assert/strict";
 import { after, before, test as nodeTest } from "node:test";
-import { openChromium, serveBinary } from "./chromium.mjs";
+import { openChromium, patience, serveBinary } from "./chromium.mjs";
 
 let url = process.env.TRUESTEP_URL;
 let stop;
@@ -35,7 +35,7 @@ after(async () => {
   await stop?.();
 });
 
-const measured = 90_000; // a study with a budget of 2 s of CPU, on a busy machine
+const measured = 3 * patience; // a study with a budget of 2 s of CPU, on a busy machine
 
 test("the gallery leads to the studies of a scene", async () => {
   await page.goto(url);

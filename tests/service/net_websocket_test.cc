@@ -36,7 +36,8 @@ class NetWebSocket : public NetServer {
   }
   // What the handler was told at the end.
   int end_code() {
-    for (int i = 0; i < 10000 && seen_.close_code == 0; ++i) std::this_thread::sleep_for(1ms);
+    const auto end = std::chrono::steady_clock::now() + patience(10);
+    while (seen_.close_code == 0 && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(1ms);
     return seen_.close_code;
   }
   // Sends the bytes and then end-of-stream, and returns everything that comes back.
@@ -139,7 +140,8 @@ TEST_F(NetWebSocket, EndsWhenAFrameBreaksTheRulesWhileItCloses) {
     asio::write(s, asio::buffer("\x01\x81\0\0\0\0\xCE\x80\x80\0\0\0\0\x81\x01x"s));
     EXPECT_EQ(end_code(), 1007);
   }
-  for (int i = 0; i < 5000 && !served.expired(); ++i) std::this_thread::sleep_for(1ms);
+  const auto end = std::chrono::steady_clock::now() + patience(5);
+  while (!served.expired() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(1ms);
   EXPECT_TRUE(served.expired()) << "nothing of the connection is left";
 }
 

@@ -1,4 +1,5 @@
 """Sessions that somebody watches, watched, or never did: who plays on, what slow clients hear, and how a stream ends."""
+import math
 import time
 import unittest
 
@@ -6,7 +7,7 @@ from cases import OSCILLATOR, Case
 from harness import Socket
 from patience import patience
 
-GRACE = 1  # s
+GRACE = math.ceil(patience(0.25))  # s; on a slow machine a viewer takes longer to come back
 ROPE = {"time": {"dt": 0.004}, "systems": [{"type": "mass_spring", "id": "rope", "stiffness": 2000, "mass": 0.01, "pinned": ["first"],
                                              "rope": {"from": [0, 1, 0], "to": [1, 1, 0], "links": 40}}]}
 # More than a second of work for a second of the scene.
@@ -77,20 +78,22 @@ class Watched(Case):
             playback = ws.message("playback")
         self.assertGreater(playback["achieved_speed"], 0)
         self.assertLess(playback["achieved_speed"], 0.9 * playback["speed"])
+
         # It is what the steps say, on the mean: each reading is of half a second of a machine that has other work.
-        begun, first, readings = time.monotonic(), self.status(s)["time"], []
-        while time.monotonic() < begun + 4:
-            time.sleep(0.25)
-            last = self.status(s)
-            readings.append(last["achieved_speed"])
-        measured = (last["time"] - first) / (time.monotonic() - begun)
-        mean = sum(readings) / len(readings)
-        self.assertLess(abs(mean / measured - 1), 0.3, (readings, measured))
+        def agrees():
+            begun, first, readings = time.monotonic(), self.status(s)["time"], []
+            while time.monotonic() < begun + 4:
+                time.sleep(0.25)
+                last = self.status(s)
+                readings.append(last["achieved_speed"])
+            measured = (last["time"] - first) / (time.monotonic() - begun)
+            return abs(sum(readings) / len(readings) / measured - 1) < 0.3
+
+        self.eventually(agrees, 10)
         self.service.request("DELETE", s["links"]["self"])
         idle = self.service.create(OSCILLATOR)
         self.service.post(idle["links"]["play"])
-        self.eventually(lambda: "achieved_speed" in self.status(idle))
-        self.assertLess(abs(self.status(idle)["achieved_speed"] - 1), 0.05)
+        self.eventually(lambda: abs(self.status(idle).get("achieved_speed", 0) - 1) < 0.05)
 
     def test_a_deleted_session_says_bye_at_once(self):
         s = self.service.create(OSCILLATOR)

@@ -11,7 +11,7 @@ AdvanceFunction advance_sdirk4, advance_tr_bdf2;               // sdirk.cc
 AdvanceFunction advance_tr_bdf2_fixed;                         // sdirk.cc: without error control
 AdvanceFunction advance_implicit_midpoint, advance_trapezoid;  // sdirk.cc
 AdvanceFunction advance_implicit_euler;                        // sdirk.cc
-AdvanceFunction advance_linear_implicit_euler;                 // sdirk.cc: one step, one Newton step
+AdvanceFunction advance_linear_implicit_euler;                 // linear_euler.cc
 AdvanceFunction advance_bdf2;                                  // bdf2.cc
 PrepareFunction prepare_bdf2;                                  // bdf2.cc
 MemoryFunction bdf2_memory, generalized_alpha_memory;          // bdf2.cc, newmark.cc

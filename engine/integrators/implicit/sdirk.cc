@@ -4,7 +4,6 @@
 // (h gamma), which damps errors that f would amplify. Error estimates are filtered, (I - h gamma J)^-1 h
 // sum_i e_i k_i, so that stiff components do not inflate them (Hosea, Shampine 1996, section 3; Hairer,
 // Wanner 1996, eq. IV.8.20).
-#include "engine/base/errors.h"
 #include "engine/integrators/equations.h"
 #include "engine/integrators/implicit/dirk_tableau.h"
 #include "engine/integrators/implicit/drive_fixed.h"
@@ -166,21 +165,6 @@ void advance_tr_bdf2_fixed(Advance& a) {
 }
 void advance_implicit_euler(Advance& a) {
   advance_fixed<kImplicitEuler>(a);
-}
-// (I - h J) d = h f(t + h, y), y1 = y + d.
-void advance_linear_implicit_euler(Advance& a) {
-  visit_equations(a, [&](auto& eq) {
-    double *y = eq.array(0), *d = eq.array(1);
-    std::copy_n(a.y, eq.size(), y);
-    const double h = a.t_end - a.t;
-    eq.rate(a.t_end, y, d);
-    eq.differentiate(a.t_end, y, d);
-    if (!eq.factor(h)) throw Instability("", "y", -1, "the matrix of the step is singular");
-    for (size_t i = 0; i < eq.padded(); ++i) d[i] *= h;
-    eq.solve(d);
-    for (size_t i = 0; i < eq.size(); ++i) a.y[i] = y[i] + d[i];
-    a.reached = a.t_end;
-  });
 }
 void advance_implicit_midpoint(Advance& a) {
   advance_fixed<kImplicitMidpoint>(a);

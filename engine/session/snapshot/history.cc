@@ -19,7 +19,7 @@ void History::set_cadence(size_t bytes, double step_seconds) {
   step_seconds_ = step_seconds_ > 0 ? std::min(step_seconds, 2 * step_seconds_) : step_seconds;
   const double wanted = copy_seconds(bytes) / (kShare * step_seconds_);
   while (cadence_ < kMostCadence && static_cast<double>(cadence_) < wanted) cadence_ *= 2;
-  while (cadence_ > kLeastCadence && static_cast<double>(cadence_ / 2) >= wanted) cadence_ /= 2;
+  while (cadence_ > kLeastCadence && 0.5 * static_cast<double>(cadence_) >= wanted) cadence_ /= 2;
 }
 
 void History::offer(const WorldState& state, double step_seconds) {

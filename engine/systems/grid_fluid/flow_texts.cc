@@ -42,7 +42,7 @@ class Reader {
       std::vector<ExpressionGraph::Partial> by_time;
       graph_.differentiate(n, kT, 1, by_time);
       const Node roots[] = {n, by_time.empty() ? graph_.constant(0) : by_time[0].node};
-      const ExpressionRows rows(graph_, roots);
+      ExpressionRows rows(graph_, roots);
       if (rows.uses(kX) || rows.uses(kY) || rows.uses(kZ))
         issues_.push_back(
             {pointer, "bad_expression", "an obstacle's motion may depend only on t", text, "t", "", ""});

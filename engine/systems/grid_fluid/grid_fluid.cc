@@ -37,7 +37,7 @@ PartInfo cells_part(const FlowModel& m) {
   if (m.def.scalar) part.fields.push_back({"scalar", "1"});
   if (m.two_fluids()) part.fields.push_back({"second_fluid", "1"});
   part.max_rows = m.grid.cell_count();
-  double first[3] = {}, spacing[3] = {1, 1, 1};
+  double first[3] = {m.grid.origin[0], m.grid.origin[1], m.grid.origin[2]}, spacing[3] = {1, 1, 1};
   for (size_t a = 0; a < 3; ++a) {
     part.lattice.counts[a] = static_cast<uint32_t>(m.grid.cells[a]);
     if (a < m.grid.dimensions)

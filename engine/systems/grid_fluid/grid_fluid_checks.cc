@@ -31,10 +31,10 @@ std::string side_pointer(const GridFluidDef& d, size_t axis, size_t end) {
 mac::MacGrid make_grid(const GridFluidDef& d) {
   mac::MacGrid g;
   g.dimensions = d.cells.size();
+  if (d.origin) g.origin = {d.origin->x, d.origin->y, d.origin->z};
   for (size_t a = 0; a < g.dimensions; ++a) {
     g.cells[a] = static_cast<size_t>(d.cells[a]);
     g.spacing[a] = (d.size.empty() ? 1 : d.size[a]) / static_cast<double>(g.cells[a]);
-    if (d.origin) g.origin[a] = a == 0 ? d.origin->x : a == 1 ? d.origin->y : d.origin->z;
     g.periodic[a] = side_of(d, a, 0).kind == SideKind::periodic;
   }
   return g;

@@ -86,7 +86,7 @@ const DefTable& heightfield_wave_table() {
           .integers("cells", &D::cells, between(4, 1e6), {1, 2}, "cells along x, or x and y")
           .numbers("size", &D::size, "m", above(0), {0, 2},
                    "lengths of the basin; absent: 1 along every axis")
-          .vector("origin", &D::origin, "m", any(), "lower corner of the basin")
+          .vector("origin", &D::origin, "m", any(), "lower corner of the basin; heights are above its z")
           .object("side", &D::all, edge_table(),
                   "all sides without their own entry in `sides`; absent: walls")
           .object("sides", &D::sides, edges_table(), "individual sides")

@@ -16,6 +16,7 @@ namespace {
 
 constexpr const char* kAdaptive[] = {"tr_bdf2", "sdirk4", "rodas5p", "radau5", "cvode_bdf", "cvode_adams"};
 constexpr const char* kFixed[] = {"implicit_midpoint", "trapezoid", "bdf2", "newmark", "generalized_alpha"};
+constexpr const char* kFirstOrder[] = {"implicit_euler", "linear_implicit_euler"};
 
 // x'' = -x - 0.1 (x + x^3 - c(t)) with the forcing that makes x = sin t the solution.
 class Forced final : public RightHandSide, public SecondOrder {
@@ -97,6 +98,17 @@ TEST(ImplicitMethods, DenseOutputIsAsGoodAsTheSteps) {
     EXPECT_LT(between.worst_inside, 1e-4) << method;
     EXPECT_LT(between.worst_ends, 1e-13) << method;
   }
+  for (const char* method : kFirstOrder) {
+    Start s;
+    Between between;
+    go(method, f, s, 0, 3, 1e-7, 300, &between);
+    EXPECT_EQ(between.steps, 300u) << method;
+    // A step of h = 0.01 s damps by h^2 / 2: amplitudes by 0.015 after 3 s; explicit Euler would gain as
+    // much.
+    EXPECT_LT(between.worst_inside, 0.02) << method;
+    EXPECT_GT(between.worst_inside, 1e-3) << method;
+    EXPECT_LT(between.worst_ends, 1e-13) << method;
+  }
 }
 
 TEST(ImplicitMethods, StopWhereAWatcherSays) {
@@ -118,6 +130,14 @@ TEST(ImplicitMethods, StopWhereAWatcherSays) {
     EXPECT_NEAR(s.reached, 1, 0.0101) << method;
     EXPECT_NEAR(s.y[0], std::sin(s.reached), 1e-3) << method;
   }
+  for (const char* method : kFirstOrder) {
+    Start s;
+    Between between;
+    between.stop_at = 0.995;
+    go(method, f, s, 0, 3, 1e-6, 300, &between);
+    EXPECT_NEAR(s.reached, 1, 0.0101) << method;
+    EXPECT_NEAR(s.y[0], std::sin(s.reached), 0.01) << method;
+  }
 }
 
 TEST(ImplicitMethods, CarryAndMemoryAreAllThatARestoredRunNeeds) {
@@ -134,8 +154,8 @@ TEST(ImplicitMethods, CarryAndMemoryAreAllThatARestoredRunNeeds) {
     }
     return s.y;
   };
-  for (const auto& methods :
-       {std::span<const char* const>(kAdaptive), std::span<const char* const>(kFixed)}) {
+  for (const auto& methods : {std::span<const char* const>(kAdaptive), std::span<const char* const>(kFixed),
+                              std::span<const char* const>(kFirstOrder)}) {
     for (const char* method : methods) EXPECT_EQ(run(method, false), run(method, true)) << method;
   }
   // Control: the memory matters in methods that have one.

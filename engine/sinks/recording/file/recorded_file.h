@@ -42,6 +42,7 @@ class RecordedFile {
   void read_observables();
   RecordedField read_field(const std::string& path, const std::string& name);
   void leave_out_missing_frames();
+  size_t columns_used(const Array& a, size_t system, uint64_t begin, uint64_t end);
   Array open_array(const std::string& path, uint64_t& frames);
   Array open_number(const std::string& path, Precision precision, size_t element);
   const std::byte* row_data(Array& a, uint64_t frame, size_t column);

@@ -17,7 +17,7 @@ std::vector<StartingPlace> starting_places(const GridFluidDef& d, std::span<cons
   const auto place = [&](size_t a, size_t i) {
     return a < g.dimensions
                ? g.origin[a] + g.spacing[a] * (static_cast<double>(i) + 0.5) / static_cast<double>(per)
-               : 0.0;
+               : g.origin[a];
   };
   for (size_t k = 0; k < (g.dimensions == 3 ? per * g.cells[2] : 1); ++k) {
     for (size_t j = 0; j < per * g.cells[1]; ++j) {

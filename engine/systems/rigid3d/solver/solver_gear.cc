@@ -81,14 +81,19 @@ void solve_gear(GearRow<T>& gear, Record8<T>* v, uint32_t end, const JointPass<T
   }
 }
 
-#define TRUESTEP_GEARS(T)                                                                                    \
-  template void prepare_gear<T>(GearRow<T>&, std::span<const JointGroup<T>>, std::span<const JointDrive<T>>, \
-                                uint32_t);                                                                   \
-  template void apply_gear<T>(const GearRow<T>&, Record8<T>*, uint32_t, T);                                  \
-  template void solve_gear<ContactSolve::bias, T>(GearRow<T>&, Record8<T>*, uint32_t, const JointPass<T>&);  \
-  template void solve_gear<ContactSolve::relax, T>(GearRow<T>&, Record8<T>*, uint32_t, const JointPass<T>&);
-TRUESTEP_GEARS(float)
-TRUESTEP_GEARS(double)
-#undef TRUESTEP_GEARS
+template void prepare_gear<float>(GearRow<float>&, std::span<const JointGroup<float>>,
+                                  std::span<const JointDrive<float>>, uint32_t);
+template void apply_gear<float>(const GearRow<float>&, Record8<float>*, uint32_t, float);
+template void solve_gear<ContactSolve::bias, float>(GearRow<float>&, Record8<float>*, uint32_t,
+                                                    const JointPass<float>&);
+template void solve_gear<ContactSolve::relax, float>(GearRow<float>&, Record8<float>*, uint32_t,
+                                                     const JointPass<float>&);
+template void prepare_gear<double>(GearRow<double>&, std::span<const JointGroup<double>>,
+                                   std::span<const JointDrive<double>>, uint32_t);
+template void apply_gear<double>(const GearRow<double>&, Record8<double>*, uint32_t, double);
+template void solve_gear<ContactSolve::bias, double>(GearRow<double>&, Record8<double>*, uint32_t,
+                                                     const JointPass<double>&);
+template void solve_gear<ContactSolve::relax, double>(GearRow<double>&, Record8<double>*, uint32_t,
+                                                      const JointPass<double>&);
 
 }  // namespace truestep::rigid3d

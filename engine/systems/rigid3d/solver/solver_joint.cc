@@ -102,9 +102,9 @@ void JointSolver<T>::fill_group(size_t group, const State& s, const JointList& j
     };
     body(a, g.a, g.root_a, g.turn_a), body(b, g.b, g.root_b, g.turn_b);
     set3(g.arm_a, lane, at.arm_a), set3(g.arm_b, lane, at.arm_b), set3(g.error, lane, at.gap);
-    for (int e = 0; e < 3; ++e) {
+    for (size_t e = 0; e < 3; ++e) {
       set3(g.axis[e], lane, at.axes[e]), set3(g.turn_axis[e], lane, at.turns[e]);
-      if (joint.locked[static_cast<size_t>(3 + e)]) g.angle[e].set(lane, T(at.coordinate[3 + e]));
+      if (joint.locked[3 + e]) g.angle[e].set(lane, T(at.coordinate[3 + e]));
     }
     for (size_t e = 0; e < 6; ++e) {
       // Between bodies that never rotate, rotations need no rows, and would have no inverse.
