@@ -5,6 +5,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/math/trig.h"
+#include "engine/systems/rigid2d/solver/seams.h"
 
 namespace truestep::rigid2d {
 namespace {
@@ -379,6 +380,7 @@ Model build_model(const Rigid2dDef& def) {
   m.size = typical_size(m);
   m.margin = def.contact_margin.value_or(0.02 * m.size);
   gather_hot_parts(m);
+  m.seams = has_seams(m);
   return std::move(build.model);
 }
 

@@ -124,6 +124,7 @@ struct Model {
   std::vector<uint64_t> not_touching;  ///< (a << 32 | b), a < b, ascending: joined bodies that do not collide
   double margin = 0.02;                ///< m, distance at which contacts become speculative
   double size = 1;                     ///< m, typical size of a body
+  bool seams = false;                  ///< fixed polygons may be one surface (solver/seams.h)
 
   uint32_t world() const { return static_cast<uint32_t>(bodies.size() - 1); }
   size_t count() const { return bodies.size() - 1; }

@@ -5,6 +5,7 @@
 
 #include "engine/base/random.h"
 #include "engine/rigid/one_way.h"
+#include "engine/systems/rigid2d/solver/seams.h"
 
 namespace truestep::rigid2d {
 namespace {
@@ -175,6 +176,7 @@ void find_contacts(const Model& model, State& s, double h, Pairs& p, const Threa
       if (is_moved(model.light[i], status[i])) p.active[i] = 1;
     }
   }
+  if (model.seams) leave_out_seams(model, p);
   p.touching.clear();
   for (size_t i = 0; i < p.hits.size(); ++i) {
     Hit& h = p.hits[i];

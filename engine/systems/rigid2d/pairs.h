@@ -2,6 +2,7 @@
 // contacts of the last step that they continue. Sleeping pairs are skipped; a sleeping body that is touched
 // wakes.
 #pragma once
+#include <utility>
 #include <vector>
 
 #include "engine/base/parallel.h"
@@ -31,6 +32,7 @@ struct Pairs {
   std::vector<flat::Contact> contacts;
   std::vector<uint32_t> touching;  ///< the pairs with contacts to solve, ascending
   std::vector<uint8_t> active, seeds;
+  std::vector<std::pair<uint32_t, uint32_t>> on_ground;  ///< shapes that touch fixed polygons, and the hits
   std::vector<Vec2> ahead;  ///< motion of every body in this step without contacts, m, bounded
 };
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/kernels/rigid/free_rotation.h"
+#include "engine/kernels/rigid/fast_rotation.h"
 #include "engine/kernels/rigid/impact_limits.h"
 #include "engine/math/trig.h"
 #include "engine/rigid/one_way.h"
@@ -121,8 +121,9 @@ void Rigid3d::choose_substeps(State& s, const StepInput& in) const {
   const int now = substeps(s, in.h);
   const int wanted =
       scratch(in).buckling.substeps(s, bodies_.kinds, scratch(in).contacts.all(), settings_, now, in.h);
-  // In steps of one: the energy stored in contact springs changes with their stiffness.
-  const int next = std::clamp(wanted, now - 1, now + 1);
+  // In steps of one: the energy stored in contact springs changes with their stiffness. In the first step
+  // they are hardly loaded beyond their offsets yet.
+  const int next = std::clamp(wanted, now - 1, std::max(now + 1, in.step == 0 ? wanted : 0));
   if (next != now) change_substeps(s, in.h, now, next);
 }
 
@@ -179,7 +180,18 @@ void Rigid3d::solve(State& s, const StepInput& in) const {
   settings.restitution_speed =
       restitution_speed(load3(s.f64(columns::gravity).data(), 0), in.h * scratch.parts);
   settings.substeps = substeps(s, in.h);
+  const bool starts = in.step == 0 && s.rows(columns::contact_bodies) == 0 && scratch.parts == 1;
   const auto run = [&](auto& solver) {
+    if (starts) {
+      // Columns would lean, and heavy bodies sink into light ones, until there are enough substeps.
+      const auto contacts = scratch.contacts.all();
+      solver.find_first_loads(s, bodies_.kinds, joints_, contacts, scratch.contacts.bodies(),
+                              {scratch.change, scratch.twist}, settings, in);
+      settings.substeps =
+          scratch.buckling.substeps(s, bodies_.kinds, contacts, settings_, settings.substeps, in.h);
+      s.f64(columns::substep)[0] = in.h / settings.substeps;
+      for (Contact* c : contacts) std::fill_n(c->impulse, Manifold::kMost, 0.0);
+    }
     solver.solve(s, bodies_.kinds, joints_, scratch.contacts.all(), scratch.contacts.bodies(),
                  {scratch.change, scratch.twist}, settings, in);
   };
@@ -225,7 +237,7 @@ void Rigid3d::integrate_free(State& s, const StepInput& in) const {
       // Half of the change by a torque before and half after (Strang).
       if (!scratch.twist.empty())
         spin += free_rotation::spin_of(turned, scratch.twist[i] * 0.5, b.resistance());
-      const auto m = free_rotation::advance({turned, spin}, b.moments, h);
+      const auto m = free_rotation::advance_fast({turned, spin}, b.moments, h);
       turned = m.orientation, spin = m.angular_velocity;
       if (!scratch.twist.empty())
         spin += free_rotation::spin_of(turned, scratch.twist[i] * 0.5, b.resistance());

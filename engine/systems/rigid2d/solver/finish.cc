@@ -16,8 +16,10 @@ using flat::Sweep;
 
 /// The core of a fast shape stops this fraction of its radius before contact.
 constexpr double kCoreGap = 0.25;
-/// Part of a shape's inner radius by which it may move into a line that it slides along.
+/// Part of a shape's inner radius by which it may move into a surface that it slides along.
 constexpr double kShallow = 0.25;
+/// .. by which it may be in a polygon before that; what is higher is a step.
+constexpr double kLevel = 0.05;
 
 Sweep sweep_of(const Pairs& pairs, const Travel& t) {
   return {pairs.pose[t.body], t.angle, t.shift};
@@ -35,11 +37,24 @@ Box swept_box(const Outline& s, const Sweep& sweep, double reach) {
   return b;
 }
 
-/// True where the motion of b relative to a hardly leads through the line of a chain's link: it slides on,
-/// from piece to piece. The end of the next piece would stop it at every corner, however straight the chain.
-bool slides_along(const Outline& link, const Sweep& a, const Sweep& b, double inner) {
-  if (!link.is_link()) return false;
-  return std::abs(flat::dot(a.from.q * link.normal[0], b.shift - a.shift)) < kShallow * inner;
+/// True where the motion of b relative to a hardly leads through the line of a chain's link, or through that
+/// of an edge of a polygon on whose outside it begins: it slides on, from piece to piece. The end of the next
+/// piece would stop it at every corner, however straight the surface.
+bool slides_along(const Outline& piece, const Sweep& a, const Outline& shape, const Sweep& b, double inner) {
+  const auto into = [&](Vec2 n) { return -flat::dot(a.from.q * n, b.shift - a.shift); };
+  if (piece.is_link()) return std::abs(into(piece.normal[0])) < kShallow * inner;
+  if (a.angle != 0 || piece.corners < 3) return false;
+  const Outline there = flat::moved(shape, a.from.to(b.from));
+  for (uint32_t i = 0; i < piece.corners; ++i) {
+    const Vec2 n = piece.normal[i];
+    double outside = HUGE_VAL;
+    for (uint32_t k = 0; k < there.corners; ++k) {
+      outside = std::min(outside, flat::dot(n, there.corner[k] - piece.corner[i]));
+    }
+    outside -= piece.radius + shape.radius;
+    if (outside > -kLevel * inner && into(n) < kShallow * inner) return true;
+  }
+  return false;
 }
 
 /// Fraction of the motion after which the body must stop.
@@ -70,7 +85,7 @@ double first_stop(const Model& model, const State& s, const Pairs& pairs, const 
       }
       // A body in contact from the start may go on moving, but its core must not pass through.
       const Pose seen = theirs.from.to(mine.from);
-      const bool separate = !slides_along(wall, theirs, mine, flat::inner_radius(shape)) &&
+      const bool separate = !slides_along(wall, theirs, shape, mine, flat::inner_radius(shape)) &&
                             flat::distance(wall, shape, seen).distance > 2 * gap;
       // What is in a one-way body already passes it; what touches it is left to the solver.
       if (obstacle.one_way && !separate) return;

@@ -70,11 +70,22 @@ double SmallSteps::largest_burden(const Model& model, const State& s, const Pair
     }
   }
   const double* v = s.f64(columns::velocity).data();
+  // No load is known at the start. Contacts that were made stiffer under it would throw up what they bear.
+  const auto* g = s.f64(columns::parameters).data();
+  const double* x = s.f64(columns::position).data();
+  const auto bears_heavier = [&](uint32_t a, uint32_t b) {
+    if (!moves(model, status, a) || !moves(model, status, b)) return false;
+    const double rise = g[0] * (x[3 * a] - x[3 * b]) + g[1] * (x[3 * a + 1] - x[3 * b + 1]);
+    return (rise > 0 ? model.light[b].mass - model.light[a].mass
+                     : model.light[a].mass - model.light[b].mass) > 0;
+  };
   for (const uint32_t k : pairs.touching) {
     const uint32_t a = pairs.hits[k].body_a, b = pairs.hits[k].body_b;
     const Vec2 closing{v[3 * a] - v[3 * b], v[3 * a + 1] - v[3 * b + 1]};
     const uint32_t mover = moves(model, status, a) ? a : b;
-    if (!moves(model, status, mover) || flat::dot(closing, pairs.contacts[k].normal) < kHits * weight * h)
+    if (!moves(model, status, mover)) continue;
+    if (!(keys.empty() && bears_heavier(a, b)) &&
+        flat::dot(closing, pairs.contacts[k].normal) < kHits * weight * h)
       continue;
     const Island& all = island_[island_of(parent_, mover)];
     most = std::max(most, all.heaviest / all.lightest);

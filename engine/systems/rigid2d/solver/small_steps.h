@@ -7,9 +7,9 @@
 // every body stands on one other count: overlapping courses hold one another upright, and falling bodies do
 // not buckle. Heavy bodies on much lighter ones are carried through these: a sweep passes on a load in
 // fractions of m_light / m_heavy and needs more small steps, too. A light body is judged by the load that it
-// carries in multiples of its own weight, as far as one body of its island is that much heavier; on impact,
-// before any load is known, by the mass ratio alone. A body held by a joint, such as a drum on its axle, does
-// not rest on another.
+// carries in multiples of its own weight, as far as one body of its island is that much heavier; on impact
+// and at the start, before any load is known, by the mass ratio alone. A body held by a joint, such as a drum
+// on its axle, does not rest on another.
 #pragma once
 #include <cmath>
 #include <vector>

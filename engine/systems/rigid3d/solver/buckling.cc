@@ -62,6 +62,22 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds,
   const auto load = [&](const Contact& c) {
     return (c.impulse[0] + c.impulse[1] + c.impulse[2] + c.impulse[3]) / substep;
   };
+  const double rate = contact_rate(settings, h / now);
+  // 1/kg of a contact's points for pushes along its normal.
+  const auto inverse_mass = [&](const Contact& c, int point) {
+    double inverse = 0;
+    for (const uint32_t i : {c.a, c.b}) {
+      if (!moves(i)) continue;
+      const Vec3 arm = c.manifold.points[point].position - load3(x, i);
+      inverse += mobility(kinds[kind[i]], load_quat(q, i), arm, c.manifold.normal);
+    }
+    return inverse;
+  };
+  const auto yield = [&](const Contact& c) {
+    double stiffness = 0;
+    for (int p = 0; p < c.manifold.count; ++p) stiffness += rate * rate / inverse_mass(c, p);
+    return load(c) / stiffness;
+  };
   bool tall = false;
   double gives_way = 0;  // yield, as a fraction of the allowed yield
   for (const Contact* c : contacts) {
@@ -74,8 +90,7 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds,
     }
     const double weights = load(*c) / (lightest * g);
     tall |= weights > kTallLoad;
-    if (weights > kGivingLoad && stands)
-      gives_way = std::max(gives_way, c->penetration_offset / (kMostGive * smallest));
+    if (weights > kGivingLoad && stands) gives_way = std::max(gives_way, yield(*c) / (kMostGive * smallest));
   }
   if (!tall) return settings.substeps;
 
@@ -111,17 +126,13 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds,
     const double upright = dot(m.normal, up), below = tilt(lower);
     for (int p = 0; p < m.count; ++p) {
       const Vec3 at = m.points[p].position, arm_a = at - load3(x, c->a), arm_b = at - load3(x, c->b);
-      double inverse = 0;
-      if (moves(c->a)) inverse += mobility(kinds[kind[c->a]], load_quat(q, c->a), arm_a, m.normal);
-      if (moves(c->b)) inverse += mobility(kinds[kind[c->b]], load_quat(q, c->b), arm_b, m.normal);
-      const double mass = upright * upright / inverse;
+      const double mass = upright * upright / inverse_mass(*c, p);
       const Vec3 all = on_a ? arm_b : arm_a, arm = all - up * dot(all, up);
       support.mass += mass, support.tilt += mass * below, support.place += arm * mass;
       support.squares += Vec3{arm.x * arm.x, arm.y * arm.y, arm.z * arm.z} * mass;
       support.products += Vec3{arm.y * arm.z, arm.x * arm.z, arm.x * arm.y} * mass;
     }
   }
-  const double rate = contact_rate(settings, h / now);
   for (uint32_t i = 0; i < kind.size(); ++i) {
     if (!moves(i)) continue;
     Island& all = island_[island_of(parent_, i)];

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <cmath>
 
-#include "engine/kernels/rigid/free_rotation.h"
+#include "engine/kernels/rigid/fast_rotation.h"
 #include "engine/rigid/free_flight.h"
 #include "engine/rigid/islands.h"
 
@@ -28,7 +28,7 @@ Vec3 roots(const Vec3& a) {
 Vec3 gyroscopic_change(const Vec3& spin, const Vec3& moments, double h) {
   if (norm2(spin) <= kSlowSpin * kSlowSpin) return {};
   if (moments.x == moments.y && moments.y == moments.z) return {};
-  const auto m = free_rotation::advance({{}, spin}, moments, h);
+  const auto m = free_rotation::advance_fast({{}, spin}, moments, h);
   return rotation(m.orientation).apply_inverse(m.angular_velocity) - spin;
 }
 
@@ -345,12 +345,10 @@ void ContactSolver<T>::store_bodies(State& s) {
 }
 
 template <class T>
-void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, const JointList& joints,
-                             std::span<Contact* const> contacts, std::span<const BodyNow> now,
-                             const ForceChange& change, const SolverSettings& settings, const StepInput& in) {
-  choose_bodies(s, kinds, contacts, now);
-  if (body_.empty()) return;
-  const auto gathering = team_.gather(in.arena);
+void ContactSolver<T>::fill_rows(const State& s, std::span<const BodyKind> kinds, const JointList& joints,
+                                 std::span<Contact* const> contacts, std::span<const BodyNow> now,
+                                 const ForceChange& change, const SolverSettings& settings,
+                                 const StepInput& in) {
   load_bodies(s, kinds, now, change, settings, in.h);
   ends_.clear(), many_.clear();
   for (const uint32_t k : listed_) {
@@ -370,12 +368,23 @@ void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, const Jo
   balls_.fill(s, joints.joints, bodies, h, team_);
   joints_.fill(s, joints, bodies, h, team_);
   flags_ = 0;
+}
+
+template <class T>
+void ContactSolver<T>::solve(State& s, std::span<const BodyKind> kinds, const JointList& joints,
+                             std::span<Contact* const> contacts, std::span<const BodyNow> now,
+                             const ForceChange& change, const SolverSettings& settings, const StepInput& in) {
+  choose_bodies(s, kinds, contacts, now);
+  if (body_.empty()) return;
+  const auto gathering = team_.gather(in.arena);
+  fill_rows(s, kinds, joints, contacts, now, change, settings, in);
   if (s.rows(columns::contact_bodies) == 0 && in.step == 0) {
     find_loads(s, kinds, contacts, now, settings, in.h);
   }
   substeps(s, joints, settings, in);
   store_impulses(contacts, penetration_offset_rule(settings, in.h));
   store_bodies(s);
+  const double h = in.h / settings.substeps;
   joints_.store(s, joints, h);
   balls_.store(s, joints.joints, h);
 }

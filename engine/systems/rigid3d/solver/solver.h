@@ -30,6 +30,10 @@ class ContactSolver {
   void solve(State& s, std::span<const BodyKind> kinds, const JointList& joints,
              std::span<Contact* const> contacts, std::span<const BodyNow> now, const ForceChange& change,
              const SolverSettings& settings, const StepInput& in);
+  /// Gives the contacts of a first step, solved in settings.substeps, the impulses of its loads.
+  void find_first_loads(const State& s, std::span<const BodyKind> kinds, const JointList& joints,
+                        std::span<Contact* const> contacts, std::span<const BodyNow> now,
+                        const ForceChange& change, const SolverSettings& settings, const StepInput& in);
   /// Per body: its index among the bodies moved by this step's solver, or kNoBody.
   std::span<const uint32_t> slots() const { return slot_; }
 
@@ -39,6 +43,10 @@ class ContactSolver {
                      std::span<const BodyNow> now);
   void load_bodies(const State& s, std::span<const BodyKind> kinds, std::span<const BodyNow> now,
                    const ForceChange& change, const SolverSettings& settings, double h);
+  /// Rows of bodies, contacts and joints.
+  void fill_rows(const State& s, std::span<const BodyKind> kinds, const JointList& joints,
+                 std::span<Contact* const> contacts, std::span<const BodyNow> now, const ForceChange& change,
+                 const SolverSettings& settings, const StepInput& in);
   void fill(size_t group, std::span<Contact* const> contacts, const State& s, std::span<const BodyKind> kinds,
             std::span<const BodyNow> now);
   void substeps(const State& s, const JointList& joints, const SolverSettings& settings, const StepInput& in);
@@ -58,6 +66,9 @@ class ContactSolver {
   /// Marks in parts_ the bodies of islands in which all bodies rest on one another under the impulses found:
   /// only their springs may start under load, because loaded springs would throw up what topples.
   void find_resting();
+  /// Contacts of bodies at rest can only take from what forces add. Islands for which the sweeps have found
+  /// more (light bodies under heavy ones that topple) start without loads.
+  void drop_loads_that_drive();
   /// Starts the first step from the impulses and offsets that the gravity loads require.
   void find_loads(const State& s, std::span<const BodyKind> kinds, std::span<Contact* const> contacts,
                   std::span<const BodyNow> now, const SolverSettings& settings, double h);

@@ -129,6 +129,31 @@ void ContactSolver<T>::find_resting() {
 }
 
 template <class T>
+void ContactSolver<T>::drop_loads_that_drive() {
+  constexpr double kRounded = 1 + 1e-4;
+  std::vector<double> left(body_.size()), free(body_.size());
+  const auto add = [](double& sum, const Record8<T>& r) {
+    for (int e = 0; e < 6; ++e) sum += double(r.x[e]) * double(r.x[e]);
+  };
+  for (uint32_t i = 0; i < body_.size(); ++i) {
+    const uint32_t island = island_of(island_, i);
+    add(left[island], start_[i]), add(free[island], change_[i]);
+  }
+  for (size_t k = 0; k < contact_lanes_.count; ++k) {
+    ContactGroup<T>& g = groups_[k];
+    for (int lane = 0; lane < W::kLanes; ++lane) {
+      const uint32_t body = std::min(g.a[lane], g.b[lane]);
+      if (body >= body_.size()) continue;
+      const uint32_t island = island_of(island_, body);
+      if (left[island] <= kRounded * free[island]) continue;
+      for (int p = 0; p < g.points; ++p) g.place[p].impulse.set(lane, 0);
+      for (int t = 0; t < 2; ++t) g.slide[t].set(lane, 0), g.roll[t].set(lane, 0);
+      g.twist.set(lane, 0);
+    }
+  }
+}
+
+template <class T>
 void ContactSolver<T>::find_loads(const State& s, std::span<const BodyKind> kinds,
                                   std::span<Contact* const> contacts, std::span<const BodyNow> now,
                                   const SolverSettings& settings, double step) {
@@ -149,6 +174,7 @@ void ContactSolver<T>::find_loads(const State& s, std::span<const BodyKind> kind
                 });
   }
   find_resting();
+  drop_loads_that_drive();
   const auto kind = s.span<uint32_t>(columns::kind);
   const double gives_way = (1 - kBelowYield * std::numeric_limits<T>::epsilon()) *
                            penetration_offset_at_rest(penetration_offset_rule(settings, step));
@@ -184,6 +210,27 @@ void ContactSolver<T>::find_loads(const State& s, std::span<const BodyKind> kind
   }
 }
 
+template <class T>
+void ContactSolver<T>::find_first_loads(const State& s, std::span<const BodyKind> kinds,
+                                        const JointList& joints, std::span<Contact* const> contacts,
+                                        std::span<const BodyNow> now, const ForceChange& change,
+                                        const SolverSettings& settings, const StepInput& in) {
+  choose_bodies(s, kinds, contacts, now);
+  if (body_.empty()) return;
+  const auto gathering = team_.gather(in.arena);
+  fill_rows(s, kinds, joints, contacts, now, change, settings, in);
+  find_loads(s, kinds, contacts, now, settings, in.h);
+  for (size_t k = 0; k < contact_lanes_.count; ++k) {
+    for (int lane = 0; lane < W::kLanes; ++lane) {
+      const uint32_t m = contact_lanes_.member[k * W::kLanes + lane];
+      if (m == kNoBody) continue;
+      Contact& c = *contacts[m];
+      for (int p = 0; p < c.manifold.count; ++p) c.impulse[p] = groups_[k].place[p].impulse[lane];
+      c.penetration_offset = 0, std::fill_n(c.uneven, Manifold::kMost, 0.0);
+    }
+  }
+}
+
 template void ContactSolver<float>::find_loads(const State&, std::span<const BodyKind>,
                                                std::span<Contact* const>, std::span<const BodyNow>,
                                                const SolverSettings&, double);
@@ -191,4 +238,12 @@ template void ContactSolver<double>::find_loads(const State&, std::span<const Bo
                                                 std::span<Contact* const>, std::span<const BodyNow>,
                                                 const SolverSettings&, double);
 
+template void ContactSolver<float>::find_first_loads(const State&, std::span<const BodyKind>,
+                                                     const JointList&, std::span<Contact* const>,
+                                                     std::span<const BodyNow>, const ForceChange&,
+                                                     const SolverSettings&, const StepInput&);
+template void ContactSolver<double>::find_first_loads(const State&, std::span<const BodyKind>,
+                                                      const JointList&, std::span<Contact* const>,
+                                                      std::span<const BodyNow>, const ForceChange&,
+                                                      const SolverSettings&, const StepInput&);
 }  // namespace truestep::rigid3d
