@@ -115,6 +115,19 @@ FieldView GridFluid::field(const State& s, size_t, size_t field, std::vector<dou
   return {scratch.data(), Scalar::f64, n, vector ? 3u : 1u};
 }
 
+double GridFluid::mass(const State& s, double t) const {
+  const mac::MacGrid& g = model_.grid;
+  if (!second_) {
+    ObstaclePlaces now;
+    if (model_.texts.obstacles_move) model_.texts.place_obstacles(model_.def.obstacles, t, now);
+    return model_.def.density * (model_.texts.obstacles_move ? fluid_volume(now.obstacles, g) : room_);
+  }
+  const double* second = s.f64(*second_).data();
+  double sum = 0;
+  for_cells(g, [&](size_t, size_t at, size_t, size_t, size_t) { sum += model_.density_of(second[at]); });
+  return sum * g.cell_volume();
+}
+
 void GridFluid::observe(const State& s, double t, Observables& out) const {
   const mac::MacGrid& g = model_.grid;
   const double* second = second_ ? s.f64(*second_).data() : nullptr;
@@ -138,6 +151,7 @@ void GridFluid::observe(const State& s, double t, Observables& out) const {
   });
   const double volume = g.cell_volume();
   out.add("energy.kinetic", volume * energy, "J");
+  out.add("mass", mass(s, t), "kg");
   out.add("enstrophy", volume * enstrophy, "1/s^2");
   // With moving obstacles, or differences beyond the sides: as recorded at the end of the step.
   out.add("divergence.max", model_.keeps_divergence() ? s.f64(numbers_)[8] : divergence, "1/s");
