@@ -122,10 +122,11 @@ double GridFluid::mass(const State& s, double t) const {
     if (model_.texts.obstacles_move) model_.texts.place_obstacles(model_.def.obstacles, t, now);
     return model_.def.density * (model_.texts.obstacles_move ? fluid_volume(now.obstacles, g) : room_);
   }
-  const double* second = s.f64(*second_).data();
-  double sum = 0;
-  for_cells(g, [&](size_t, size_t at, size_t, size_t, size_t) { sum += model_.density_of(second[at]); });
-  return sum * g.cell_volume();
+  const double* share = s.f64(*second_).data();
+  double second = 0;
+  for_cells(g, [&](size_t, size_t at, size_t, size_t, size_t) { second += share[at]; });
+  const double all = static_cast<double>(g.cell_count());
+  return g.cell_volume() * (model_.def.density * (all - second) + model_.def.second_fluid->density * second);
 }
 
 void GridFluid::observe(const State& s, double t, Observables& out) const {

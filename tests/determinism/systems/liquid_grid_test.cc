@@ -35,6 +35,7 @@ std::unique_ptr<LiquidRun> make(const Kind& k, int threads) {
     e.position = {0.9, 0.3, 0.2}, e.radius = 0.06, e.speed = 1.3, e.direction = {-1, 2, 0}, e.dye = 2;
     if (k.space) e.position.x = 0.3;
     d.emitters = {e}, d.max_particles = 4000;
+    d.bodies.push_back(box_of_liquid({k.space ? 0.5 : 1.35, 0, -1}, {2, 0.2, 1}));
     d.kill_boxes = {
         {.center = {0.1, 0, 0}, .half_extents = {0.1, 0.1, 1}, .where = KillBoxDef::Where::inside}};
     d.sides.x_max = FlowSideDef{SideKind::outflow, {}};
