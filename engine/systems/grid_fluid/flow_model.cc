@@ -22,7 +22,8 @@ FlowModel::FlowModel(const GridFluidDef& d, const Vec3& g)
       inflow = inflow || kinds[a][end] == SideKind::inflow;
     }
   }
-  if (!inflow || open) return;
+  // A liquid with a surface has room for more.
+  if (!inflow || open || d.liquid()) return;
   // Inflow must leave through other such sides, up to the grid's discretization error.
   double net = 0, through = 0;
   std::vector<double> values;

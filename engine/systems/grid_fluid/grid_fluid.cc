@@ -53,6 +53,9 @@ PartInfo cells_part(const FlowModel& m) {
 GridFluid::GridFluid(const GridFluidDef& def, const BuildContext& context)
     : id_(context.id), model_(def, context.gravity) {
   const mac::MacGrid& g = model_.grid;
+  ObstaclePlaces start;
+  model_.texts.place_obstacles(def.obstacles, 0, start);
+  room_ = fluid_volume(start.obstacles, g);
   set_parts({cells_part(model_)});
   for (size_t c = 0; c < g.dimensions; ++c) {
     start_.add({std::string("velocity.") + kAxes[c], "m/s", Scalar::f64, 1, Role::position}, g.size());

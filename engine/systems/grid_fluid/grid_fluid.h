@@ -31,6 +31,8 @@ class GridFluid final : public StagedSystem {
   void advance(State& state, const StepInput& in) const;
   void find_steady(State& state, const StepInput& in) const;
   FlowFields fields(State& state) const;
+  /// kg, of the fluid between the obstacles.
+  double mass(const State& state, double t) const;
   double rms_error(const State& state, double t) const;
   void vorticity(const State& state, double* out) const;
   /// Largest substep for a flow that crosses this many cells per second.
@@ -46,6 +48,7 @@ class GridFluid final : public StagedSystem {
 
   std::string id_;
   FlowModel model_;
+  double room_ = 0;  ///< m^3 (m^2 in the plane) between obstacles at the start
   State::Column numbers_ = 0;
   std::optional<State::Column> rate_, scalar_, second_;
   std::optional<State::Column> stream_;  ///< of a steady flow; followed by `steady`

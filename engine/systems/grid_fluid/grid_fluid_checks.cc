@@ -64,41 +64,6 @@ void check_sides(const GridFluidDef& d, const DefTable::Report& report) {
   }
 }
 
-// Features that liquids with a surface do not have are refused by name.
-void check_liquid(const GridFluidDef& d, const DefTable::Report& report) {
-  if (!d.liquid()) {
-    if (!d.bodies.empty()) report("/bodies", "only flip and apic have a surface");
-    return;
-  }
-  if (d.bodies.empty()) report("/bodies", "flip and apic need the liquid at the start");
-  if (d.scalar) report("/scalar", "not with flip and apic, which carry only the liquid");
-  if (!d.exact.empty()) report("/exact", "flip and apic have no exact solution");
-  if (d.vorticity_confinement > 0) report("/vorticity_confinement", "not with flip and apic");
-  const mac::MacGrid g = make_grid(d);
-  for (size_t a = 0; a < g.dimensions; ++a) {
-    if (std::abs(g.spacing[a] - g.spacing[0]) > 1e-6 * g.spacing[0] && d.size.size() == d.cells.size()) {
-      report("/size", "flip and apic need cubic cells: the same size / cells along every axis");
-      break;
-    }
-  }
-  for (size_t a = 0; a < g.dimensions; ++a) {
-    for (size_t end = 0; end < 2; ++end) {
-      const FlowSideDef& side = side_of(d, a, end);
-      const std::string at = side_pointer(d, a, end);
-      if (side.kind == SideKind::inflow || side.kind == SideKind::outflow) {
-        report(at + "/kind", "sides around a liquid must be wall, slip or periodic");
-      } else if (!side.velocity.empty()) {
-        report(at + "/velocity", "sides around a liquid must be at rest");
-      }
-    }
-  }
-  if (expected_particles(d) > kMostParticles) report("/bodies", "more than 2e7 particles");
-  for (size_t k = 0; k < d.bodies.size(); ++k) {
-    if (g.dimensions == 2 && d.bodies[k].velocity.z != 0)
-      report("/bodies/" + std::to_string(k) + "/velocity", "a plane liquid must move in the plane z = 0");
-  }
-}
-
 void check_fourth_order(const GridFluidDef& d, const DefTable::Report& report) {
   if (d.advection != GridFluidDef::Advection::central) {
     report("/order", "fourth order needs central advection");

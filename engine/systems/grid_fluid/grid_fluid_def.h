@@ -5,9 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "engine/collision/points/kill_def.h"
 #include "engine/core/def/build.h"
 #include "engine/core/def/def.h"
 #include "engine/core/def/resolution.h"
+#include "engine/core/def/source_def.h"
 #include "engine/core/outputs.h"
 #include "engine/kernels/mac/mac_grid.h"
 #include "engine/lattice/box_sides.h"
@@ -22,6 +24,7 @@ enum class SideKind : uint8_t { wall, slip, inflow, outflow, periodic };
 struct FlowSideDef {
   SideKind kind = SideKind::wall;
   std::vector<std::string> velocity;  ///< m/s; empty: 0
+  std::optional<double> dye = {};     ///< of the liquid that flows in
 };
 using FlowSidesDef = lattice::BoxSides<FlowSideDef>;
 
@@ -58,9 +61,15 @@ struct LiquidBodyDef {
   double radius = 0.1;       ///< m
   Vec3 half{0.1, 0.1, 0.1};  ///< m
   Vec3 velocity;             ///< m/s, added to `initial`
+  std::optional<double> dye = {};
 };
 
-struct GridFluidDef {
+/// A nozzle that pours liquid.
+struct LiquidInletDef : SourceDef {
+  std::optional<double> dye = {};
+};
+
+struct GridFluidDef : KillDefs {
   std::vector<int64_t> cells = {64, 64};
   std::vector<double> size;    ///< m; empty: 1 along every axis
   std::optional<Vec3> origin;  ///< m, lower corner
@@ -87,6 +96,8 @@ struct GridFluidDef {
   std::vector<ObstacleDef> obstacles;
   double tolerance = 1e-6;  ///< of the pressure with obstacles; of a steady flow's last change
   std::vector<LiquidBodyDef> bodies;
+  std::vector<LiquidInletDef> emitters;
+  std::optional<int64_t> max_particles;
   int particles_per_axis = 2;
   double flip = 0.97;
 
@@ -112,6 +123,14 @@ struct StartingPlace {
 std::vector<StartingPlace> starting_places(const GridFluidDef& d, std::span<const ObstacleDef> obstacles);
 /// Their number, estimated from the volumes of the bodies.
 double expected_particles(const GridFluidDef& d);
+/// Most particles of a liquid at once, given `start` of them at the start.
+size_t largest_count(const GridFluidDef& d, size_t start);
+/// Whether liquid flows through a side.
+bool lets_through(SideKind kind);
+/// Whether the number of a liquid's particles can change.
+bool changes(const GridFluidDef& d);
+/// Whether a liquid's particles carry a dye.
+bool dyed(const GridFluidDef& d);
 const FlowSideDef& side_of(const GridFluidDef& d, size_t axis, size_t end);
 /// "/sides/x_min", or "/side" if that member decides.
 std::string side_pointer(const GridFluidDef& d, size_t axis, size_t end);

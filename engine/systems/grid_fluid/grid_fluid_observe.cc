@@ -115,6 +115,20 @@ FieldView GridFluid::field(const State& s, size_t, size_t field, std::vector<dou
   return {scratch.data(), Scalar::f64, n, vector ? 3u : 1u};
 }
 
+double GridFluid::mass(const State& s, double t) const {
+  const mac::MacGrid& g = model_.grid;
+  if (!second_) {
+    ObstaclePlaces now;
+    if (model_.texts.obstacles_move) model_.texts.place_obstacles(model_.def.obstacles, t, now);
+    return model_.def.density * (model_.texts.obstacles_move ? fluid_volume(now.obstacles, g) : room_);
+  }
+  const double* share = s.f64(*second_).data();
+  double second = 0;
+  for_cells(g, [&](size_t, size_t at, size_t, size_t, size_t) { second += share[at]; });
+  const double all = static_cast<double>(g.cell_count());
+  return g.cell_volume() * (model_.def.density * (all - second) + model_.def.second_fluid->density * second);
+}
+
 void GridFluid::observe(const State& s, double t, Observables& out) const {
   const mac::MacGrid& g = model_.grid;
   const double* second = second_ ? s.f64(*second_).data() : nullptr;
@@ -138,6 +152,7 @@ void GridFluid::observe(const State& s, double t, Observables& out) const {
   });
   const double volume = g.cell_volume();
   out.add("energy.kinetic", volume * energy, "J");
+  out.add("mass", mass(s, t), "kg");
   out.add("enstrophy", volume * enstrophy, "1/s^2");
   // With moving obstacles, or differences beyond the sides: as recorded at the end of the step.
   out.add("divergence.max", model_.keeps_divergence() ? s.f64(numbers_)[8] : divergence, "1/s");

@@ -14,7 +14,9 @@ const Outputs& grid_fluid_outputs() {
                  {"scalar", "1", 1, "what the flow carries"},
                  {"second_fluid", "1", 1, "fraction of a cell filled by the second fluid"},
                  {"fill", "1", 1, "of a liquid: fraction of the particle's cell that is filled"},
-                 {"position", "m", 3, "of a liquid's particle"}},
+                 {"position", "m", 3, "of a liquid's particle"},
+                 {"dye", "1", 1, "of a liquid's particle, if bodies, emitters or sides give it one"},
+                 {"id", "1", 1, "of a liquid's particle where they come and go: never given twice"}},
       .observables = {
           {"energy.kinetic", "J", "of the fluid in the box"},
           {"enstrophy", "1/s^2", "half the square of the vorticity, integrated over the box"},
@@ -46,10 +48,17 @@ const Outputs& grid_fluid_outputs() {
           {"high.x", "m", "largest coordinate of a liquid's particles"},
           {"high.y", "m", ""},
           {"high.z", "m", ""},
-          {"mass", "kg", "of all particles of a liquid"},
+          {"mass", "kg",
+           "of the fluid between obstacles, in the plane per metre across; of a liquid's particles"},
           {"density.mean_error", "1", "of a liquid: mean compression of its cells in the last substep"},
           {"density.max_error", "1", "the largest"},
           {"density.iterations", "1", "iterations of the solve that undoes compression"},
+          {"dye.total", "1", "integral of the dye over a liquid"},
+          {"count", "1", "present particles of a liquid, if they come or go"},
+          {"emitted", "1", "particles that came in through nozzles and sides"},
+          {"killed", "1", "particles removed by kill regions"},
+          {"left", "1", "particles that left through open sides"},
+          {"refused", "1", "particles refused because max_particles was reached"},
           {"error.exact", "m/s", "difference from the scene's exact velocity, root mean square"}}};
   return kOutputs;
 }

@@ -49,26 +49,31 @@ void Solids::set_aside() {
   depth_.reserve(most);
 }
 
+CellRange cells_near(const ObstacleDef& o, const mac::MacGrid& g, double beyond) {
+  const double center[] = {o.center.x, o.center.y, o.center.z};
+  double half[] = {o.half.x, o.half.y, o.half.z};
+  if (o.turned != Quat{}) {
+    const Rotation r = rotation(o.turned);
+    for (size_t a = 0; a < 3; ++a)
+      half[a] =
+          std::abs(r.row[a].x) * o.half.x + std::abs(r.row[a].y) * o.half.y + std::abs(r.row[a].z) * o.half.z;
+  }
+  CellRange out;
+  for (size_t a = 0; a < g.dimensions; ++a) {
+    const double reach = (o.shape == ObstacleDef::Shape::sphere ? o.radius : half[a]) / g.spacing[a] + beyond;
+    const double middle = (center[a] - g.origin[a]) / g.spacing[a];
+    const auto most = static_cast<double>(g.cells[a] + 1);
+    out.first[a] = static_cast<size_t>(std::clamp(std::floor(middle - reach), 0.0, most));
+    out.last[a] = static_cast<size_t>(std::clamp(std::ceil(middle + reach), 0.0, most));
+  }
+  return out;
+}
+
 void Solids::place(std::span<const ObstacleDef> obstacles, const mac::MacGrid& g) {
   // Faces more than two cells from every obstacle are open.
   near_.assign(g.size(), 0);
   for (const ObstacleDef& o : obstacles) {
-    const double center[] = {o.center.x, o.center.y, o.center.z};
-    double half[] = {o.half.x, o.half.y, o.half.z};
-    if (o.turned != Quat{}) {
-      const Rotation r = rotation(o.turned);
-      for (size_t a = 0; a < 3; ++a)
-        half[a] = std::abs(r.row[a].x) * o.half.x + std::abs(r.row[a].y) * o.half.y +
-                  std::abs(r.row[a].z) * o.half.z;
-    }
-    size_t first[3] = {}, last[3] = {1, 1, 1};
-    for (size_t a = 0; a < g.dimensions; ++a) {
-      const double reach = (o.shape == ObstacleDef::Shape::sphere ? o.radius : half[a]) / g.spacing[a] + 2;
-      const double middle = (center[a] - g.origin[a]) / g.spacing[a];
-      const auto most = static_cast<double>(g.cells[a] + 1);
-      first[a] = static_cast<size_t>(std::clamp(std::floor(middle - reach), 0.0, most));
-      last[a] = static_cast<size_t>(std::clamp(std::ceil(middle + reach), 0.0, most));
-    }
+    const auto [first, last] = cells_near(o, g, 2);
     for (size_t k = first[2]; k < last[2]; ++k) {
       for (size_t j = first[1]; j < last[1]; ++j) {
         for (size_t i = first[0]; i < last[0]; ++i) near_[g.at(i, j, k)] = 1;

@@ -59,6 +59,16 @@ struct Solids {
   std::vector<double> depth_;                  ///< m, of the open part of each `inside` face of one component
 };
 
+/// Cells [first, last) around an obstacle's bounding box, widened by `beyond` cells; one more than the box
+/// has along an axis where it reaches that far.
+struct CellRange {
+  std::array<size_t, 3> first{}, last{1, 1, 1};
+};
+CellRange cells_near(const ObstacleDef& obstacle, const mac::MacGrid& grid, double beyond);
+
+/// m^3 (m^2 in the plane) of the box outside obstacles as they are placed (fluid_volume.cc).
+double fluid_volume(std::span<const ObstacleDef> obstacles, const mac::MacGrid& grid);
+
 /// m, distance from the nearest obstacle's surface, negative inside; exact outside. `which`: its number.
 double distance_to(std::span<const ObstacleDef> obstacles, const Vec3& at, size_t dimensions,
                    uint32_t* which = nullptr);

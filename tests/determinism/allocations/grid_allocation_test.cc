@@ -77,6 +77,26 @@ TEST(Allocation, StepsOfALiquidOnAGridAllocateNothingAfterTheFirst) {
   }
 }
 
+TEST(Allocation, StepsOfALiquidThatComesAndGoesAllocateNothingAfterTheFirst) {
+  using namespace grid_fluid;
+  for (const auto advection : {GridFluidDef::Advection::flip, GridFluidDef::Advection::apic}) {
+    GridFluidDef d = test::water(advection, {32, 32}, 1.0 / 32);
+    d.bodies = {test::box_of_liquid({0, 0, -1}, {1, 0.3, 1})};
+    d.obstacles = {ObstacleDef{.center = {0.5, 0.2, 0}, .radius = 0.1}};
+    LiquidInletDef e;
+    e.position = {0.3, 0.6, 0}, e.direction = {1, 1, 0};
+    d.emitters = {e};
+    d.sides.x_min = FlowSideDef{SideKind::inflow, {"y < 0.2 ? 1 : 0", "0"}};
+    d.sides.x_max = FlowSideDef{SideKind::outflow, {}};
+    d.kill_planes = {{.point = {0, 0.02, 0}, .normal = {0, 1, 0}}};
+    test::LiquidRun run(d, 0.01);
+    run.steps(20);
+    EXPECT_EQ(test::allocations_of([&] { run.steps(10); }), 0u);
+    EXPECT_GT(run.observed("left"), 0) << "control: it does";
+    EXPECT_GT(run.observed("emitted"), 0);
+  }
+}
+
 TEST(Allocation, StepsOfShallowWaterAllocateNothingAfterTheFirst) {
   for (const size_t dimensions : {1, 2}) {
     heightfield_wave::HeightfieldWaveDef d;

@@ -15,6 +15,7 @@ struct Kind {
   A advection;
   bool space, periodic;
   bool moves = false;
+  bool changes = false;  ///< particles come and go
 };
 
 std::unique_ptr<LiquidRun> make(const Kind& k, int threads) {
@@ -29,6 +30,18 @@ std::unique_ptr<LiquidRun> make(const Kind& k, int threads) {
     d.obstacles[0].angle = "2*t", d.viscosity = 1e-3;
   }
   if (k.periodic) d.sides.x_min = FlowSideDef{SideKind::periodic, {}};
+  if (k.changes) {
+    LiquidInletDef e;
+    e.position = {0.9, 0.3, 0.2}, e.radius = 0.06, e.speed = 1.3, e.direction = {-1, 2, 0}, e.dye = 2;
+    if (k.space) e.position.x = 0.3;
+    d.emitters = {e}, d.max_particles = 4000;
+    d.bodies.push_back(box_of_liquid({k.space ? 0.5 : 1.35, 0, -1}, {2, 0.2, 1}));
+    d.kill_boxes = {
+        {.center = {0.1, 0, 0}, .half_extents = {0.1, 0.1, 1}, .where = KillBoxDef::Where::inside}};
+    d.sides.x_max = FlowSideDef{SideKind::outflow, {}};
+    d.sides.y_min = FlowSideDef{SideKind::inflow, {"0", "x < 0.3 ? 1 + sin(20*t) : 0"}};
+    if (k.space) d.sides.y_min->velocity.emplace_back("0.1");
+  }
   d.force =
       k.space ? std::vector<std::string>{"sin(9*t)", "0", "x"} : std::vector<std::string>{"sin(9*t)", "0"};
   return std::make_unique<LiquidRun>(d, 0.02, threads);
@@ -46,6 +59,9 @@ TEST_P(LiquidBits, DoNotDependOnHowTheRunIsMade) {
   }
   const uint64_t hash = reference->state.hash();
   ASSERT_NE(hash, reference->system->initial_state().hash());
+  if (GetParam().changes) {
+    for (const char* gone : {"emitted", "killed", "left"}) EXPECT_GT(reference->observed(gone), 0) << gone;
+  }
   for (const int threads : {2, 5}) {
     const auto run = make(GetParam(), threads);
     run->steps(kSteps);
@@ -66,7 +82,10 @@ INSTANTIATE_TEST_SUITE_P(Liquids, LiquidBits,
                                          Kind{"apic", A::apic, false, true},
                                          Kind{"apic_moving_solid", A::apic, false, false, true},
                                          Kind{"flip_space", A::flip, true, true},
-                                         Kind{"apic_space", A::apic, true, false}),
+                                         Kind{"apic_space", A::apic, true, false},
+                                         Kind{"flip_changes", A::flip, false, false, true, true},
+                                         Kind{"apic_changes", A::apic, false, false, false, true},
+                                         Kind{"apic_space_changes", A::apic, true, false, false, true}),
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace

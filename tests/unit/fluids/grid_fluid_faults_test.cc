@@ -158,7 +158,15 @@ TEST(GridFluidFaults, LiquidsAreRefusedWhatTheyDoNotHave) {
   d = apic(), d.size = {1, 2};
   EXPECT_EQ(reported(d), List{"/size"});
   d = apic(), d.sides.x_max = FlowSideDef{SideKind::outflow, {}};
-  EXPECT_EQ(reported(d), List{"/sides/x_max/kind"});
+  EXPECT_EQ(reported(d), List{}) << "open sides it has";
+  d.sides.x_max->velocity = {"1", "0"};
+  EXPECT_EQ(reported(d), List{"/sides/x_max/velocity"});
+  d.sides.x_max = FlowSideDef{SideKind::wall, {"0", "1"}};
+  EXPECT_EQ(reported(d), List{"/sides/x_max/velocity"}) << "walls that move it would not feel";
+  d.sides.x_max = FlowSideDef{SideKind::inflow, {"1"}};
+  EXPECT_EQ(reported(d), List{"/sides/x_max/velocity"}) << "a component is missing";
+  d.sides.x_max = FlowSideDef{SideKind::inflow, {"-1", "0"}}, d.bodies.clear();
+  EXPECT_EQ(reported(d), List{}) << "what flows in is liquid enough";
   d = apic(), d.bodies[0].velocity = {0, 0, 1};
   EXPECT_EQ(reported(d), List{"/bodies/0/velocity"});
   // Outside of the box.

@@ -38,7 +38,9 @@ TEST(SystemOutputs, WhatGalleryScenesGiveOutIsListed) {
     {"type": "grid_fluid", "cells": [8, 8], "viscosity": 0.1, "stepping": "steady"},
     {"type": "grid_fluid", "cells": [8, 8], "viscosity": 0.1, "second_fluid": {"where": "y - 0.5", "density": 10}},
     {"type": "grid_fluid", "cells": [16, 16], "viscosity": 0.01, "obstacles": [
-    {"center": [0.5, 0.5, 0], "radius": 0.2, "angle": "t"}]}]})"};
+    {"center": [0.5, 0.5, 0], "radius": 0.2, "angle": "t"}]},
+    {"type": "grid_fluid", "cells": [8, 8], "advection": "apic", "sides": {"x_max": {"kind": "outflow"}},
+    "bodies": [{"center": [0.5, 0, 0], "half_extents": [0.5, 0.5, 1], "dye": 1}]}]})"};
   for (const GalleryScene& g : gallery()) texts.emplace_back(g.text);
   for (const std::string& text : texts) {
     const World world(parse_scene(text));

@@ -73,9 +73,11 @@ void FaceViscosity::join_faces(size_t c, double amount, const double* u) {
           const double w = per * std::max(share_[row], share_[static_cast<size_t>(neighbour)]);
           diagonal += w;
           other_[sides * row + 2 * a + end] = neighbour, weight_[sides * row + 2 * a + end] = w;
+        } else if (on_side && model_->kinds[a][end] == SideKind::outflow) {
+          continue;  // no slope along the normal
         } else if (on_side || (open && open[at] == 0)) {
           diagonal += per * share_[row];
-          if (!on_side) push_[row] += per * share_[row] * u[at];
+          if (!on_side || model_->kinds[a][end] == SideKind::inflow) push_[row] += per * share_[row] * u[at];
         }
       }
     }

@@ -15,20 +15,20 @@ constexpr size_t kSlab = 4;
 constexpr size_t kParticles = 1024;  // per task, in passes where tasks share no values
 }  // namespace
 
-void LiquidFlow::bind(const FlowModel& m, size_t rows, const ThreadArena& arena) {
+void LiquidFlow::bind(const FlowModel& m, std::span<const LiquidInlet> inlets, size_t most,
+                      const ThreadArena& arena) {
   arena_ = &arena;
   if (model_ == &m) return;
-  model_ = &m, rows_ = rows;
+  model_ = &m, most_ = most;
   const mac::MacGrid& g = m.grid;
   const size_t d = g.dimensions, n = g.size();
   affine_ = m.def.advection == GridFluidDef::Advection::apic;
   width_ = 2 * d + (affine_ ? d * d : 0);
-  now_.assign(rows * width_, 0), sorted_.assign(rows * width_, 0);
-  row_.assign(rows, 0), rows_sorted_.assign(rows, 0), cell_.assign(rows, 0);
-  layer_.assign(rows, 0), by_layer_.assign(rows, 0);
+  now_.reserve(most * width_), sorted_.reserve(most * width_);
+  for (std::vector<uint32_t>* v : {&row_, &rows_sorted_, &cell_, &layer_, &by_layer_}) v->reserve(most);
   // Blocks of particles that are counted by themselves.
   constexpr size_t kMostBlocks = 64;
-  layer_ends_.assign(std::clamp<size_t>(rows / kParticles, 1, kMostBlocks) * g.cells[d - 1], 0);
+  layer_ends_.assign(std::clamp<size_t>(most / kParticles, 1, kMostBlocks) * g.cells[d - 1], 0);
   first_.assign(g.cell_count() + 1, 0);
   for (size_t c = 0; c < d; ++c) {
     for (Array* a : {&u_[c], &before_[c], &mass_[c], &factor_[c], &shift_[c]}) a->assign(n, 0);
@@ -36,8 +36,10 @@ void LiquidFlow::bind(const FlowModel& m, size_t rows, const ThreadArena& arena)
     const auto mirrors = m.mirrors(c);
     for (size_t a = 0; a < 3; ++a) {
       for (size_t end = 0; end < 2; ++end) {
-        const bool own = a == c && mirrors[a][end] == mac::Mirror::given;
-        sides_[c][a][end].mirror = own ? mac::Mirror::even : mirrors[a][end];
+        // Faces on sides keep their values, and what flows in slides along its side.
+        const bool even = mirrors[a][end] == mac::Mirror::given &&
+                          (a == c || (a < d && m.kinds[a][end] == SideKind::inflow));
+        sides_[c][a][end].mirror = even ? mac::Mirror::even : mirrors[a][end];
       }
     }
     force_[c].clear();
@@ -49,10 +51,15 @@ void LiquidFlow::bind(const FlowModel& m, size_t rows, const ThreadArena& arena)
   liquid_.assign(n, 0), fresh_.assign(n, 0), excess_.resize(g.cells[1] * g.cells[2]);
   for (Array* a : {&depth_, &work_}) a->assign(n, 0);
   solver_.emplace(g, mirrors);
-  solids_.bind(m);
+  solids_.bind(m), given_.bind(m, inlets);
   if (m.def.viscosity > 0) viscosity_.bind(m, solids_);
   room_.bind(g, static_cast<size_t>(m.def.particles_per_axis), arena);
   room_.measure(*solids_, solids_.obstacles(), arena);
+  for (size_t a = 0; a < d; ++a) {
+    for (size_t end = 0; end < 2; ++end) {
+      if (m.kinds[a][end] == SideKind::outflow) room_.open(a, end, arena);
+    }
+  }
 }
 
 // Beside a wall that holds the liquid the parabola of kernels/mac/ghosts.h continues the velocity to the
@@ -88,6 +95,9 @@ void LiquidFlow::place_obstacles(double t) {
 void LiquidFlow::load(const LiquidFields& f) {
   const mac::MacGrid& g = model_->grid;
   const size_t d = g.dimensions;
+  rows_ = f.rows;
+  for (Array* a : {&now_, &sorted_}) a->resize(rows_ * width_);
+  for (std::vector<uint32_t>* v : {&row_, &rows_sorted_, &cell_, &layer_, &by_layer_}) v->resize(rows_);
   arena_->for_blocks(rows_, kParticles, [&](size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
       double* to = particle(now_, p);
@@ -134,8 +144,9 @@ double LiquidFlow::crossing_rate(double t) {
     }
     return fastest;
   });
-  const double solid = solids_.crossing_rate();
-  return solid > most ? solid : most;
+  given_.place(t, rows_ < most_ ? GivenFlow::Room::left : GivenFlow::Room::none);
+  const double other = std::max(solids_.crossing_rate(), given_.crossing_rate());
+  return other > most ? other : most;
 }
 
 // Sorts particles by cell, keeping their order within a cell: first by layers of cells across the last axis,
@@ -144,7 +155,8 @@ template <size_t D>
 void LiquidFlow::sort() {
   const mac::MacGrid& g = model_->grid;
   const size_t layers = g.cells[D - 1], layer = g.cell_count() / layers;
-  const size_t blocks = layer_ends_.size() / layers, block = (rows_ + blocks - 1) / blocks;
+  const size_t blocks = layer_ends_.size() / layers,
+               block = std::max<size_t>(1, (rows_ + blocks - 1) / blocks);
   arena_->for_blocks(rows_, block, [&](size_t begin, size_t end) {
     uint32_t* count = layer_ends_.data() + begin / block * layers;
     std::fill_n(count, layers, 0u);
@@ -260,12 +272,54 @@ void LiquidFlow::clear_of_obstacles(double* x, double* v) const {
 }
 
 template <size_t D>
+void LiquidFlow::hold(double* q, Beyond beyond) const {
+  const mac::MacGrid& g = model_->grid;
+  for (size_t a = 0; a < D; ++a) {
+    const auto n = static_cast<double>(g.cells[a]);
+    if (g.periodic[a]) {
+      q[a] -= n * std::floor(q[a] / n);
+      if (!(q[a] < n)) q[a] = 0;
+    } else if (q[a] < 0 || q[a] > n) {
+      if (beyond == Beyond::stay || !lets_out(a, q[a] < 0 ? 0 : 1, q)) q[a] = std::clamp(q[a], 0.0, n);
+    }
+  }
+}
+
+// Through an outflow everywhere, through an inflow where its given velocity points outwards.
+bool LiquidFlow::lets_out(size_t a, size_t end, const double* x) const {
+  if (model_->kinds[a][end] != SideKind::inflow) return model_->kinds[a][end] == SideKind::outflow;
+  const mac::MacGrid& g = model_->grid;
+  size_t at = g.base() + (end == 0 ? 0 : g.cells[a]) * g.stride(a);
+  for (size_t b = 0; b < g.dimensions; ++b) {
+    if (b == a) continue;
+    at += g.stride(b) * static_cast<size_t>(std::clamp(x[b], 0.0, static_cast<double>(g.cells[b] - 1)));
+  }
+  return end == 0 ? u_[a][at] < 0 : u_[a][at] > 0;
+}
+
+// Particles in a nozzle move with it.
+template <size_t D>
+bool LiquidFlow::in_nozzle(double* x, double h) const {
+  const mac::MacGrid& g = model_->grid;
+  double place[3] = {};
+  for (size_t a = 0; a < D; ++a) place[a] = g.origin[a] + g.spacing[a] * x[a];
+  const LiquidInlet* inlet = given_.holder({place[0], place[1], place[2]});
+  if (!inlet) return false;
+  const Vec3 u = inlet->velocity();
+  const double own[] = {u.x, u.y, u.z};
+  for (size_t a = 0; a < D; ++a) x[a] += h * own[a] / g.spacing[a], x[D + a] = own[a];
+  if (affine_) std::fill_n(x + 2 * D, D * D, 0.0);
+  return true;
+}
+
+template <size_t D>
 void LiquidFlow::carry(double h) {
   const mac::MacGrid& g = model_->grid;
   const double keep = model_->def.flip;
   arena_->for_blocks(rows_, kParticles, [&](size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
       double *x = particle(now_, p), *v = x + D;
+      if (given_.any() && in_nozzle<D>(x, h)) continue;
       double middle[D], shift[D];
       for (size_t c = 0; c < D; ++c) {
         const auto around = mac::around_particle<D>(g, c, x);
@@ -279,24 +333,13 @@ void LiquidFlow::carry(double h) {
         shift[c] = mac::gather<D>(g, around, shift_[c].data());
         middle[c] = x[c] + 0.5 * h * u / g.spacing[c];
       }
-      const auto hold = [&](double* q) {
-        for (size_t a = 0; a < D; ++a) {
-          const auto n = static_cast<double>(g.cells[a]);
-          if (!g.periodic[a]) {
-            q[a] = std::clamp(q[a], 0.0, n);
-          } else {
-            q[a] -= n * std::floor(q[a] / n);
-            if (!(q[a] < n)) q[a] = 0;
-          }
-        }
-      };
-      hold(middle);
+      hold<D>(middle, Beyond::stay);
       for (size_t c = 0; c < D; ++c) {
         const double u = mac::gather<D>(g, mac::around_particle<D>(g, c, middle), u_[c].data());
         x[c] += h * u / g.spacing[c] + shift[c];
       }
       if (model_->solids.any()) clear_of_obstacles(x, v);
-      hold(x);
+      hold<D>(x, Beyond::leave);
     }
   });
 }
@@ -305,6 +348,7 @@ LiquidReport LiquidFlow::substep(LiquidFields& f, double t, double h) {
   const bool plane = model_->grid.dimensions == 2;
   LiquidReport report;
   place_obstacles(t);
+  given_.place(t, rows_ < most_ ? GivenFlow::Room::left : GivenFlow::Room::none);
   plane ? sort<2>() : sort<3>();
   plane ? spread<2>(f) : spread<3>(f);
   settle_faces(t, h);

@@ -13,6 +13,7 @@
 #include "engine/lattice/solvers/cut_poisson.h"
 #include "engine/systems/grid_fluid/flow.h"
 #include "engine/systems/grid_fluid/liquid/face_viscosity.h"
+#include "engine/systems/grid_fluid/liquid/given_flow.h"
 #include "engine/systems/grid_fluid/liquid/room.h"
 
 namespace truestep::grid_fluid {
@@ -34,14 +35,18 @@ struct LiquidReport {
 
 class LiquidFlow {
  public:
-  void bind(const FlowModel& model, size_t rows, const ThreadArena& arena);
+  /// `most`: particles at once; `inlets` must outlive it.
+  void bind(const FlowModel& model, std::span<const LiquidInlet> inlets, size_t most,
+            const ThreadArena& arena);
 
-  /// Copies the particles out of the state, and back.
+  /// Copies the particles out of the state, and back; those that have left the box are then beyond its sides.
   void load(const LiquidFields& f);
   void store(LiquidFields& f);
   /// 1/s, cells crossed by the fastest particle or obstacle at time t (s), summed over the axes.
   double crossing_rate(double t);
   LiquidReport substep(LiquidFields& f, double t, double h);
+  /// Where liquid comes in, placed for the last substep.
+  const GivenFlow& given() const { return given_; }
 
  private:
   using Array = std::vector<double, CacheLineAllocator<double>>;
@@ -56,22 +61,31 @@ class LiquidFlow {
   void apply_viscosity(double h, LiquidReport& report);
   void project(LiquidFields& f, double h, LiquidReport& report);
   void take_back_compression(LiquidFields& f, LiquidReport& report);
+  void open_sides(size_t c);
   void accelerate_beside(size_t c);
   void continue_outwards();
   /// Places obstacles for time t (s).
   void place_obstacles(double t);
   void fill_velocity(size_t c, double* u);
   void fill_sides(size_t c, double* u) { mac::fill_ghosts(model_->grid, c, sides_[c], u, *arena_); }
+  /// Keeps a particle (in cells) in the box, around periodic axes; `leave`: unless a side lets it out.
+  enum class Beyond : uint8_t { stay, leave };
+  template <size_t D>
+  void hold(double* x, Beyond beyond) const;
+  bool lets_out(size_t axis, size_t end, const double* x) const;
+  template <size_t D>
+  bool in_nozzle(double* x, double h) const;
   double* particle(Array& from, size_t p) const { return from.data() + width_ * p; }
   /// f(offset, low cell's offset, side) for the faces of a component; side: the sign of the inward direction
-  /// on the box's sides, 0 elsewhere.
+  /// on the box's sides that are no outflow, 0 elsewhere.
   template <class F>
   void for_faces(size_t c, F&& f) const;
   void clear_of_obstacles(double* x, double* v) const;
 
   const FlowModel* model_ = nullptr;
   const ThreadArena* arena_ = nullptr;
-  size_t rows_ = 0, width_ = 0;  ///< numbers per particle: position in cells, velocity, slopes
+  size_t rows_ = 0, most_ = 0,
+         width_ = 0;  ///< width_: numbers per particle: position in cells, velocity, slopes
   bool affine_ = false;
   std::array<mac::Sides, 3> sides_;  ///< faces on the box's sides keep their values
   mac::Sides cell_sides_;
@@ -92,16 +106,20 @@ class LiquidFlow {
   std::optional<lattice::CutPoisson> solver_;
   FaceViscosity viscosity_;
   MovingSolids solids_;
+  GivenFlow given_;
 };
 
 template <class F>
 void LiquidFlow::for_faces(size_t c, F&& f) const {
   const mac::MacGrid& g = model_->grid;
   const size_t s = g.stride(c), n = g.cells[c];
+  const auto& kinds = model_->kinds[c];
+  const int low_side = g.periodic[c] || kinds[0] == SideKind::outflow ? 0 : 1;
+  const int high_side = g.periodic[c] || kinds[1] == SideKind::outflow ? 0 : -1;
   mac::for_rows(g, c, *arena_, [&](size_t at, size_t j, size_t k, size_t count) {
     for (size_t i = 0; i < count; ++i) {
       const size_t place = c == 0 ? i : c == 1 ? j : k;
-      f(at + i, at + i - s, g.periodic[c] ? 0 : place == 0 ? 1 : place == n ? -1 : 0);
+      f(at + i, at + i - s, place == 0 ? low_side : place == n ? high_side : 0);
     }
   });
 }

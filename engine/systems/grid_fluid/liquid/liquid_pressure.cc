@@ -23,6 +23,7 @@ void LiquidFlow::settle_faces(double t, double h) {
     });
     mac::extrapolate(g, c, 2, u, known, work_.data(), fresh_.data(), *arena_);
     fill_velocity(c, u);
+    given_.hold(c, u);
     mac::copy_all(g, u, before_[c].data(), *arena_);
     const Program& program = model_->texts.force[c];
     std::vector<double>& force = force_[c];
@@ -31,6 +32,7 @@ void LiquidFlow::settle_faces(double t, double h) {
       model_->texts.sample(program, g, c, t, force.data(), *arena_);
     }
     for_faces(c, [&](size_t at, size_t, int) { u[at] += h * (along[c] + (program.zero ? 0 : force[at])); });
+    given_.hold(c, u);
   }
 }
 
@@ -48,7 +50,7 @@ void LiquidFlow::find_surface(LiquidFields& f) {
   });
   mac::wrap_periodic(g, depth_.data(), *arena_), mac::wrap_periodic(g, liquid_.data(), *arena_);
   for (size_t c = 0; c < g.dimensions; ++c)
-    mac::surface_faces(g, c, liquid_.data(), depth_.data(), factor_[c].data(), *arena_);
+    mac::surface_faces(g, c, liquid_.data(), depth_.data(), factor_[c].data(), *arena_), open_sides(c);
   if (solids_->any()) {
     for (size_t c = 0; c < g.dimensions; ++c) {
       // Between the matrix and the pressure differences: open fractions of faces belong in the matrix alone.
@@ -60,6 +62,21 @@ void LiquidFlow::find_surface(LiquidFields& f) {
   for (size_t c = 0; c < g.dimensions; ++c) mac::wrap_periodic(g, factor_[c].data(), *arena_);
   const auto& open = solids_->any() ? shift_ : factor_;
   solver_->set({open[0].data(), open[1].data(), open[2].data()}, liquid_.data(), *arena_);
+}
+
+// The pressure is 0 on sides that are an outflow; faces whose velocity is given feel none.
+void LiquidFlow::open_sides(size_t c) {
+  const mac::MacGrid& g = model_->grid;
+  double* factor = factor_[c].data();
+  for (size_t end = 0; end < 2; ++end) {
+    if (model_->kinds[c][end] != SideKind::outflow) continue;
+    const size_t s = g.stride(c), side = (mac::kGhosts + (end == 0 ? 0 : g.cells[c])) * s;
+    mac::for_lines(g, c, *arena_, [&](size_t line) {
+      const size_t at = line + side;
+      factor[at] = liquid_[end == 0 ? at : at - s] ? 1 : 0;
+    });
+  }
+  given_.shut(c, factor);
 }
 
 void LiquidFlow::apply_viscosity(double h, LiquidReport& report) {
@@ -86,6 +103,7 @@ void LiquidFlow::project(LiquidFields& f, double h, LiquidReport& report) {
       const bool away = u_[c][at] * side > 0 && mass_[c][at] > 0;
       if (liquid_[at] || liquid_[low] || !away) u_[c][at] = 0;
     });
+    given_.hold(c, u_[c].data());
     mac::wrap_periodic(g, u_[c].data(), *arena_);
   }
   // Flow through a face: liquid through its open fraction, the obstacle through the rest.
@@ -108,6 +126,7 @@ void LiquidFlow::project(LiquidFields& f, double h, LiquidReport& report) {
       phi[i] = liquid_[i] ? sum : 0;
     }
   });
+  given_.take_sources(liquid_.data(), phi);
   report.pressure = solver_->solve(phi, model_->def.tolerance, *arena_);
   mac::fill_ghosts(g, kCentre, cell_sides_, phi, *arena_);
   for (size_t c = 0; c < g.dimensions; ++c) {
@@ -123,6 +142,7 @@ void LiquidFlow::project(LiquidFields& f, double h, LiquidReport& report) {
       if (moves && open[face.at] == 0 && known_[c][face.at]) u_[c][face.at] = solids_.velocity(face, c);
     }
     accelerate_beside(c);
+    given_.hold(c, u_[c].data()), given_.mark(c, known_[c].data());
   }
   const double per = 1 / h;
   mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t, size_t, size_t n) {

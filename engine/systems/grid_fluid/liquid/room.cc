@@ -31,6 +31,12 @@ void Room::bind(const mac::MacGrid& grid, size_t per_axis, const ThreadArena& ar
   });
 }
 
+void Room::open(size_t a, size_t end, const ThreadArena& arena) {
+  const size_t s = grid_.stride(a),
+               beyond = (end == 0 ? mac::kGhosts - 1 : mac::kGhosts + grid_.cells[a]) * s;
+  mac::for_lines(grid_, a, arena, [&](size_t line) { room_[line + beyond] = whole_; });
+}
+
 template <size_t D>
 double Room::sum_around(size_t at, const std::array<size_t, 3>& cell) const {
   double sum = 0;
