@@ -28,6 +28,23 @@ void set_shape(v1::Shape& s, const DrawnShape& shape) {
   s.set_container(shape.container);
 }
 
+void set_mesh(v1::Mesh& m, const DrawnMesh& mesh) {
+  m.set_positions(bytes_of(mesh.positions));
+  m.set_normals(bytes_of(mesh.normals));
+  m.set_triangles(bytes_of(mesh.triangles));
+}
+
+/// Adds the obstacles of a frame to a message; the meshes among them are numbered in their order.
+template <class Message>
+void add_obstacles(Message& m, const Frame& frame) {
+  uint32_t meshes = 0;
+  for (const DrawnShape& shape : frame.moving.obstacles) {
+    v1::Shape& s = *m.add_shapes();
+    set_shape(s, shape);
+    if (shape.mesh) s.set_mesh(meshes++);
+  }
+}
+
 void set_visuals(v1::SystemTopology& t, const PartDrawing& drawing) {
   std::map<const DrawnMesh*, uint32_t> meshes;
   for (const Visual& visual : drawing.visuals) {
@@ -41,10 +58,7 @@ void set_visuals(v1::SystemTopology& t, const PartDrawing& drawing) {
     const auto [at, fresh] = meshes.try_emplace(&mesh, static_cast<uint32_t>(meshes.size()));
     f.set_mesh(at->second);
     if (!fresh) continue;
-    v1::Mesh& m = *t.add_meshes();
-    m.set_positions(bytes_of(mesh.positions));
-    m.set_normals(bytes_of(mesh.normals));
-    m.set_triangles(bytes_of(mesh.triangles));
+    set_mesh(*t.add_meshes(), mesh);
   }
   t.set_instances(bytes_of(drawing.instances));
 }
@@ -153,13 +167,16 @@ v1::ServerMessage topology_message(const World& world, const Frame& frame) {
     set_end(*s.mutable_a(), world, string.a);
     set_end(*s.mutable_b(), world, string.b);
   }
-  for (const DrawnShape& shape : frame.moving.obstacles) set_shape(*t.add_shapes(), shape);
+  add_obstacles(t, frame);
+  for (const DrawnShape& shape : frame.moving.obstacles) {
+    if (shape.mesh) set_mesh(*t.add_meshes(), *shape.mesh);
+  }
   return m;
 }
 
 std::string shapes_fields(const Frame& frame) {
   v1::Frame m;
-  for (const DrawnShape& shape : frame.moving.obstacles) set_shape(*m.add_shapes(), shape);
+  add_obstacles(m, frame);
   return m.SerializeAsString();
 }
 

@@ -77,6 +77,18 @@ TEST_P(SphHeavyOverLight, LightOverHeavyStays) {
   EXPECT_GE(falling.substeps, 3 * equal.substeps);
 }
 
+// Layers 7.5 spacings thick started with eight in that, and pbf of 100:1 had many times its energy.
+TEST_P(SphHeavyOverLight, AnUnevenStartDoesNotBurst) {
+  for (const int dimension : {2, 3}) {
+    SphDef d = two_layers(dimension, GetParam(), Precision::f32, 1, 100);
+    d.spacing = dimension == 2 ? 0.32 / 7.5 : 0.04;
+    const Fallen f = fallen(d, dimension == 2 ? 1.5 : 0.5);
+    EXPECT_LT(f.gain, 0.01) << dimension;
+    EXPECT_LT(f.compression, 0.03) << dimension;
+    EXPECT_GT(f.sunk, 0) << dimension;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Solvers, SphHeavyOverLight, ::testing::Values(Method::dfsph, Method::pbf),
                          [](const auto& info) { return info.param == Method::dfsph ? "dfsph" : "pbf"; });
 

@@ -3,9 +3,8 @@
 #include "engine/math/trig.h"
 
 namespace truestep {
-namespace {
 
-const DefTable& motion_table() {
+const DefTable& collider_motion_table() {
   static const DefTable t =
       TableOf<MotionDef>(
           "prescribed motion: position = start + velocity t + amplitude (sin(2 pi frequency t + "
@@ -20,32 +19,36 @@ const DefTable& motion_table() {
   return t;
 }
 
-/// Rows shared by all types; D derives from ColliderCommonDef.
-template <class D>
-TableOf<D>& add_common(TableOf<D>& t) {
-  std::string D::*id = &ColliderCommonDef::id;
-  double D::*friction = &ColliderCommonDef::friction;
-  double D::*restitution = &ColliderCommonDef::restitution;
-  double D::*rest_speed = &ColliderCommonDef::rest_speed;
-  std::optional<MotionDef> D::*motion = &ColliderCommonDef::motion;
-  return t.text("id", id, "name for set_parameter (<id>.restitution, <id>.friction) and pictures")
-      .number("friction", friction, "1", at_least(0), "Coulomb's coefficient")
-      .number("restitution", restitution, "1", between(0, 1), "fraction of the normal speed kept in a bounce")
-      .number("rest_speed", rest_speed, "m/s", at_least(0), "slower approaches do not bounce")
-      .object("motion", motion, motion_table(), "how it moves; absent: at rest");
+Collider common_collider(const ColliderCommonDef& d) {
+  Collider c;
+  c.id = d.id;
+  c.surface = {d.restitution, d.friction, d.rest_speed};
+  if (d.motion) {
+    c.motion = {d.motion->velocity, d.motion->amplitude, d.motion->frequency, d.motion->phase,
+                d.motion->spin};
+  }
+  return c;
 }
 
-template <class D>
-TableOf<D>& add_container(TableOf<D>& t) {
-  return t.boolean("container", &D::container, "points stay inside instead of outside");
+std::string collider_id(const std::string& own, size_t kind, size_t index) {
+  static constexpr const char* kNames[] = {"plane", "box", "sphere", "capsule", "mesh", "height_field"};
+  return own.empty() ? kNames[kind] + std::to_string(index) : own;
 }
+
+Quat turned_by(const Vec3& axis, double angle) {
+  const Vec3 half = normalized(axis, {0, 1, 0}) * trig::sin(0.5 * angle);
+  return normalized(Quat{trig::cos(0.5 * angle), half.x, half.y, half.z});
+}
+
+namespace {
 
 const DefTable& plane_table() {
   static const DefTable t = [] {
     using D = PlaneColliderDef;
     TableOf<D> table("half space that points stay above");
-    add_common(table.vector("point", &D::point, "m", any(), "a point of the plane")
-                   .vector("normal", &D::normal, "1", any(), "pointing to the free side; any length"));
+    add_collider_common(
+        table.vector("point", &D::point, "m", any(), "a point of the plane")
+            .vector("normal", &D::normal, "1", any(), "pointing to the free side; any length"));
     return table
         .check([](const D& d, const DefTable::Report& report) {
           if (!(norm(d.normal) > 0)) report("/normal", "the normal must not be zero");
@@ -63,7 +66,7 @@ const DefTable& box_table() {
         .vector("half_extents", &D::half_extents, "m", above(0), "half of each edge")
         .vector("axis", &D::axis, "1", any(), "axis of its rotation; any length")
         .number("angle", &D::angle, "rad", any(), "angle of its rotation");
-    return add_common(add_container(table)).build();
+    return add_collider_common(add_collider_container(table)).build();
   }();
   return t;
 }
@@ -74,7 +77,7 @@ const DefTable& sphere_table() {
     TableOf<D> table("ball");
     table.vector("center", &D::center, "m", any(), "centre at t = 0")
         .number("radius", &D::radius, "m", above(0), "radius");
-    return add_common(add_container(table)).build();
+    return add_collider_common(add_collider_container(table)).build();
   }();
   return t;
 }
@@ -86,20 +89,9 @@ const DefTable& capsule_table() {
     table.vector("from", &D::from, "m", any(), "one end of its axis at t = 0")
         .vector("to", &D::to, "m", any(), "the other end")
         .number("radius", &D::radius, "m", above(0), "radius of the cylinder and of its ends");
-    return add_common(add_container(table)).build();
+    return add_collider_common(add_collider_container(table)).build();
   }();
   return t;
-}
-
-Collider common(const ColliderCommonDef& d) {
-  Collider c;
-  c.id = d.id;
-  c.surface = {d.restitution, d.friction, d.rest_speed};
-  if (d.motion) {
-    c.motion = {d.motion->velocity, d.motion->amplitude, d.motion->frequency, d.motion->phase,
-                d.motion->spin};
-  }
-  return c;
 }
 
 PointSide side(bool container) {
@@ -107,32 +99,29 @@ PointSide side(bool container) {
 }
 
 Collider build(const PlaneColliderDef& d) {
-  Collider c = common(d);
+  Collider c = common_collider(d);
   c.shape = {ShapeKind::plane, PointSide::outside, normalized(d.normal, {0, 1, 0})};
   c.start.position = d.point;
   return c;
 }
 
 Collider build(const BoxColliderDef& d) {
-  Collider c = common(d);
+  Collider c = common_collider(d);
   c.shape = {ShapeKind::box, side(d.container), d.half_extents};
   c.start.position = d.center;
-  if (d.angle != 0) {
-    const Vec3 axis = normalized(d.axis, {0, 1, 0}) * trig::sin(0.5 * d.angle);
-    c.start.orientation = normalized(Quat{trig::cos(0.5 * d.angle), axis.x, axis.y, axis.z});
-  }
+  if (d.angle != 0) c.start.orientation = turned_by(d.axis, d.angle);
   return c;
 }
 
 Collider build(const SphereColliderDef& d) {
-  Collider c = common(d);
+  Collider c = common_collider(d);
   c.shape = {ShapeKind::sphere, side(d.container), {d.radius, 0, 0}};
   c.start.position = d.center;
   return c;
 }
 
 Collider build(const CapsuleColliderDef& d) {
-  Collider c = common(d);
+  Collider c = common_collider(d);
   const Vec3 axis = d.to - d.from;
   c.shape = {ShapeKind::capsule, side(d.container), {d.radius, 0.5 * norm(axis), 0}};
   c.start.position = (d.from + d.to) * 0.5;
@@ -142,22 +131,36 @@ Collider build(const CapsuleColliderDef& d) {
 
 }  // namespace
 
-std::vector<std::pair<std::string, const DefTable*>> collider_variants() {
+ColliderVariants collider_variants() {
   return {{"plane", &plane_table()},
           {"box", &box_table()},
           {"sphere", &sphere_table()},
           {"capsule", &capsule_table()}};
 }
 
-ColliderSet build_colliders(const ColliderDefs& defs) {
-  static constexpr const char* kNames[] = {"plane", "box", "sphere", "capsule"};
+namespace {
+
+template <class Defs>
+ColliderSet build_set(const Defs& defs) {
   ColliderSet set;
-  for (size_t i = 0; i < defs.size(); ++i) {
-    Collider c = std::visit([](const auto& d) { return build(d); }, defs[i]);
-    if (c.id.empty()) c.id = std::string(kNames[defs[i].index()]) + std::to_string(i);
-    set.add(std::move(c));
-  }
+  const auto add = [&](const auto& d, size_t i) {
+    if constexpr (requires { build(d); }) {
+      Collider c = build(d);
+      c.id = collider_id(c.id, defs[i].index(), i);
+      set.add(std::move(c));
+    }
+  };
+  for (size_t i = 0; i < defs.size(); ++i) std::visit([&](const auto& d) { add(d, i); }, defs[i]);
   return set;
+}
+
+}  // namespace
+
+ColliderSet build_colliders(const ColliderDefs& defs) {
+  return build_set(defs);
+}
+ColliderSet build_colliders_but_solids(const AnyColliderDefs& defs) {
+  return build_set(defs);
 }
 
 }  // namespace truestep

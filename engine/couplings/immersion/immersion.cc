@@ -200,8 +200,10 @@ std::unique_ptr<const Coupling> build_immersion(const void* def, const CouplingC
   const Ports a = context.a.system.ports(), b = context.b.system.ports();
   if (!a.bodies || a.bodies->access())
     refuse("a", context.a.id, "has no rigid bodies in space", "a system of type rigid3d");
-  if (!b.medium)
-    refuse("b", context.b.id, "is not a medium that takes bodies", "a system of type sph or mpm");
+  if (!b.medium) {
+    refuse("b", context.b.id, "is not a medium that takes bodies",
+           "a system of type mpm, or sph with a single density and no solved viscosity at no_slip walls");
+  }
   if (b.medium->dimension != 3) refuse("b", context.b.id, "is a medium in the plane", "dimension 3");
   const ConstBodies bodies(context.a.state, *a.bodies);
   auto out = std::make_unique<const Immersion>(*static_cast<const ImmersionDef*>(def), *a.bodies,

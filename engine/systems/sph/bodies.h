@@ -150,7 +150,7 @@ class BodiesIn {
     for (size_t k = 0; k < maps_.size(); ++k) {
       if (maps_[k].solid == solid) return k;
     }
-    maps_.push_back({solid, VolumeMap(*solid, *setting_)});
+    maps_.push_back({solid, VolumeMap(*solid, setting_->kernel())});
     return maps_.size() - 1;
   }
 

@@ -72,13 +72,21 @@ double Setting::sound_for(const Vec3& gravity) const {
   for (const InletDef& e : def.emitters) {
     heaviest = std::max(heaviest, e.density.value_or(def.density) / def.density);
   }
-  return 10 * expected_speed(def, colliders, gravity) * std::sqrt(heaviest);
+  return 10 * expected_speed(def, colliders, meshes, gravity) * std::sqrt(heaviest);
 }
 
-std::unique_ptr<const Setting> settle(const SphDef& def, const std::string& id, const Vec3& gravity) {
+std::vector<Vec3> wet_places(const Setting& set, const BodyDef& body) {
+  std::vector<Vec3> out = places_of(set.def, body);
+  leave_dry(set.def, set.meshes, out);
+  return out;
+}
+
+std::unique_ptr<const Setting> settle(const SphDef& given, const std::string& id, const Vec3& gravity) {
+  const SphDef def = given.with_common_density();
   auto out =
       std::make_unique<Setting>(Setting{.def = def, .id = id, .interface = {}, .wall = {}, .colliders = {}});
-  for (const BodyDef& b : def.bodies) out->rows += places_of(def, b).size();
+  out->meshes = build_mesh_walls(def);
+  for (const BodyDef& b : def.bodies) out->rows += wet_places(*out, b).size();
   const double s = def.spacing, h = def.support * s;
   out->volume = def.dimension == 2 ? s * s : s * s * s;
   out->mass = out->volume * def.density;
@@ -100,7 +108,7 @@ std::unique_ptr<const Setting> settle(const SphDef& def, const std::string& id, 
       out->cohesion = def.surface_tension / (out->interface->energy * h * out->mass);
     }
   }
-  out->colliders = build_colliders(def.colliders);
+  out->colliders = build_colliders_but_solids(def.colliders);
   out->sound = def.sound_speed > 0 ? def.sound_speed : std::max(out->sound_for(gravity), 1e-6);
   for (const BodyDef& b : def.bodies) {
     out->lightest = std::min(out->lightest, b.density.value_or(def.density) / def.density);

@@ -9,6 +9,7 @@
 #include "engine/kernels/sph/half_space.h"
 #include "engine/kernels/sph/interface.h"
 #include "engine/systems/sph/inlet.h"
+#include "engine/systems/sph/mesh_wall.h"
 
 namespace truestep::sph {
 
@@ -58,6 +59,8 @@ struct Setting {
   double sound_for(const Vec3& gravity) const;
   HalfSpace wall;
   ColliderSet colliders;
+  std::vector<MeshWall> meshes;  ///< the colliders that are not in the set
+  VolumeMap::Kernel kernel() const { return {def.kernel, support, def.spacing}; }
 };
 
 class Solver {
@@ -76,6 +79,9 @@ class Solver {
 void pour(const Setting& set, State& s, double t, Workspace& workspace);
 /// Removes the particles inside kill regions.
 void remove_killed(const Setting& set, State& s, const StepInput& in);
+
+/// m, initial positions of a body's particles, in the order of rows, without those in walls.
+std::vector<Vec3> wet_places(const Setting& set, const BodyDef& body);
 
 std::unique_ptr<const Setting> settle(const SphDef& def, const std::string& id, const Vec3& gravity);
 /// The solver for the setting; the setting must outlive it.

@@ -16,17 +16,31 @@ double farthest_corner(const SphDef& d, const Vec3& from) {
                    d.dimension == 3 ? std::max(std::abs(a.z), std::abs(b.z)) : 0});
 }
 
+/// What moves, and how far from its origin it reaches (m).
+struct Mover {
+  const Pose& start;
+  const ShapeMotion& motion;
+  double radius;
+};
+Mover mover(const Collider& c) {
+  return {c.start, c.motion, bounding_radius(c.shape)};
+}
+Mover mover(const MeshWall& m) {
+  return {m.collider.start, m.collider.motion, bounding_radius(m.collider.solid)};
+}
+
 /// m/s, of any point of a collider in the box, at any time.
-double fastest_point(const SphDef& d, const Collider& c) {
+double fastest_point(const SphDef& d, const Mover& c) {
   const ShapeMotion& m = c.motion;
   const double steady = norm(m.velocity), swing = kTwoPi * m.frequency * norm(m.amplitude);
   if (m.spin == Vec3{}) return steady + swing;
-  const double reach = std::min(bounding_radius(c.shape), farthest_corner(d, c.start.position));
+  const double reach = std::min(c.radius, farthest_corner(d, c.start.position));
   return steady + swing + norm(m.spin) * reach;
 }
 
 /// m, of the lowest place along `up` that liquid can reach: on the box, and on whatever it cannot get past.
-double bottom_of(const SphDef& d, const ColliderSet& colliders, const Vec3& up) {
+double bottom_of(const SphDef& d, const ColliderSet& colliders, std::span<const MeshWall> meshes,
+                 const Vec3& up) {
   const auto lowest = [&](const Vec3& center, const Vec3& half) {
     const double z = d.dimension == 3 ? half.z * std::abs(up.z) : 0;
     return dot(center, up) - (half.x * std::abs(up.x) + half.y * std::abs(up.y) + z);
@@ -49,17 +63,22 @@ double bottom_of(const SphDef& d, const ColliderSet& colliders, const Vec3& up) 
       out = std::max(out, place - bounding_radius(c.shape));
     }
   }
+  for (const MeshWall& m : meshes) {
+    const bool holds = m.collider.side == PointSide::inside && m.collider.motion.at_rest();
+    if (holds) out = std::max(out, dot(m.collider.start.position, up) - bounding_radius(m.collider.solid));
+  }
   return out;
 }
 
 }  // namespace
 
-double expected_speed(const SphDef& d, const ColliderSet& colliders, const Vec3& gravity) {
+double expected_speed(const SphDef& d, const ColliderSet& colliders, std::span<const MeshWall> meshes,
+                      const Vec3& gravity) {
   const bool plane = d.dimension == 2;
   const Vec3 pull{gravity.x, gravity.y, plane ? 0 : gravity.z};
   const double g = norm(pull);
   const Vec3 up = g > 0 ? pull / -g : Vec3{0, 1, 0};
-  const double bottom = bottom_of(d, colliders, up);
+  const double bottom = bottom_of(d, colliders, meshes, up);
   double top = bottom, speed = norm(d.lid_velocity);
   for (const BodyDef& b : d.bodies) {
     const bool ball = b.shape == Shape::ball;
@@ -75,25 +94,29 @@ double expected_speed(const SphDef& d, const ColliderSet& colliders, const Vec3&
     top = std::max(top, dot(e.position, up) + e.radius);
     speed = std::max(speed, std::abs(e.speed));
   }
-  for (const Collider& c : colliders.colliders()) speed = std::max(speed, fastest_point(d, c));
+  for (const Collider& c : colliders.colliders()) speed = std::max(speed, fastest_point(d, mover(c)));
+  for (const MeshWall& m : meshes) speed = std::max(speed, fastest_point(d, mover(m)));
   const Vec3 size = d.high - d.low;
   const double tallest = size.x * std::abs(up.x) + size.y * std::abs(up.y) + size.z * std::abs(up.z);
   return std::sqrt(speed * speed + 2 * g * std::min(top - bottom, tallest));
 }
 
-double fastest_wall(const SphDef& d, const ColliderSet& colliders, double t, double h) {
+double fastest_wall(const SphDef& d, const ColliderSet& colliders, std::span<const MeshWall> meshes, double t,
+                    double h) {
   double out = d.walls == Walls::no_slip ? norm(d.lid_velocity) : 0;
-  for (const Collider& c : colliders.colliders()) {
-    if (c.motion.at_rest()) continue;
-    const double speed = fastest_point(d, c), reach = bounding_radius(c.shape);
+  const auto count = [&](const Mover& c) {
+    if (c.motion.at_rest()) return;
+    const double speed = fastest_point(d, c);
     // One that has left the box, or is not there yet, moves nothing.
-    const double margin = reach + speed * h + d.support * d.spacing;
+    const double margin = c.radius + speed * h + d.support * d.spacing;
     const Vec3 p = moved(c.start, c.motion, t).position;
     const auto off = [&](double x, double low, double high) { return x < low - margin || x > high + margin; };
     const bool away = off(p.x, d.low.x, d.high.x) || off(p.y, d.low.y, d.high.y) ||
                       (d.dimension == 3 && off(p.z, d.low.z, d.high.z));
     if (!away) out = std::max(out, speed);
-  }
+  };
+  for (const Collider& c : colliders.colliders()) count(mover(c));
+  for (const MeshWall& m : meshes) count(mover(m));
   return out;
 }
 

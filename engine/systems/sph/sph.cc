@@ -11,6 +11,7 @@ namespace truestep::sph {
 
 Sph::Sph(const SphDef& def, const BuildContext& context)
     : gravity_(context.gravity),
+      dt_(context.dt),
       setting_(settle(def, context.id, context.gravity)),
       solver_(make_solver(*setting_)) {
   if (def.dimension == 2) gravity_.z = 0;
@@ -144,7 +145,7 @@ State Sph::initial_state() const {
   size_t i = 0;
   for (size_t body = 0; body < d.bodies.size(); ++body) {
     const BodyDef& b = d.bodies[body];
-    for (const Vec3& place : places_of(d, b)) {
+    for (const Vec3& place : wet_places(*setting_, b)) {
       const Vec3 r = place - b.center;
       x.set_vector(i, place);
       v.set_vector(
@@ -228,7 +229,10 @@ void Sph::apply(State& s, const Command& c) const {
 }
 
 void Sph::draw(const State&, double t, Wish wishes, Drawing& out) const {
-  if (wants(wishes, Wish::obstacles)) out.obstacles = setting_->colliders.drawn(t);
+  if (wants(wishes, Wish::obstacles)) {
+    out.obstacles = setting_->colliders.drawn(t);
+    for (const MeshWall& m : setting_->meshes) out.obstacles.push_back(m.collider.drawn_at(t));
+  }
   if (!wants(wishes, Wish::constant)) return;
   PartDrawing& d = out.parts.emplace_back();
   d.point_radius = 0.5 * setting_->def.spacing;

@@ -17,6 +17,10 @@ class Sph final : public StagedSystem {
   void observe(const State& state, double t, Observables& out) const override;
   /// position, velocity, density, pressure.
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
+  /// Kinetic, and the potential above the box's lowest corner. Open where walls move, nozzles pour, vortices
+  /// are driven, or gravity acts along a periodic axis.
+  std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
+                               const ThreadArena& arena) const override;
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
@@ -26,7 +30,9 @@ class Sph final : public StagedSystem {
   const Setting& setting() const { return *setting_; }
 
  private:
+  bool driven(const Vec3& gravity) const;
   Vec3 gravity_;
+  double dt_;  ///< s
   std::unique_ptr<const Setting> setting_;
   std::unique_ptr<const Solver> solver_;
 };

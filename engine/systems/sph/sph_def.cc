@@ -6,6 +6,7 @@
 
 #include "engine/base/parallel.h"
 #include "engine/systems/sph/inlet.h"
+#include "engine/systems/sph/mesh_wall.h"
 
 namespace truestep::sph {
 
@@ -62,11 +63,33 @@ Vec3 reach_of(const BodyDef& b) {
   return b.shape == Shape::ball ? Vec3{b.radius, b.radius, b.radius} : b.half_extents;
 }
 
-/// Points along each axis of the lattice that fills a body; 1 across the plane.
+/// Points along each axis of the lattice that fills a body; 1 across the plane. The lattice is no denser than
+/// the liquid, which would burst from it: of the axes along which the nearest whole number of points is
+/// closer together than `spacing`, as many have one fewer as that takes, those closest together first; of a
+/// ball all.
 std::array<double, 3> lattice_of(const SphDef& d, const BodyDef& b) {
+  constexpr double kRounding = 1e-9;
+  const size_t axes = d.dimension == 2 ? 2 : 3;
   const Vec3 reach = reach_of(b);
-  const auto places = [&](double r) { return std::max(1.0, std::floor(2 * r / d.spacing + 0.5)); };
-  return {places(reach.x), places(reach.y), d.dimension == 2 ? 1 : places(reach.z)};
+  const double wide[3] = {2 * reach.x / d.spacing, 2 * reach.y / d.spacing, 2 * reach.z / d.spacing};
+  std::array<double, 3> out{1, 1, 1};
+  double per_point = 1;  // volume, in spacings
+  for (size_t a = 0; a < axes; ++a) {
+    out[a] = std::max(1.0, std::floor(wide[a] + 0.5));
+    per_point *= wide[a] / out[a];
+  }
+  while (per_point < 1 - kRounding) {
+    size_t closest = axes;
+    for (size_t a = 0; a < axes; ++a) {
+      const bool close = out[a] > 1 && wide[a] < out[a] * (1 - kRounding);
+      if (close && (closest == axes || wide[a] / out[a] < wide[closest] / out[closest])) closest = a;
+    }
+    if (closest == axes) break;  // thinner than a spacing
+    for (size_t a = 0; a < axes; ++a) {
+      if (a == closest || b.shape == Shape::ball) per_point *= out[a] / (out[a] - 1), out[a] -= 1;
+    }
+  }
+  return out;
 }
 
 void check_body(const SphDef& d, const BodyDef& b, const std::string& at, const DefTable::Report& report) {
@@ -141,6 +164,7 @@ void check_def(const SphDef& d, const DefTable::Report& report) {
     check_inlet(d, d.emitters[k], at, report);
     check_density(d.emitters[k].density.value_or(d.density) / d.density, at + "/density", report);
   }
+  check_mesh_walls(d, report);
   if (d.bodies.empty() && d.emitters.empty())
     report("/bodies", "no bodies and no emitters: nothing to simulate");
   if (d.max_particles && static_cast<double>(*d.max_particles) < expected_particles(d)) {
@@ -151,9 +175,26 @@ void check_def(const SphDef& d, const DefTable::Report& report) {
 }  // namespace
 
 bool SphDef::layered() const {
-  const auto other = [&](const auto& b) { return b.density && *b.density != density; };
-  return std::any_of(bodies.begin(), bodies.end(), other) ||
-         std::any_of(emitters.begin(), emitters.end(), other);
+  const SphDef d = with_common_density();
+  const auto other = [&](const auto& b) { return b.density && *b.density != d.density; };
+  return std::any_of(d.bodies.begin(), d.bodies.end(), other) ||
+         std::any_of(d.emitters.begin(), d.emitters.end(), other);
+}
+
+SphDef SphDef::with_common_density() const {
+  SphDef out = *this;
+  if (!bodies.empty()) {
+    out.density = bodies[0].density.value_or(density);
+  } else if (!emitters.empty()) {
+    out.density = emitters[0].density.value_or(density);
+  }
+  const auto same = [&](const auto& b) { return b.density.value_or(density) == out.density; };
+  const bool common =
+      std::all_of(bodies.begin(), bodies.end(), same) && std::all_of(emitters.begin(), emitters.end(), same);
+  if (!common) return *this;
+  for (BodyDef& b : out.bodies) b.density.reset();
+  for (InletDef& e : out.emitters) e.density.reset();
+  return out;
 }
 
 size_t largest_count(const SphDef& d, size_t start) {

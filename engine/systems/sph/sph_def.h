@@ -69,7 +69,7 @@ struct SphDef : KillDefs {
   Walls walls = Walls::slip;
   Vec3 lid_velocity;
   Periodic periodic = Periodic::none;
-  ColliderDefs colliders;
+  AnyColliderDefs colliders;
   Precision precision = Precision::f32;
 
   /// Whether viscosity is solved for in every substep.
@@ -78,6 +78,8 @@ struct SphDef : KillDefs {
   bool changes() const { return !emitters.empty() || any_regions(); }
   /// Whether parts of the liquid have different densities.
   bool layered() const;
+  /// The same liquid, with the density that all its parts have, if they do, as the system's.
+  SphDef with_common_density() const;
   bool wraps(int axis) const {
     return axis == 0 ? periodic == Periodic::x || periodic == Periodic::xz
                      : axis == 2 && (periodic == Periodic::z || periodic == Periodic::xz);

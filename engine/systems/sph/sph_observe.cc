@@ -74,6 +74,45 @@ void Sph::observe(const State& s, double, Observables& out) const {
 
 // A mean density error above 1 %: more than weakly compressible flow should have (Monaghan 1994), and more
 // than solves are run with. The number of spacings crossed needs no check: long steps are divided.
+/// Whether anything but the liquid's own weight can do work on it.
+bool Sph::driven(const Vec3& gravity) const {
+  const SphDef& d = setting_->def;
+  const auto& solids = setting_->colliders.colliders();
+  const auto& meshes = setting_->meshes;
+  const bool wall =
+      std::any_of(solids.begin(), solids.end(), [](const Collider& c) { return !c.motion.at_rest(); }) ||
+      std::any_of(meshes.begin(), meshes.end(),
+                  [](const MeshWall& m) { return !m.collider.motion.at_rest(); });
+  const bool around = (d.wraps(0) && gravity.x != 0) || (d.wraps(2) && gravity.z != 0);
+  return wall || around || !d.emitters.empty() || d.vorticity > 0 ||
+         (d.walls == Walls::no_slip && norm2(d.lid_velocity) > 0);
+}
+
+std::optional<Energy> Sph::energy(const State& s, double, Workspace&, const ThreadArena&) const {
+  // The first substep moves an uneven start by less than this share of a spacing.
+  constexpr double kShift = 0.1;
+  const SphDef& d = setting_->def;
+  const Vec3 g = load3(s.f64(columns::gravity).data(), 0);
+  const Vec3 lowest{g.x < 0 ? d.low.x : d.high.x, g.y < 0 ? d.low.y : d.high.y, g.z < 0 ? d.low.z : d.high.z};
+  const RealColumn<const double> x(s, columns::position), v(s, columns::velocity);
+  const size_t n = s.rows(columns::position);
+  Energy e;
+  double ratios = 0;
+  for (size_t i = 0; i < n; ++i) {
+    const double ratio = setting_->ratio_of(s, i);
+    ratios += ratio;
+    e.kinetic += 0.5 * ratio * norm2(v.vector(i)), e.potential -= ratio * dot(g, x.vector(i) - lowest);
+  }
+  const double mass = setting_->mass, shift = kShift * d.spacing / dt_;
+  e.kinetic *= mass, e.potential *= mass;
+  // A surface's energy is not counted: at most that of single particles.
+  const double surface = d.dimension == 2 ? 4 * d.spacing : 6 * d.spacing * d.spacing;
+  e.slack = mass * ratios * (0.5 * shift * shift + norm(g) * d.spacing) +
+            d.surface_tension * surface * static_cast<double>(n);
+  e.exchange = driven(g) ? Energy::Exchange::open : Energy::Exchange::closed;
+  return e;
+}
+
 void Sph::warn(const State& s, double h, std::vector<Warning>& out) const {
   constexpr double kMostOff = 0.01, kSpare = 1.1;
   const SphDef& d = setting_->def;

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/errors.h"
+
 namespace truestep::sph {
 
 namespace {
 
-constexpr double kMostNodes = 1e6;
+constexpr double kMostNodesOfBody = 1e6;
 constexpr double kFinest = 0.5, kCoarsest = 1;  ///< spacings between nodes
 
 /// Nodes within a kernel's radius of one, with the kernel's weights and gradients times the node's volume.
@@ -68,86 +70,155 @@ struct Flat {
   }
 };
 
+/// The grid's nodes along each axis.
+std::array<double, 3> nodes_along(const Box& region, double margin, double width) {
+  const Vec3 size = region.high - region.low + Vec3{2 * margin, 2 * margin, 2 * margin};
+  return {std::ceil(size.x / width) + 1, std::ceil(size.y / width) + 1, std::ceil(size.z / width) + 1};
+}
+
 }  // namespace
 
+double VolumeMap::least_nodes(const Box& region, const Kernel& kernel) {
+  const double width = kCoarsest * kernel.spacing;
+  const auto n = nodes_along(region, kernel.support + width, width);
+  return n[0] * n[1] * n[2];
+}
+
 // Chooses the grid; false if it would have to be too coarse.
-bool VolumeMap::lay(const Solid& solid, const Setting& setting) {
-  const Box box = bounds(solid, Transform{rotation(Quat{}), {}});
-  const double s = setting.def.spacing;
+bool VolumeMap::lay(const Box& region, const Kernel& kernel, double most) {
+  const double s = kernel.spacing;
   for (width_ = kFinest * s; width_ <= kCoarsest * s; width_ *= 1.25) {
-    const double margin = setting.support + width_;
-    const Vec3 size = box.high - box.low + Vec3{2 * margin, 2 * margin, 2 * margin};
-    const double n[3] = {std::ceil(size.x / width_) + 1, std::ceil(size.y / width_) + 1,
-                         std::ceil(size.z / width_) + 1};
-    if (!(n[0] * n[1] * n[2] <= kMostNodes)) continue;
+    const auto n = nodes_along(region, kernel.support + width_, width_);
+    if (!(n[0] * n[1] * n[2] <= most)) continue;
     for (size_t a = 0; a < 3; ++a) count_[a] = static_cast<int>(n[a]);
-    low_ = (box.low + box.high) * 0.5 - Vec3{n[0] - 1, n[1] - 1, n[2] - 1} * (0.5 * width_);
+    low_ = region.center() - Vec3{n[0] - 1, n[1] - 1, n[2] - 1} * (0.5 * width_);
     return true;
   }
+  width_ = kCoarsest * s;
   return false;
 }
 
-VolumeMap::VolumeMap(const Solid& solid, const Setting& setting) : sides_(mesh_sides(solid)) {
-  if (!lay(solid, setting)) return;
-  const double support = setting.support;
-  const Stencil stencil(setting.def.kernel, support, width_);
+VolumeMap::VolumeMap(const Solid& solid, const Kernel& kernel) : sides_(mesh_sides(solid)) {
+  if (!lay(bounds(solid, Transform{rotation(Quat{}), {}}), kernel, kMostNodesOfBody)) return;
+  fill(solid, kernel, PointSide::outside, false);
+}
+
+VolumeMap::VolumeMap(const Solid& mesh, const Kernel& kernel, const Box& region, PointSide side)
+    : sides_(MeshSides::enclosed) {
+  if (!lay(region, kernel, kMostNodes)) throw Error("bad_solid", "the map of a mesh has too many nodes");
+  fill(mesh, kernel, side, true);
+}
+
+void VolumeMap::fill(const Solid& solid, const Kernel& kernel, PointSide side, bool wall) {
+  const double support = kernel.support, sign = side == PointSide::outside ? 1 : -1;
+  const Stencil stencil(kernel.kind, support, width_);
   const Flat flat(stencil, support, width_);
   const size_t all =
       static_cast<size_t>(count_[0]) * static_cast<size_t>(count_[1]) * static_cast<size_t>(count_[2]);
   std::vector<float> distance(all), filled(all);
   const auto each = [&](const auto& body) {
-    std::array<int, 3> n;
+    Count n;
     for (n[2] = 0; n[2] < count_[2]; ++n[2])
       for (n[1] = 0; n[1] < count_[1]; ++n[1])
         for (n[0] = 0; n[0] < count_[0]; ++n[0]) body(n);
   };
-  each([&](const std::array<int, 3>& n) {
-    const auto d = point_distance(solid, place(n), 2 * support + 2 * width_, sides_);
-    distance[index(n)] = static_cast<float>(d ? d->distance : 2 * support);
+  // A distance changes by no more than the way from the node before.
+  const double farthest = 2 * support + 2 * width_;
+  std::optional<double> before;
+  each([&](const Count& n) {
+    if (n[0] == 0) before.reset();
+    const double within = before ? std::min(std::abs(*before) + 1.001 * width_, farthest) : farthest;
+    const auto d = point_distance(solid, place(n), within, sides_);
+    before = d ? std::optional(d->distance) : std::nullopt;
+    distance[index(n)] = static_cast<float>(d ? sign * d->distance : 2 * support);
     filled[index(n)] = static_cast<float>(inside(distance[index(n)], width_));
   });
-  nodes_.resize(all);
-  each([&](const std::array<int, 3>& n) {
-    Node& node = nodes_[index(n)];
-    node = {1, 0, 0, 0};
+  slot_.assign(all, 0);
+  nodes_.assign(1, Node{1, 0, 0, 0});
+  if (wall) leans_.assign(1, {}), distances_.assign(1, 0);
+  // Of a container, everything beyond the grid is wall.
+  const double around = side == PointSide::outside ? 0 : 1;
+  each([&](const Count& n) {
     const double d = distance[index(n)];
     if (std::abs(d) > support + width_) return;
     double share = 0;
     Vec3 slope;
+    Symmetric3 lean;
     for (const Stencil::Entry& e : stencil.entries) {
-      const std::array<int, 3> at{n[0] + e.x, n[1] + e.y, n[2] + e.z};
+      const Count at{n[0] + e.x, n[1] + e.y, n[2] + e.z};
       bool there = true;
       for (size_t a = 0; a < 3; ++a) there = there && at[a] >= 0 && at[a] < count_[a];
-      if (!there) continue;
-      const double in = double{filled[index(at)]};
+      if (!there && around == 0) continue;
+      const double in = there ? double{filled[index(at)]} : around;
       share += in * e.w, slope += e.g * in;
+      if (!wall) continue;
+      const Vec3 r = Vec3{e.x * width_, e.y * width_, e.z * width_} * in;
+      lean += {e.g.x * r.x, e.g.y * r.y, e.g.z * r.z, e.g.x * r.y, e.g.x * r.z, e.g.y * r.z};
     }
     // Where hardly any of the kernel is inside, its small contribution does not matter.
     constexpr double kLittle = 1e-3;
     const auto [whole, steep] = flat.at(d);
     const double per = 1 / (steep + kLittle / support);
-    node = {static_cast<float>((share + kLittle) / (whole + kLittle)), static_cast<float>(slope.x * per),
-            static_cast<float>(slope.y * per), static_cast<float>(slope.z * per)};
+    slot_[index(n)] = static_cast<uint32_t>(nodes_.size());
+    nodes_.push_back({static_cast<float>((share + kLittle) / (whole + kLittle)),
+                      static_cast<float>(slope.x * per), static_cast<float>(slope.y * per),
+                      static_cast<float>(slope.z * per)});
+    if (!wall) return;
+    const auto over = [&](double sum) { return static_cast<float>(sum * per); };
+    leans_.push_back({over(lean.xx - share), over(lean.yy - share), over(lean.zz - share), over(lean.xy),
+                      over(lean.xz), over(lean.yz)});
+    distances_.push_back(static_cast<float>(d));
   });
 }
 
-VolumeMap::At VolumeMap::at(const Vec3& p, const Vec3& normal) const {
-  if (nodes_.empty()) return {1, -normal};
+VolumeMap::Corners VolumeMap::around(const Vec3& p) const {
   const double at[3] = {(p.x - low_.x) / width_, (p.y - low_.y) / width_, (p.z - low_.z) / width_};
-  std::array<int, 3> n{};
+  Count n{};
   double f[3];
   for (size_t a = 0; a < 3; ++a) {
     n[a] = std::clamp(static_cast<int>(at[a]), 0, count_[a] - 2);
     f[a] = std::clamp(at[a] - n[a], 0.0, 1.0);
   }
-  double sum[4] = {};
+  Corners out{};
   for (int corner = 0; corner < 8; ++corner) {
     const int x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
-    const double w = (x ? f[0] : 1 - f[0]) * (y ? f[1] : 1 - f[1]) * (z ? f[2] : 1 - f[2]);
-    const Node& node = nodes_[index({n[0] + x, n[1] + y, n[2] + z})];
-    for (size_t k = 0; k < 4; ++k) sum[k] += w * double{node[k]};
+    const auto k = static_cast<size_t>(corner);
+    out.weight[k] = (x ? f[0] : 1 - f[0]) * (y ? f[1] : 1 - f[1]) * (z ? f[2] : 1 - f[2]);
+    out.slot[k] = slot_[index({n[0] + x, n[1] + y, n[2] + z})];
+  }
+  return out;
+}
+
+VolumeMap::At VolumeMap::at(const Vec3& p, const Vec3& normal) const {
+  if (nodes_.empty()) return {1, -normal};
+  const Corners c = around(p);
+  double sum[4] = {};
+  for (size_t corner = 0; corner < 8; ++corner) {
+    for (size_t k = 0; k < 4; ++k) sum[k] += c.weight[corner] * double{nodes_[c.slot[corner]][k]};
   }
   return {sum[0], {sum[1], sum[2], sum[3]}};
+}
+
+Symmetric3 VolumeMap::lean_at(const Vec3& p) const {
+  const Corners c = around(p);
+  double sum[6] = {};
+  for (size_t corner = 0; corner < 8; ++corner) {
+    for (size_t k = 0; k < 6; ++k) sum[k] += c.weight[corner] * double{leans_[c.slot[corner]][k]};
+  }
+  return {sum[0], sum[1], sum[2], sum[3], sum[4], sum[5]};
+}
+
+std::optional<VolumeMap::Bounds> VolumeMap::distance_at(const Vec3& p) const {
+  const double at[3] = {(p.x - low_.x) / width_, (p.y - low_.y) / width_, (p.z - low_.z) / width_};
+  Count n{};
+  for (size_t a = 0; a < 3; ++a) {
+    if (!(at[a] >= 0 && at[a] <= count_[a] - 1)) return std::nullopt;
+    n[a] = static_cast<int>(at[a] + 0.5);
+  }
+  const uint32_t slot = slot_[index(n)];
+  if (slot == 0) return std::nullopt;
+  const double d = double{distances_[slot]}, off = norm(p - place(n)) + 1e-5 * width_;
+  return Bounds{d - off, d + off};
 }
 
 }  // namespace truestep::sph

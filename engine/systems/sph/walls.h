@@ -76,6 +76,10 @@ class BoxWalls {
   void near(const double* x, double t, const Visit& visit) const {
     const Walls w = walls_at(x, t);
     for (size_t k = 0; k < w.count; ++k) visit(w.wall[k].d, w.wall[k].n, w.wall[k].velocity);
+    for (const MeshWall& mesh : set_.meshes) {
+      const auto near = mesh.surface(place_of(x), t, set_.support, set_.support);
+      if (near) visit(near->distance, near->normal, mesh.collider.velocity_at(place_of(x), t));
+    }
   }
 
   /// Gradient and share of all walls, and the rate of density due to their motion.
@@ -102,6 +106,13 @@ class BoxWalls {
           rest *= 1 - at.share;
         }
         if (skew) rest = free_of(walls);
+        for (const MeshWall& mesh : set_.meshes) {
+          const auto at = mesh.at(place_of(x), t, set_.wall, set_.support);
+          if (!at) continue;
+          slope = slope * (1 - at->share) + at->slope * rest;
+          drive = drive * (1 - at->share) - dot(at->slope, at->velocity) * rest;
+          rest *= 1 - at->share;
+        }
         T* w = f.wall.data() + 4 * i;
         w[0] = static_cast<T>(slope.x), w[1] = static_cast<T>(slope.y);
         w[2] = D == 3 ? static_cast<T>(slope.z) : T{0};
@@ -115,10 +126,18 @@ class BoxWalls {
     Vec3 out;
     const Walls walls = walls_at(x, t);
     const bool skew = walls.skew();
+    double beside_meshes = 1;
+    for (const MeshWall& mesh : set_.meshes) {
+      const auto at = mesh.at(place_of(x), t, set_.wall, set_.support);
+      if (!at) continue;
+      out += at->lean(gravity) * ((1 - share) / std::max(1 - at->share, 1e-6));
+      beside_meshes *= 1 - at->share;
+    }
     for (size_t k = 0; k < walls.count; ++k) {
       const auto& [d, n, velocity] = walls.wall[k];
       const HalfSpace::At at = set_.wall.at(d);
-      const double beside_others = skew ? beside(walls, k) : (1 - share) / std::max(1 - at.share, 1e-6);
+      const double beside_others =
+          skew ? beside(walls, k) * beside_meshes : (1 - share) / std::max(1 - at.share, 1e-6);
       out += leaning(n * (-at.slope * beside_others), n, d, gravity);
     }
     return out;
@@ -146,14 +165,9 @@ class BoxWalls {
           set_.colliders.nearest({double{x[0]}, double{x[1]}, D == 3 ? double{x[2]} : 0}, t);
       if (s.distance >= least || s.collider == last) break;
       last = s.collider;
-      const Vec3 u{double{v[0]}, double{v[1]}, D == 3 ? double{v[2]} : 0};
-      const double into = std::min(dot(u - s.velocity, s.normal), 0.0);
-      const double n[3] = {s.normal.x, s.normal.y, s.normal.z};
-      for (int a = 0; a < D; ++a) {
-        x[a] += static_cast<T>(n[a] * (least - s.distance));
-        v[a] -= static_cast<T>(n[a] * into);
-      }
+      lift(x, v, s.normal, s.velocity, least - s.distance);
     }
+    if (!set_.meshes.empty()) keep_off_meshes(x, v, t, least);
     for (int a = 0; a < D; ++a) {
       if (set_.def.wraps(a)) continue;
       const T low = static_cast<T>(low_[a]), high = static_cast<T>(high_[a]);
@@ -214,6 +228,32 @@ class BoxWalls {
       }
     }
     return std::min(out, most);
+  }
+  /// Moves a particle by `by` (m) along a wall's normal, and removes its velocity into the wall.
+  static void lift(T* x, T* v, const Vec3& normal, const Vec3& velocity, double by) {
+    const Vec3 u{double{v[0]}, double{v[1]}, D == 3 ? double{v[2]} : 0};
+    const double into = std::min(dot(u - velocity, normal), 0.0);
+    const double n[3] = {normal.x, normal.y, normal.z};
+    for (int a = 0; a < D; ++a) x[a] += static_cast<T>(n[a] * by), v[a] -= static_cast<T>(n[a] * into);
+  }
+  /// Off the nearest face, then off those that this brings it too close to, of the same mesh too.
+  void keep_off_meshes(T* x, T* v, double t, double least) const {
+    constexpr double kCloseEnough = 1 - 1e-4;  // of `least`: coordinates are rounded
+    for (size_t k = 0; k < kMostCorrected; ++k) {
+      const Vec3 place = place_of(x);
+      const MeshWall* nearest = nullptr;
+      MeshWall::Surface s{.distance = kCloseEnough * least, .normal = {}};
+      for (const MeshWall& mesh : set_.meshes) {
+        const auto near = mesh.surface(place, t, least, set_.support);
+        if (near && near->distance < s.distance) nearest = &mesh, s = *near;
+      }
+      if (!nearest) return;
+      lift(x, v, s.normal, nearest->collider.velocity_at(place, t), least - s.distance);
+    }
+  }
+  template <class Real>
+  static Vec3 place_of(const Real* x) {
+    return {double{x[0]}, double{x[1]}, D == 3 ? double{x[2]} : 0};
   }
   static Vec3 axis(int a, double sign) { return {a == 0 ? sign : 0, a == 1 ? sign : 0, a == 2 ? sign : 0}; }
   const Setting& set_;

@@ -2,6 +2,7 @@
 // a copy of a state.
 #include <gtest/gtest.h>
 
+#include "tests/unit/fluids/mesh_collider_rig.h"
 #include "tests/unit/fluids/sph_rig.h"
 
 namespace truestep::sph {
@@ -45,6 +46,37 @@ TEST(SphDeterminism, AStateIsAllThatAStepNeeds) {
       run.step(), copy.step();
     }
     EXPECT_EQ(run.state.hash(), copy.state.hash());
+  }
+}
+
+/// Water at a turning box of triangles on ground.
+SphDef at_meshes(Method solver) {
+  SphDef d = column(3, solver, Precision::f32);
+  d.bodies = {{.center = {0.5, 0.5, 0.5}, .half_extents = {0.5, 0.5, 0.5}}};
+  MeshColliderDef mesh = testing_rig::box_of_triangles({0.5, 0.6, 0.5}, {0.2, 0.2, 0.2});
+  mesh.motion = MotionDef{};
+  mesh.motion->spin = {1, 2, 0};
+  HeightFieldColliderDef ground;
+  ground.count = {2, 2}, ground.heights = {0, 0.2, 0.1, 0.3}, ground.center = {0.5, 0, 0.5};
+  d.colliders = {mesh, ground};
+  return d;
+}
+
+TEST(SphDeterminism, MeshesToo) {
+  for (const Method solver : {Method::dfsph, Method::wcsph, Method::pbf}) {
+    const SphDef d = at_meshes(solver);
+    SphRun one(d, 0.01, {0, -9.81, 0}, 1), two(d, 0.01, {0, -9.81, 0}, 2), copy(d, 0.01, {0, -9.81, 0});
+    one.step(3), two.step(3);
+    EXPECT_EQ(one.state.hash(), two.state.hash());
+    copy.state = State::deserialize(one.state.serialize()), copy.steps = one.steps;
+    one.workspace.clear();
+    one.step(2), copy.step(2);
+    EXPECT_EQ(one.state.hash(), copy.state.hash());
+    SphDef other = d;
+    other.colliders.pop_back();
+    other.bodies = d.bodies;
+    SphRun without(other, 0.01, {0, -9.81, 0});
+    EXPECT_NE(without.system.setting().rows, one.system.setting().rows) << "control: the ground counts";
   }
 }
 

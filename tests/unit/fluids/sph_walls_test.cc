@@ -24,7 +24,7 @@ PlaneColliderDef plane_through(Vec3 point, Vec3 normal) {
 }
 
 /// A plane box far from everything, with these colliders.
-SphDef room(ColliderDefs colliders) {
+SphDef room(AnyColliderDefs colliders) {
   SphDef d;
   d.dimension = 2, d.high = {1.2, 1.2, 0}, d.spacing = 0.03, d.precision = Precision::f64;
   d.bodies = {{.center = {0.6, 1, 0}, .half_extents = {0.1, 0.1, 1}}};

@@ -9,6 +9,7 @@ import { floats, uints } from "../client/decode";
 import { Motion, type Visual, type SystemTopology } from "../client/gen/truestep/v1/stream_pb";
 import type { Extent } from "./extent";
 import { bodyFragment, bodyVertex, paletteColor, rampUniform } from "./shading";
+import { geometryOfMesh } from "./shapes";
 import { lightUniforms, upward } from "./upright";
 
 const kMany = 400; // instances of a round shape, drawn with fewer triangles beyond
@@ -242,13 +243,8 @@ function baseGeometry(kind: string, count: number, topology: SystemTopology): Bu
       }
       return geometry.setAttribute("cap", new BufferAttribute(cap, 1));
     }
-    default: {
-      const mesh = topology.meshes[Number(kind.slice(4))]!;
-      const geometry = new BufferGeometry();
-      geometry.setAttribute("position", new BufferAttribute(floats(mesh.positions), 3));
-      geometry.setAttribute("normal", new BufferAttribute(floats(mesh.normals), 3));
-      return geometry.setIndex(new BufferAttribute(uints(mesh.triangles), 1));
-    }
+    default:
+      return geometryOfMesh(topology.meshes[Number(kind.slice(4))]!);
   }
 }
 

@@ -1,10 +1,11 @@
-// The scene's solid shapes: planes, boxes, spheres and capsules. Containers are drawn as their edges and faint inner
+// The scene's solid shapes: planes, boxes, spheres, capsules and meshes. Containers are drawn as their edges and faint inner
 // faces, so that what is inside stays visible. A plane that faces up is the ground.
 import {
-  BackSide, BoxGeometry, BufferGeometry, CapsuleGeometry, Color, DoubleSide, EdgesGeometry, FrontSide, Group, LineBasicMaterial,
+  BackSide, BoxGeometry, BufferAttribute, BufferGeometry, CapsuleGeometry, Color, DoubleSide, EdgesGeometry, FrontSide, Group, LineBasicMaterial,
   LineSegments, Mesh, PlaneGeometry, Quaternion, ShaderMaterial, SphereGeometry, Vector3, type Object3D,
 } from "three";
-import type { Shape } from "../client/gen/truestep/v1/stream_pb";
+import { floats, uints } from "../client/decode";
+import type { Mesh as MeshData, Shape } from "../client/gen/truestep/v1/stream_pb";
 import { shadeGlsl } from "./shading";
 import { heightOf, lightUniforms } from "./upright";
 
@@ -48,7 +49,7 @@ function orientation(shape: Shape): Quaternion {
   return new Quaternion(x, y, z, w);
 }
 
-function geometryOf(shape: Shape, extent: number): BufferGeometry | undefined {
+function geometryOf(shape: Shape, meshes: MeshData[], extent: number): BufferGeometry | undefined {
   const [a = 1, b = a, c = a] = shape.size;
   switch (shape.kind) {
     case "box":
@@ -59,15 +60,26 @@ function geometryOf(shape: Shape, extent: number): BufferGeometry | undefined {
       return new CapsuleGeometry(a, 2 * (shape.size[1] ?? 0.5), 16, 32);
     case "plane":
       return new PlaneGeometry(2 * extent, 2 * extent);
+    case "mesh": {
+      const mesh = meshes[shape.mesh];
+      return mesh && geometryOfMesh(mesh);
+    }
     default:
       return undefined;
   }
 }
 
+export function geometryOfMesh(mesh: MeshData): BufferGeometry {
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(floats(mesh.positions), 3));
+  geometry.setAttribute("normal", new BufferAttribute(floats(mesh.normals), 3));
+  return geometry.setIndex(new BufferAttribute(uints(mesh.triangles), 1));
+}
+
 /** A drawable for `shape`, or undefined for the ground and for kinds this viewer does not know. */
-export function makeShape(shape: Shape, extent: number): Object3D | undefined {
+export function makeShape(shape: Shape, meshes: MeshData[], extent: number): Object3D | undefined {
   if (isGround(shape)) return undefined;
-  const geometry = geometryOf(shape, extent);
+  const geometry = geometryOf(shape, meshes, extent);
   if (!geometry) return undefined;
   const open = shape.container || shape.kind === "plane";
   const material = new ShaderMaterial({

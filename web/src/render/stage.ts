@@ -95,7 +95,7 @@ export class Stage {
     for (const view of this.views.values()) view.dispose();
     this.views.clear();
     this.topology = undefined;
-    this.shapes.set([], 1);
+    this.shapes.set([], [], 1);
     this.setMarks(undefined);
     setUpright(upOf(info.gravity, settings.camera?.up));
     this.framing.clear(settings.camera);
@@ -301,7 +301,7 @@ export class Stage {
   private reach(): Extent {
     const now = new Extent();
     for (const view of this.views.values()) view.reachOf(now);
-    for (const shape of this.topology?.shapes ?? []) reachOfShape(now, shape);
+    for (const shape of this.topology?.shapes ?? []) reachOfShape(now, shape, this.topology?.meshes ?? []);
     this.axes.forEach((axes) => axes.reachOf(now));
     // Marks that tell values belong to the picture; others are notes on it.
     if (this.marked && this.joints.ownRange) eachJointEnd(this.marked, (x, y, z) => now.add(x, y, z));
@@ -388,7 +388,7 @@ export class Stage {
   }
 
   private drawShapes(): void {
-    this.shapes.set(this.topology?.shapes ?? [], 1.5 * this.extent);
+    this.shapes.set(this.topology?.shapes ?? [], this.topology?.meshes ?? [], 1.5 * this.extent);
   }
 }
 

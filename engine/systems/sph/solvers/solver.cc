@@ -51,7 +51,7 @@ class SolverOf final : public Solver {
     double left = in.h;
     for (int64_t k = 0; left > 0; ++k) {
       f.resize(s.rows(columns::position));
-      const double walls = fastest_wall(set_.def, set_.colliders, in.t + in.h - left, left);
+      const double walls = fastest_wall(set_.def, set_.colliders, set_.meshes, in.t + in.h - left, left);
       const double allowed = limit(s, f, std::max(bodies.fastest(), walls), gravity, in.arena);
       const double parts = std::ceil(left / allowed);
       if (!(parts + static_cast<double>(k) <= set_.def.max_substeps)) refuse(allowed);

@@ -1,0 +1,157 @@
+#include "engine/systems/sph/mesh_wall.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace truestep::sph {
+namespace {
+
+/// Least distance of particles from a mesh at the start, in spacings: on a flat floor the lowest of a body
+/// that stands on it are half a spacing away.
+constexpr double kLeastStart = 0.3;
+
+VolumeMap::Kernel kernel_of(const SphDef& d) {
+  return {d.kernel, d.support * d.spacing, d.spacing};
+}
+
+/// The part of a mesh's own bounds, in its frame, near which there can be liquid.
+Box wet_part(const SphDef& d, const Box& mesh, const Pose& start, const ShapeMotion& motion) {
+  if (!motion.at_rest()) return mesh;
+  const Transform frame = transform_of(start);
+  Box liquid = Box::nothing();
+  for (int k = 0; k < 8; ++k) {
+    const Vec3 corner{k & 1 ? d.high.x : d.low.x, k & 2 ? d.high.y : d.low.y, k & 4 ? d.high.z : d.low.z};
+    liquid.cover(frame.inverse_point(corner));
+  }
+  // What a kernel at the border reaches.
+  liquid = liquid.grown((d.support + 2) * d.spacing);
+  const auto within = [](double low, double high, double from, double to, double* out) {
+    out[0] = std::min(std::max(low, from), to), out[1] = std::max(std::min(high, to), out[0]);
+  };
+  double x[2], y[2], z[2];
+  within(mesh.low.x, mesh.high.x, liquid.low.x, liquid.high.x, x);
+  within(mesh.low.y, mesh.high.y, liquid.low.y, liquid.high.y, y);
+  within(mesh.low.z, mesh.high.z, liquid.low.z, liquid.high.z, z);
+  return {{x[0], y[0], z[0]}, {x[1], y[1], z[1]}};
+}
+
+/// Whether points far from a mesh are behind it: as the last one was, if near that; one after another, row
+/// after row.
+class FarSide {
+ public:
+  explicit FarSide(const MeshWall& wall, double support)
+      : wall_(wall), support_(support), frame_(wall.collider.place(0)) {
+    const Box box = bounds(wall.collider.solid, Transform{rotation(Quat{}), {}});
+    whole_ = 2 * norm(box.high - box.low);
+    box_ = box;
+  }
+  bool behind(const Vec3& p) {
+    for (const Known* k : {&last_, &row_}) {
+      if (k->known && norm(p - k->place) < support_) return remember(p, k->behind, k == &row_);
+    }
+    const bool held = wall_.collider.side == PointSide::inside;
+    const Vec3 local = frame_.inverse_point(p);
+    bool out = held;
+    if (box_.overlaps({local, local})) {
+      const auto d = point_distance(wall_.collider.solid, local, whole_, MeshSides::enclosed);
+      if (d) out = held ? d->distance > 0 : d->distance < 0;
+    }
+    return remember(p, out, true);
+  }
+
+ private:
+  struct Known {
+    Vec3 place;
+    bool behind = false, known = false;
+  };
+  bool remember(const Vec3& p, bool behind, bool row) {
+    last_ = {p, behind, true};
+    if (row) row_ = last_;
+    return behind;
+  }
+  const MeshWall& wall_;
+  double support_, whole_ = 0;
+  Transform frame_;
+  Box box_;
+  Known last_, row_;
+};
+
+}  // namespace
+
+std::optional<MeshWall::Surface> MeshWall::surface(const Vec3& x, double t, double in_front,
+                                                   double behind) const {
+  const Transform frame = collider.place(t);
+  const Vec3 local = frame.inverse_point(x);
+  const auto bound = map->distance_at(local);
+  if (!bound || bound->least > in_front || bound->most < -behind) return std::nullopt;
+  const double within = std::min(std::max(-bound->least, bound->most), std::max(in_front, behind));
+  const auto d = point_distance(collider.solid, local, within, MeshSides::enclosed);
+  const double side = collider.side == PointSide::outside ? 1 : -1;
+  if (!d || side * d->distance > in_front || side * d->distance < -behind) return std::nullopt;
+  return Surface{side * d->distance, frame.direction(d->normal) * side};
+}
+
+std::optional<MeshWall::At> MeshWall::at(const Vec3& x, double t, const HalfSpace& table,
+                                         double support) const {
+  const auto near = surface(x, t, support, support);
+  if (!near) return std::nullopt;
+  const Transform frame = collider.place(t);
+  const Vec3 local = frame.inverse_point(x);
+  const HalfSpace::At flat = table.at(near->distance);
+  const VolumeMap::At shape = map->at(local, frame.inverse_direction(near->normal));
+  At out{.surface = *near, .across = map->lean_at(local) * flat.slope, .axes = frame.rotation};
+  out.share = std::clamp(flat.share * shape.share, 0.0, 1.0);
+  out.slope = frame.direction(shape.slope) * flat.slope;
+  out.velocity = collider.velocity_at(x, t);
+  return out;
+}
+
+std::vector<MeshWall> build_mesh_walls(const SphDef& d) {
+  std::vector<MeshWall> out;
+  const double support = d.support * d.spacing;
+  // Ground must go on beyond all that is in the box.
+  const double around = norm(d.high - d.low) + 4 * support;
+  for (SolidCollider& c : build_solid_colliders(d.colliders, around)) {
+    const Box box = bounds(c.solid, Transform{rotation(Quat{}), {}});
+    const Box region = wet_part(d, box, c.start, c.motion);
+    auto map = std::make_shared<const VolumeMap>(c.solid, kernel_of(d), region, c.side);
+    out.push_back({std::move(c), std::move(map)});
+  }
+  return out;
+}
+
+void check_mesh_walls(const SphDef& d, const DefTable::Report& report) {
+  for (size_t k = 0; k < d.colliders.size(); ++k) {
+    const auto* mesh = std::get_if<MeshColliderDef>(&d.colliders[k]);
+    const std::string at = "/colliders/" + std::to_string(k);
+    if (!mesh && !std::holds_alternative<HeightFieldColliderDef>(d.colliders[k])) continue;
+    if (d.dimension == 2) {
+      report(at + "/type", "a plane system takes plane, box, sphere and capsule");
+      continue;
+    }
+    Box region = Box{d.low, d.high}.grown((d.support + 2) * d.spacing);
+    if (mesh) {
+      Box box = Box::nothing();
+      for (const Vec3& v : mesh->vertices) box.cover(v);
+      region =
+          wet_part(d, box, {mesh->center, turned_by(mesh->axis, mesh->angle)}, common_collider(*mesh).motion);
+    }
+    if (VolumeMap::least_nodes(region, kernel_of(d)) > VolumeMap::kMostNodes) {
+      report(at,
+             "is larger than eight million cubes of the spacing: use a larger spacing, or a smaller mesh");
+    }
+  }
+}
+
+void leave_dry(const SphDef& d, const std::vector<MeshWall>& walls, std::vector<Vec3>& places) {
+  const double support = d.support * d.spacing, least = kLeastStart * d.spacing;
+  for (const MeshWall& wall : walls) {
+    FarSide far(wall, support);
+    std::erase_if(places, [&](const Vec3& p) {
+      const auto near = wall.surface(p, 0, support, support);
+      return near ? near->distance < least : far.behind(p);
+    });
+  }
+}
+
+}  // namespace truestep::sph

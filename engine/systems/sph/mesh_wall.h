@@ -1,0 +1,49 @@
+// A collider of triangles as a wall of the liquid: its distance is exact, the part of a kernel behind it
+// comes from a map (volume_map.h).
+#pragma once
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "engine/collision/points/solid_collider.h"
+#include "engine/kernels/sph/half_space.h"
+#include "engine/systems/sph/sph_def.h"
+#include "engine/systems/sph/volume_map.h"
+
+namespace truestep::sph {
+
+struct MeshWall {
+  SolidCollider collider;
+  std::shared_ptr<const VolumeMap> map;
+
+  struct Surface {
+    double distance = 0;  ///< m, negative behind the surface
+    Vec3 normal;          ///< into the liquid
+  };
+  /// The nearest surface at time t; empty farther than `in_front` (m) in front of it and than `behind`, at
+  /// most the kernel's radius, behind it.
+  std::optional<Surface> surface(const Vec3& x, double t, double in_front, double behind) const;
+
+  struct At {
+    Surface surface;
+    double share = 0;   ///< 1, of the kernel
+    Vec3 slope;         ///< 1/m, into the wall
+    Vec3 velocity;      ///< m/s
+    Symmetric3 across;  ///< 1, in the mesh's axes: `leaning` of walls.h over the weight
+    Rotation axes;
+
+    /// m/s^2, effect of the weight of a fluid at rest (walls.h).
+    Vec3 lean(const Vec3& gravity) const { return -axes.apply(across * axes.apply_inverse(gravity)); }
+  };
+  /// Empty where no part of the kernel is behind the wall.
+  std::optional<At> at(const Vec3& x, double t, const HalfSpace& table, double support) const;
+};
+
+/// The walls of the colliders that are meshes or height fields.
+std::vector<MeshWall> build_mesh_walls(const SphDef& def);
+/// What is wrong with such colliders: in the plane, or too large for a map.
+void check_mesh_walls(const SphDef& def, const DefTable::Report& report);
+/// Leaves out the places that are behind a wall or closer to one than particles at rest.
+void leave_dry(const SphDef& def, const std::vector<MeshWall>& walls, std::vector<Vec3>& places);
+
+}  // namespace truestep::sph

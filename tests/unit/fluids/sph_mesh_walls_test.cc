@@ -1,0 +1,186 @@
+// Walls of triangles: what a kernel has behind them, where water may start, and what is refused.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "engine/base/errors.h"
+#include "engine/scene/scene.h"
+#include "engine/systems/sph/walls.h"
+#include "tests/unit/fluids/mesh_collider_rig.h"
+#include "tests/unit/fluids/sph_rig.h"
+
+namespace truestep::sph {
+namespace {
+
+using testing_rig::box_collider;
+using testing_rig::box_of_triangles;
+using testing_rig::SphRun;
+
+const Vec3 kDown{0, -9.81, 0};
+
+/// A room of a metre with these colliders and a little water under its ceiling.
+SphDef room_with(AnyColliderDefs colliders) {
+  SphDef d;
+  d.spacing = 0.05, d.precision = Precision::f64;
+  d.bodies = {{.center = {0.5, 0.9, 0.5}, .half_extents = {0.1, 0.1, 0.1}}};
+  d.colliders = std::move(colliders);
+  return d;
+}
+
+/// At a place: what is behind walls, its gradient and the effect of weight.
+struct Walled {
+  double share = 0, drive = 0;
+  Vec3 slope, lean;
+};
+Walled walled(const SphDef& d, const Vec3& x, double t = 0) {
+  const auto set = settle(d, "s", {});
+  const BoxWalls<3, double> walls(*set);
+  Fluid<3, double> f;
+  f.resize(1);
+  f.x[0][0] = x.x, f.x[1][0] = x.y, f.x[2][0] = x.z;
+  walls.shares(f, t, ThreadArena(1));
+  const double place[3] = {x.x, x.y, x.z};
+  return {f.wall[3], f.drive[0], {f.wall[0], f.wall[1], f.wall[2]}, walls.lean(place, kDown, f.wall[3], t)};
+}
+
+// In front of a face that is flat as far as a kernel reaches, a mesh is the box: to the map's floats and
+// its grid's sums, 1 %.
+TEST(SphMeshWalls, AFaceIsThatOfABox) {
+  const Vec3 center{0.5, 0.3, 0.5}, half{0.3, 0.1, 0.3};
+  const SphDef box = room_with({box_collider(center, half)});
+  const SphDef mesh = room_with({box_of_triangles(center, half)});
+  for (const double d : {0.013, 0.025, 0.05, 0.08}) {
+    for (const double aside : {0.0, 0.061}) {
+      const Vec3 x{0.5 + aside, 0.4 + d, 0.5};
+      const Walled a = walled(box, x), b = walled(mesh, x);
+      EXPECT_NEAR(b.share, a.share, 0.01 * a.share + 1e-6) << d;
+      EXPECT_NEAR(norm(b.slope - a.slope), 0, 0.01 * norm(a.slope) + 1e-6) << d;
+      EXPECT_NEAR(norm(b.lean - a.lean), 0, 0.02 * norm(a.lean) + 1e-6) << d;
+    }
+  }
+  EXPECT_EQ(walled(mesh, {0.5, 0.51, 0.5}).share, 0) << "beyond the kernel";
+  // The control: a lower mesh.
+  const SphDef lower = room_with({box_of_triangles(center, {0.3, 0.08, 0.3})});
+  EXPECT_LT(walled(lower, {0.5, 0.425, 0.5}).share, 0.8 * walled(box, {0.5, 0.425, 0.5}).share);
+}
+
+// A corner of a container is one of the system's box: where it is flat, along edges and in corners. The
+// product over walls is not what a kernel has behind an edge; both are within 0.03 of it.
+TEST(SphMeshWalls, ACornerOfAContainerIsThatOfTheBox) {
+  MeshColliderDef tank = box_of_triangles({0.5, 0.5, 0.5}, {0.3, 0.3, 0.3});
+  tank.container = true;
+  SphDef mesh = room_with({tank}), box = room_with({});
+  mesh.bodies[0].center = box.bodies[0].center = {0.5, 0.5, 0.5};
+  box.low = {0.2, 0.2, 0.2}, box.high = {0.8, 0.8, 0.8};
+  double single = 0;
+  for (const Vec3 off : {Vec3{0.025, 0.3, 0.3}, Vec3{0.025, 0.025, 0.3}, Vec3{0.025, 0.075, 0.3},
+                         Vec3{0.025, 0.025, 0.025}, Vec3{0.075, 0.025, 0.025}}) {
+    const Walled a = walled(box, box.low + off), b = walled(mesh, box.low + off);
+    EXPECT_NEAR(b.share, a.share, 0.04) << off.x << ' ' << off.y << ' ' << off.z;
+    EXPECT_NEAR(norm(b.slope - a.slope), 0, 0.12 * norm(a.slope)) << off.x << ' ' << off.y << ' ' << off.z;
+    EXPECT_NEAR(norm(b.lean - a.lean), 0, 0.06 * 9.81) << off.x << ' ' << off.y << ' ' << off.z;
+    if (off.z == 0.025) single = std::max(single, a.share - walled(box, {0.225, 0.5, 0.5}).share);
+  }
+  EXPECT_GT(single, 0.2) << "control: the nearest face alone";
+}
+
+TEST(SphMeshWalls, AMovingMeshDrivesTheDensity) {
+  MeshColliderDef mesh = box_of_triangles({0.5, 0.3, 0.5}, {0.3, 0.1, 0.3});
+  BoxColliderDef box = box_collider({0.5, 0.3, 0.5}, {0.3, 0.1, 0.3});
+  MotionDef motion;
+  motion.velocity = {0, 0.2, 0}, motion.amplitude = {0, 0.01, 0}, motion.frequency = 2,
+  motion.spin = {0, 1, 0};
+  mesh.motion = box.motion = motion;
+  for (const double t : {0.0, 0.3}) {
+    const SphDef a = room_with({box}), b = room_with({mesh});
+    const double top =
+        moved({{0.5, 0.3, 0.5}, {}}, {{0, 0.2, 0}, {0, 0.01, 0}, 2, 0, {}}, t).position.y + 0.1;
+    const Vec3 x{0.6, top + 0.025, 0.5};
+    // The set's velocities are means over a tenth of a millisecond.
+    const Walled of_box = walled(a, x, t), of_mesh = walled(b, x, t);
+    EXPECT_NEAR(of_mesh.drive, of_box.drive, 0.01 * std::abs(of_box.drive)) << t;
+    EXPECT_GT(std::abs(of_box.drive), 1) << "control: it does";
+  }
+}
+
+TEST(SphMeshWalls, WaterDoesNotStartInThem) {
+  // Of a body that fills the room up to a half, what is above ground that is a quarter high on average.
+  HeightFieldColliderDef ground;
+  ground.count = {2, 2}, ground.spacing = 1, ground.heights = {0, 0.5, 0, 0.5}, ground.center = {0.5, 0, 0.5};
+  SphDef d = room_with({ground});
+  d.bodies = {{.center = {0.5, 0.25, 0.5}, .half_extents = {0.5, 0.25, 0.5}}};
+  const SphRun run(d);
+  const size_t all = 20 * 20 * 10;
+  EXPECT_NEAR(static_cast<double>(run.system.setting().rows), 0.5 * all, 0.06 * all);
+  for (size_t i = 0; i < run.system.setting().rows; ++i) {
+    const Vec3 p = run.position(i);
+    EXPECT_GT((p.y - 0.5 * p.x) / std::sqrt(1.25), 0.3 * d.spacing);
+  }
+  // A container as large as the room leaves nothing out; a solid in the middle its volume.
+  MeshColliderDef tank = box_of_triangles({0.5, 0.5, 0.5}, {0.5, 0.5, 0.5});
+  tank.container = true;
+  d.colliders = {tank};
+  EXPECT_EQ(SphRun(d).system.setting().rows, all);
+  d.colliders = {box_of_triangles({0.5, 0.25, 0.5}, {0.3, 0.2, 0.3})};
+  EXPECT_EQ(SphRun(d).system.setting().rows, all - 12 * 12 * 8);
+}
+
+using Told = std::vector<std::string>;
+Told told(const SphDef& d) {
+  Told out;
+  sph_table().check(&d, [&](const std::string& pointer, const std::string&) { out.push_back(pointer); });
+  return out;
+}
+
+TEST(SphMeshWalls, WhatDoesNotFitIsRefused) {
+  const MeshColliderDef good = box_of_triangles({0.5, 0.3, 0.5}, {0.3, 0.1, 0.3});
+  EXPECT_EQ(told(room_with({good})), Told{}) << "control";
+  SphDef plane = room_with({PlaneColliderDef{}, good});
+  plane.dimension = 2;
+  EXPECT_EQ(told(plane), Told{"/colliders/1/type"});
+  // Moving, it may come from anywhere; at rest only what is in the room counts.
+  MeshColliderDef vast = box_of_triangles({0.5, -40, 0.5}, {40, 40.1, 40});
+  EXPECT_EQ(told(room_with({vast})), Told{});
+  vast.motion = MotionDef{};
+  vast.motion->velocity = {0, 0.1, 0};
+  EXPECT_EQ(told(room_with({vast})), Told{"/colliders/0"});
+}
+
+std::vector<Issue> issues_of(const std::string& collider) {
+  try {
+    parse_scene(R"({"systems": [{"type": "sph", "bodies": [{"center": [0.5, 0.8, 0.5]}], "colliders": [)" +
+                collider + "]}]}");
+  } catch (const Error& e) {
+    return e.issues();
+  }
+  return {};
+}
+
+TEST(SphMeshWalls, AMeshThatEnclosesNothingIsToldWhere) {
+  const std::string corners =
+      R"("vertices": [[0, 0, 0], [0.3, 0, 0], [0, 0.3, 0], [0, 0, 0.3]], "triangles": )";
+  const std::string start = R"({"type": "mesh", )" + corners;
+  EXPECT_TRUE(issues_of(start + "[0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3]}").empty()) << "control";
+  struct Case {
+    const char* triangles;
+    const char* pointer;
+    const char* words;
+  };
+  for (const Case& c :
+       {Case{"[0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 2]", "/systems/0/colliders/0/triangles/9", "has no area"},
+        Case{"[0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 4]", "/systems/0/colliders/0/triangles/11", "no such vertex"},
+        Case{"[0, 2, 1, 0, 1, 3, 0, 3, 2, 2, 1, 3]", "/systems/0/colliders/0/triangles/", "same direction"},
+        Case{"[0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2]", "/systems/0/colliders/0/triangles", "clockwise"},
+        Case{"[0, 2, 1, 0, 1, 3, 0, 3, 2, 0, 1, 2]", "/systems/0/colliders/0/triangles/", "one side only"}}) {
+    const auto issues = issues_of(start + c.triangles + "}");
+    ASSERT_EQ(issues.size(), 1u) << c.triangles;
+    EXPECT_EQ(issues[0].pointer.rfind(c.pointer, 0), 0u) << issues[0].pointer;
+    EXPECT_NE(issues[0].message.find(c.words), std::string::npos) << issues[0].message;
+  }
+  const auto ground = issues_of(R"({"type": "height_field", "count": [2, 3], "heights": [0, 0, 0, 0]})");
+  ASSERT_EQ(ground.size(), 1u);
+  EXPECT_EQ(ground[0].pointer, "/systems/0/colliders/0/heights");
+}
+
+}  // namespace
+}  // namespace truestep::sph
