@@ -11,14 +11,14 @@ namespace {
 
 using Kind = DrawShape::Kind;
 
-struct Count {
+struct RedPixels {
   int pixels = 0;
   double x = 0, y = 0;  ///< their middle
 };
 
 /// Pixels more red than the background.
-Count reds(const std::vector<uint8_t>& rgba, int width) {
-  Count c;
+RedPixels reds(const std::vector<uint8_t>& rgba, int width) {
+  RedPixels c;
   for (size_t i = 0; i < rgba.size(); i += 4) {
     if (rgba[i] < rgba[i + 1] + 60) continue;
     const auto k = static_cast<int>(i / 4);
@@ -62,7 +62,7 @@ TEST(PictureBodies, EveryKindCoversItsArea) {
                {red(Kind::capsule, {0.4, 0.6, 0}), 4 * 0.4 * 0.6 + M_PI * 0.16},
                {red(Kind::sphere, {0.8, 0, 0}), M_PI * 0.64}};
   for (const auto& c : cases) {
-    const Count seen = reds(renderer.render_rgba(far(c.shape)), 200);
+    const RedPixels seen = reds(renderer.render_rgba(far(c.shape)), 200);
     const double pixels = c.area * metre * metre;
     // Edge pixels count or not: half a pixel along a border of some 4 sqrt(pixels).
     EXPECT_NEAR(seen.pixels, pixels, 2.5 * std::sqrt(pixels)) << static_cast<int>(c.shape.kind);
@@ -75,12 +75,12 @@ TEST(PictureBodies, APoseMovesAndTurnsIt) {
   PictureRenderer renderer(200, 200);
   DrawShape s = red(Kind::cylinder, {0.2, 0.8, 0});
   s.position = {1, 0.6, 0};
-  const Count moved = reds(renderer.render_rgba(far(s)), 200);
+  const RedPixels moved = reds(renderer.render_rgba(far(s)), 200);
   EXPECT_NEAR(moved.x, 99.5 + 50, 1);
   EXPECT_NEAR(moved.y, 99.5 - 30, 1);
   // A quarter turn about x shows the disk instead of the side.
   s.orientation[0] = s.orientation[1] = std::sqrt(0.5);
-  const Count turned = reds(renderer.render_rgba(far(s)), 200);
+  const RedPixels turned = reds(renderer.render_rgba(far(s)), 200);
   EXPECT_NEAR(turned.pixels, M_PI * 0.04 * 2500, 60);
   EXPECT_GT(moved.pixels, 2 * turned.pixels);  // control
 }
@@ -92,7 +92,7 @@ TEST(PictureBodies, MarksLieOverWhatWouldHideThem) {
   list.camera = DrawCamera{{0, 0, 10}, {}, {}, 30};
   EXPECT_EQ(reds(renderer.render_rgba(list), 200).pixels, 0);
   list.marks.push_back({{-0.5, 0, 0}, {0.5, 0, 0}, {0.95f, 0.05f, 0.05f}, 0.05});  // inside the box
-  const Count seen = reds(renderer.render_rgba(list), 200);
+  const RedPixels seen = reds(renderer.render_rgba(list), 200);
   const double metre = 100 / (10 * std::tan(15 * M_PI / 180));
   EXPECT_NEAR(seen.pixels, 0.1 * metre * metre, 40);  // an edge of 80 pixels, half of them counted
   // Control: the same line as a spring of the scene is hidden.
