@@ -77,6 +77,7 @@ class Run {
     }
   }
   uint64_t frames_built() const { return session_.frames_built(); }
+  size_t overhead_bytes() const { return session_.overhead_bytes(); }
 
  private:
   Way way_;
@@ -102,9 +103,10 @@ void measure(const Scene& scene) {
             .ours = p.times.ours / scene.steps,
             .peer = p.times.peer / scene.steps,
             .peer_name = "the system's loop alone"});
-    std::fprintf(stderr, "%s, %s: %+.1f %% (quartiles %+.1f, %+.1f), %llu frames\n", scene.name,
-                 kWays[static_cast<size_t>(way)], 100 * (p.middle - 1), 100 * (p.low - 1), 100 * (p.high - 1),
-                 static_cast<unsigned long long>(ours.frames_built()));
+    std::fprintf(
+        stderr, "%s, %s: %+.1f %% (quartiles %+.1f, %+.1f), %llu frames, %zu bytes beside the state\n",
+        scene.name, kWays[static_cast<size_t>(way)], 100 * (p.middle - 1), 100 * (p.low - 1),
+        100 * (p.high - 1), static_cast<unsigned long long>(ours.frames_built()), ours.overhead_bytes());
   }
 }
 
