@@ -55,7 +55,7 @@ TEST(LiquidLevel, AfterASplashWaterStandsAsDeepAsItsVolumeSays) {
 // The mean excess of the level while it swings is the wave's: half of its energy is height, half is motion.
 TEST(LiquidLevel, WhatSwingsIsHighByTheWavesEnergyAlone) {
   for (const A advection : {A::flip, A::apic}) {
-    LiquidRun run(column(advection, 64, false), 1.0 / 60);
+    LiquidRun run(column(advection, 32, false), 1.0 / 60);
     run.steps(600);
     double motion = 0, height = 0;
     constexpr int kSteps = 1200;  // ten periods of the slowest wave
