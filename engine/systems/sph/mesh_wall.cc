@@ -6,10 +6,6 @@
 namespace truestep::sph {
 namespace {
 
-/// Least distance of particles from a mesh at the start, in spacings: on a flat floor the lowest of a body
-/// that stands on it are half a spacing away.
-constexpr double kLeastStart = 0.3;
-
 VolumeMap::Kernel kernel_of(const SphDef& d) {
   return {d.kernel, d.support * d.spacing, d.spacing};
 }
@@ -33,6 +29,18 @@ Box wet_part(const SphDef& d, const Box& mesh, const Pose& start, const ShapeMot
   within(mesh.low.y, mesh.high.y, liquid.low.y, liquid.high.y, y);
   within(mesh.low.z, mesh.high.z, liquid.low.z, liquid.high.z, z);
   return {{x[0], y[0], z[0]}, {x[1], y[1], z[1]}};
+}
+
+/// Of a mesh, or without one of ground, which may be anywhere in the box.
+double least_nodes(const SphDef& d, const MeshColliderDef* mesh) {
+  Box region = Box{d.low, d.high}.grown((d.support + 2) * d.spacing);
+  if (mesh) {
+    Box box = Box::nothing();
+    for (const Vec3& v : mesh->vertices) box.cover(v);
+    const Pose start{mesh->center, turned_by(mesh->axis, mesh->angle)};
+    region = wet_part(d, box, start, common_collider(*mesh).motion);
+  }
+  return VolumeMap::least_nodes(region, kernel_of(d));
 }
 
 /// Whether points far from a mesh are behind it: as the last one was, if near that; one after another, row
@@ -129,27 +137,32 @@ void check_mesh_walls(const SphDef& d, const DefTable::Report& report) {
       report(at + "/type", "a plane system takes plane, box, sphere and capsule");
       continue;
     }
-    Box region = Box{d.low, d.high}.grown((d.support + 2) * d.spacing);
-    if (mesh) {
-      Box box = Box::nothing();
-      for (const Vec3& v : mesh->vertices) box.cover(v);
-      region =
-          wet_part(d, box, {mesh->center, turned_by(mesh->axis, mesh->angle)}, common_collider(*mesh).motion);
-    }
-    if (VolumeMap::least_nodes(region, kernel_of(d)) > VolumeMap::kMostNodes) {
+    if (least_nodes(d, mesh) > VolumeMap::kMostNodes) {
       report(at,
              "is larger than eight million cubes of the spacing: use a larger spacing, or a smaller mesh");
     }
   }
 }
 
+double bytes_of_mesh_walls(const SphDef& d) {
+  // A node's number, while the map is made two more, and of a quarter of the nodes what they hold.
+  constexpr double kPerNode = 12 + 11.0;
+  double out = 0;
+  for (const AnyColliderDef& c : d.colliders) {
+    const auto* mesh = std::get_if<MeshColliderDef>(&c);
+    if (!mesh && !std::holds_alternative<HeightFieldColliderDef>(c)) continue;
+    out += kPerNode * std::min(8 * least_nodes(d, mesh), VolumeMap::kMostNodes);
+  }
+  return out;
+}
+
 void leave_dry(const SphDef& d, const std::vector<MeshWall>& walls, std::vector<Vec3>& places) {
-  const double support = d.support * d.spacing, least = kLeastStart * d.spacing;
+  const double support = d.support * d.spacing;
   for (const MeshWall& wall : walls) {
     FarSide far(wall, support);
     std::erase_if(places, [&](const Vec3& p) {
       const auto near = wall.surface(p, 0, support, support);
-      return near ? near->distance < least : far.behind(p);
+      return near ? near->distance < 0 : far.behind(p);
     });
   }
 }

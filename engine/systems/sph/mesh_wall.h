@@ -43,7 +43,9 @@ struct MeshWall {
 std::vector<MeshWall> build_mesh_walls(const SphDef& def);
 /// What is wrong with such colliders: in the plane, or too large for a map.
 void check_mesh_walls(const SphDef& def, const DefTable::Report& report);
-/// Leaves out the places that are behind a wall or closer to one than particles at rest.
+/// Bytes of their maps, at most.
+double bytes_of_mesh_walls(const SphDef& def);
+/// Leaves out the places that are behind a wall: as much liquid starts in front of it as there is room.
 void leave_dry(const SphDef& def, const std::vector<MeshWall>& walls, std::vector<Vec3>& places);
 
 }  // namespace truestep::sph

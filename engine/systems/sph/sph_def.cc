@@ -349,7 +349,7 @@ Cost sph_cost(const void* def) {
   return {.state_bytes = n * scalar * 10,
           .workspace_bytes = pairs * 1.5 * (d.precision == Precision::f32 ? 17 : 50) +
                              n * scalar * (d.solves_viscosity() ? 67 : 42) +
-                             cells * (n >= kSortedByParts ? 20 : 8),
+                             cells * (n >= kSortedByParts ? 20 : 8) + bytes_of_mesh_walls(d),
           .elements = n,
           .seconds_per_step = substeps * pairs * (4e-9 + passes * 0.7e-9)};
 }
