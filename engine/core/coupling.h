@@ -74,7 +74,6 @@ struct CouplingContext {
   std::string id;  ///< of the coupling
   const CouplingSide& a;
   const CouplingSide& b;
-  Vec3 gravity;  ///< m/s^2
 };
 
 }  // namespace truestep

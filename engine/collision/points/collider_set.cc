@@ -169,20 +169,26 @@ double ColliderSet::clearance(const Vec3& x, double t) const {
   return least;
 }
 
+std::optional<NearSurface> ColliderSet::surface_of(size_t k, const Vec3& x, double t, double limit) const {
+  const Collider& c = colliders_[k];
+  const Pose pose = moved(c.start, c.motion, t);
+  const Rotation r = rotation(pose.orientation);
+  const SurfaceDistance<double> local = solid_distance(c.shape, r.apply_inverse(x - pose.position));
+  const double side = c.shape.side == PointSide::outside ? 1 : -1, distance = side * local.d;
+  if (distance >= limit) return std::nullopt;
+  NearSurface out{.collider = k, .distance = distance, .normal = r.apply(local.n) * side, .velocity = {}};
+  if (c.motion.at_rest()) return out;
+  const SweptCollider swept = sweep_collider(c, c.surface, t, 1e-4, 0);
+  out.velocity = swept.velocity + cross(swept.spin, x - pose.position);
+  return out;
+}
+
 NearSurface ColliderSet::nearest(const Vec3& x, double t) const {
   NearSurface out;
+  double least = std::numeric_limits<double>::infinity();
   for (size_t k = 0; k < colliders_.size(); ++k) {
-    const Collider& c = colliders_[k];
-    const Pose pose = moved(c.start, c.motion, t);
-    const Rotation r = rotation(pose.orientation);
-    const SurfaceDistance<double> local = solid_distance(c.shape, r.apply_inverse(x - pose.position));
-    const double side = c.shape.side == PointSide::outside ? 1 : -1, d = side * local.d;
-    if (out.collider != NearSurface::kNone && d >= out.distance) continue;
-    out.collider = k, out.distance = d, out.normal = r.apply(local.n) * side;
-    out.velocity = {};
-    if (c.motion.at_rest()) continue;
-    const SweptCollider swept = sweep_collider(c, c.surface, t, 1e-4, 0);
-    out.velocity = swept.velocity + cross(swept.spin, x - pose.position);
+    const auto s = surface_of(k, x, t, least);
+    if (s) out = *s, least = s->distance;
   }
   return out;
 }

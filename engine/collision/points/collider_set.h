@@ -4,6 +4,7 @@
 // friction (kernels/contact/contact_response.h), and the rest of the step continues from there, up to
 // kMaxContacts times. Bounces that would return within the step count as resting, so nothing jitters.
 #pragma once
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -51,6 +52,8 @@ class ColliderSet {
 
   /// Distance (m) from a point to the nearest surface at time t; negative where points are not allowed.
   double clearance(const Vec3& x, double t) const;
+  /// The surface of collider k that is nearest to x at time t; empty where that is `limit` (m) or more away.
+  std::optional<NearSurface> surface_of(size_t k, const Vec3& x, double t, double limit) const;
   /// The nearest of all surfaces at time t; empty for an empty set.
   NearSurface nearest(const Vec3& x, double t) const;
   /// For drawing, at time t.

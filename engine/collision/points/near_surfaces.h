@@ -30,21 +30,6 @@ inline double farthest_along(const Collider& c, const Pose& pose, const Vec3& n)
   return size.x + size.y * std::abs(local.y);
 }
 
-/// The surface of collider k that is nearest to x at time t.
-inline NearSurface surface_of(const ColliderSet& set, size_t k, const Vec3& x, double t) {
-  const Collider& c = set.colliders()[k];
-  const Pose pose = moved(c.start, c.motion, t);
-  const Rotation r = rotation(pose.orientation);
-  const SurfaceDistance<double> local = solid_distance(c.shape, r.apply_inverse(x - pose.position));
-  const double side = c.shape.side == PointSide::outside ? 1 : -1;
-  NearSurface out{
-      .collider = k, .distance = side * local.d, .normal = r.apply(local.n) * side, .velocity = {}};
-  if (c.motion.at_rest()) return out;
-  const SweptCollider swept = sweep_collider(c, c.surface, t, 1e-4, 0);
-  out.velocity = swept.velocity + cross(swept.spin, x - pose.position);
-  return out;
-}
-
 /// The surfaces nearer to x than `reach` (m) at time t, nearest first, into `out`, as many as fit; returns
 /// their number. A solid that lies wholly behind the tangent plane of a nearer one, as the next of a row of
 /// boxes, is left out: it adds nothing there.
@@ -52,15 +37,15 @@ inline size_t surfaces_within(const ColliderSet& set, const Vec3& x, double t, d
                               std::span<NearSurface> out) {
   size_t count = 0;
   for (size_t k = 0; k < set.colliders().size(); ++k) {
-    const NearSurface s = surface_of(set, k, x, t);
-    if (!(s.distance < reach)) continue;
+    const auto s = set.surface_of(k, x, t, reach);
+    if (!s || !(s->distance < reach)) continue;
     if (count == out.size()) {
-      if (count == 0 || s.distance >= out[count - 1].distance) continue;
+      if (count == 0 || s->distance >= out[count - 1].distance) continue;
       --count;
     }
     size_t place = count++;
-    for (; place > 0 && out[place - 1].distance > s.distance; --place) out[place] = out[place - 1];
-    out[place] = s;
+    for (; place > 0 && out[place - 1].distance > s->distance; --place) out[place] = out[place - 1];
+    out[place] = *s;
   }
   size_t kept = std::min<size_t>(count, 1);
   for (size_t j = 1; j < count; ++j) {

@@ -33,6 +33,7 @@ struct BodyPort {
   State::Column orientation = 0, angular_velocity = 0;  ///< rows x 4, of the principal axes; rows x 3, world
   State::Column form = 0;                               ///< u32, index into `forms`
   State::Column id = 0;                                 ///< u64, ascending and never used twice
+  std::optional<State::Column> gravity = {};            ///< three numbers, m/s^2; empty: bodies do not fall
   std::span<const BodyForm> forms;
   const BodyOwner* owner = nullptr;  ///< null: bodies are free and never sleep
 

@@ -97,8 +97,9 @@ class AnswersImpulses;  // core/equations/impulse_answer.h
 /// A medium that fills space and takes bodies (core/ports/medium.h).
 struct MediumPort {
   int dimension = 3;
-  State::Column place = 0;  ///< rows x 3, m, positions of its parcels, f64 or f32
-  double spacing = 0;       ///< m, between them
+  State::Column place = 0;    ///< rows x 3, m, positions of its parcels, f64 or f32
+  double spacing = 0;         ///< m, between them
+  State::Column gravity = 0;  ///< three numbers, m/s^2, f64
 };
 
 /// What a system offers to couplings; corners of `solids` are rows of `points`.

@@ -46,9 +46,8 @@ class Immersion final : public Coupling {
       : def_(def),
         port_(bodies),
         count_(count),
-        medium_(context.b.id),
-        gravity_(norm(context.gravity)),
-        spacing_(context.b.system.ports().medium->spacing) {}
+        name_(context.b.id),
+        medium_(*context.b.system.ports().medium) {}
 
   /// The action of the medium and of everything else on the initial bodies in the last step; for other bodies
   /// it is unknown.
@@ -136,14 +135,16 @@ class Immersion final : public Coupling {
   }
   void end(const CoupledStates&, const StepInput&) const override {}
 
-  std::optional<double> stable_h(const ConstCoupledStates&) const override {
-    if (!(gravity_ > 0)) return std::nullopt;
-    return std::sqrt(2 * kLongestFall * spacing_ / gravity_);
+  std::optional<double> stable_h(const ConstCoupledStates& s) const override {
+    double gravity = norm(load3(s.b.f64(medium_.gravity).data(), 0));
+    if (port_.gravity) gravity = std::max(gravity, norm(load3(s.a.f64(*port_.gravity).data(), 0)));
+    if (!(gravity > 0)) return std::nullopt;
+    return std::sqrt(2 * kLongestFall * medium_.spacing / gravity);
   }
 
   void observe(const ConstCoupledStates& s, Observables& out) const override { observe_impulses(s.own, out); }
   std::vector<PlanRow> plan() const override {
-    return {{PlanRow::Status::runs, "bodies in the medium", medium_ + " moves them itself"}};
+    return {{PlanRow::Status::runs, "bodies in the medium", name_ + " moves them itself"}};
   }
 
  private:
@@ -167,8 +168,8 @@ class Immersion final : public Coupling {
   ImmersionDef def_;
   BodyPort port_;
   size_t count_;
-  std::string medium_;
-  double gravity_, spacing_;  ///< m/s^2, m
+  std::string name_;  ///< of the medium
+  MediumPort medium_;
 };
 
 /// Parcels of the medium deeper in a body than two touching parcels would be.

@@ -3,6 +3,7 @@
 #pragma once
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/core/coupling.h"
@@ -124,13 +125,17 @@ class World {
   BuiltScene built() const { return {scene_, systems_, couplings_, {}}; }
   void build_system(size_t i, bool meets_bodies, std::vector<Issue>& issues);
   void build_couplings(std::vector<Issue>& issues);
-  /// Rebuilds systems whose points touch bodies with methods that can be solved together with them, and
-  /// subdivides steps that are too long for them when the scene does not set the substeps. Returns which.
+  /// Rebuilds systems whose points touch bodies with methods that can be solved together with them. Returns
+  /// which.
   std::vector<bool> let_bodies_be_met(std::vector<Issue>& issues);
-  /// Subdivides steps that are too long for the couplings, or refuses the number of substeps that the scene
-  /// chose.
-  enum class Substeps : uint8_t { chosen, free };
-  void hold_couplings(Substeps substeps, const std::vector<bool>& meets, std::vector<Issue>& issues);
+  /// Builds the couplings. Where steps are too long for them, or for points that meet bodies, they are
+  /// divided and everything is built again; a number of substeps that the scene chose is refused instead.
+  void couple(const std::vector<bool>& meets, std::vector<Issue>& issues);
+  /// Substeps that points held against bodies need.
+  double substeps_of_points(const std::vector<bool>& meets) const;
+  /// Substeps that couplings need, and the id of the one that needs most.
+  std::pair<double, std::string> substeps_of_couplings() const;
+  Issue too_few_substeps(double needed, const std::string& coupling) const;
   void build_finer();
   [[noreturn]] void reject(size_t i, const State& state, const State::BadValue& bad) const;
   void find_joined();

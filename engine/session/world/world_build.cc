@@ -50,10 +50,7 @@ void World::build(std::vector<Issue>& issues, std::span<const std::string> lost_
   systems_.resize(scene_.systems.size());
   for (size_t i = 0; i < scene_.systems.size(); ++i) build_system(i, false, issues);
   if (!scene_.couplings.empty()) {
-    const auto substeps = scene_.header.time.substeps ? Substeps::chosen : Substeps::free;
-    const std::vector<bool> meets = let_bodies_be_met(issues);
-    build_couplings(issues);
-    if (issues.empty()) hold_couplings(substeps, meets, issues);
+    couple(let_bodies_be_met(issues), issues);
   }
   BuiltScene built = this->built();
   built.lost_ids = lost_ids;
@@ -123,49 +120,80 @@ std::vector<bool> World::let_bodies_be_met(std::vector<Issue>& issues) {
       if (systems_[bodies]->ports().bodies && systems_[points]->ports().answers) meets[points] = true;
     }
   }
-  if (std::ranges::none_of(meets, [](bool m) { return m; })) return meets;
-  double parts = 1;
   for (size_t i = 0; i < systems_.size(); ++i) {
-    if (!meets[i]) continue;
-    build_system(i, true, issues);
-    const auto longest = systems_[i]->limit(Limit::stable_dt, systems_[i]->initial_state(), dt());
-    if (longest) parts = std::max(parts, std::ceil(dt() / (kOfLongest * *longest)));
+    if (meets[i]) build_system(i, true, issues);
   }
-  if (scene_.header.time.substeps || !(parts > 1)) return meets;
-  scene_.header.time.substeps = static_cast<int64_t>(std::min(parts, kMostSubsteps));
-  for (size_t i = 0; i < systems_.size(); ++i) build_system(i, meets[i], issues);
   return meets;
 }
 
-void World::hold_couplings(Substeps substeps, const std::vector<bool>& meets, std::vector<Issue>& issues) {
+double World::substeps_of_points(const std::vector<bool>& meets) const {
+  double parts = 1;
+  for (size_t i = 0; i < systems_.size(); ++i) {
+    if (!meets[i]) continue;
+    const auto longest = systems_[i]->limit(Limit::stable_dt, systems_[i]->initial_state(), dt());
+    if (longest) parts = std::max(parts, std::ceil(dt() / (kOfLongest * *longest)));
+  }
+  return std::min(parts, kMostSubsteps);
+}
+
+std::pair<double, std::string> World::substeps_of_couplings() const {
   constexpr double kRounding = 1e-9;
-  double least = 1;
-  std::string which;
+  std::pair<double, std::string> most{1, ""};
   for (size_t k = 0; k < couplings_.size(); ++k) {
     if (!couplings_[k]) continue;
     const SceneCoupling& c = scene_.couplings[k];
     const State a = systems_[c.a]->initial_state(), b = systems_[c.b]->initial_state();
     const auto longest = couplings_[k]->stable_h({couplings_[k]->initial_state(), a, b});
     const double parts = longest ? std::ceil(dt() / *longest - kRounding) : 1;
-    if (parts > least) least = parts, which = c.id;
+    if (parts > most.first) most = {parts, c.id};
   }
-  if (!(least > static_cast<double>(scene_.substeps()))) return;
-  const double longest = dt() / least * static_cast<double>(scene_.substeps());
-  if (substeps == Substeps::chosen || least > kMostSubsteps) {
-    const std::string why = "the coupling \"" + which + "\" needs " + short_number(least) +
-                            " substeps in a step of " + short_number(dt()) + " s";
-    const bool chosen = substeps == Substeps::chosen;
-    issues.push_back({chosen ? "/time/substeps" : "/time/dt", "out_of_range", why,
-                      short_number(chosen ? static_cast<double>(scene_.substeps()) : dt()),
-                      chosen ? ">= " + short_number(least) + ", or a dt of at most " + short_number(longest)
-                             : "<= " + short_number(dt() * kMostSubsteps / least),
-                      "", ""});
-    return;
+  return most;
+}
+
+Issue World::too_few_substeps(double needed, const std::string& coupling) const {
+  const std::string why = "the coupling \"" + coupling + "\" needs " + short_number(needed) +
+                          " substeps in a step of " + short_number(dt()) + " s";
+  if (!scene_.header.time.substeps) {
+    return {"/time/dt",
+            "out_of_range",
+            why,
+            short_number(dt()),
+            "<= " + short_number(dt() * kMostSubsteps / needed),
+            "",
+            ""};
   }
-  scene_.header.time.substeps = static_cast<int64_t>(least);
-  for (size_t i = 0; i < systems_.size(); ++i) build_system(i, meets[i], issues);
-  couplings_.clear();
-  build_couplings(issues);
+  const auto chosen = static_cast<double>(scene_.substeps());
+  return {"/time/substeps",
+          "out_of_range",
+          why,
+          short_number(chosen),
+          ">= " + short_number(needed) + ", or a dt of at most " + short_number(dt() / needed * chosen),
+          "",
+          ""};
+}
+
+void World::couple(const std::vector<bool>& meets, std::vector<Issue>& issues) {
+  const bool chosen = scene_.header.time.substeps.has_value();
+  // Systems that are built for a shorter step may need a shorter one still: seldom, and never a longer one.
+  for (;;) {
+    std::vector<Issue> faults;
+    couplings_.clear();
+    build_couplings(faults);
+    const auto present = static_cast<double>(scene_.substeps());
+    const auto [needed, which] = substeps_of_couplings();
+    const double wanted = chosen ? needed : std::max(needed, substeps_of_points(meets));
+    const bool refused = needed > present && (chosen || needed > kMostSubsteps);
+    if (refused && issues.empty() && faults.empty()) {
+      if (!chosen) scene_.header.time.substeps.reset();
+      faults.push_back(too_few_substeps(needed, which));
+    }
+    if (refused || !issues.empty() || !(wanted > present)) {
+      issues.insert(issues.end(), faults.begin(), faults.end());
+      return;
+    }
+    scene_.header.time.substeps = static_cast<int64_t>(wanted);
+    for (size_t i = 0; i < systems_.size(); ++i) build_system(i, meets[i], issues);
+  }
 }
 
 // Couplings inspect their sides, so both must exist.
@@ -178,7 +206,7 @@ void World::build_couplings(std::vector<Issue>& issues) {
     couplings_.emplace_back();
     if (c.reading == Reading::faulty || !sides[c.a] || !sides[c.b]) continue;
     collecting(issues, "/couplings/" + std::to_string(c.place), [&] {
-      couplings_.back() = c.row->build(c.def.get(), {c.id, *sides[c.a], *sides[c.b], scene_.header.gravity});
+      couplings_.back() = c.row->build(c.def.get(), {c.id, *sides[c.a], *sides[c.b]});
     });
   }
 }

@@ -235,7 +235,8 @@ Ports Mpm::ports() const {
   const MpmDef& d = setting_->def;
   // The implicit solve does not include rigid bodies.
   if (d.is_implicit()) return {};
-  return {.medium = MediumPort{d.dimension, columns::position, d.cell / d.particles_per_axis}};
+  return {.medium =
+              MediumPort{d.dimension, columns::position, d.cell / d.particles_per_axis, columns::gravity}};
 }
 
 std::unique_ptr<const System> build_mpm(const void* def, const BuildContext& context) {

@@ -80,6 +80,7 @@ Ports Rigid3d::ports() const {
                         .angular_velocity = columns::angular_velocity,
                         .form = columns::kind,
                         .id = columns::id,
+                        .gravity = columns::gravity,
                         .forms = forms_,
                         .owner = this};
   return out;

@@ -165,7 +165,7 @@ Ports Sph::ports() const {
   const SphDef& d = setting_->def;
   // The effect of bodies on the liquid is written for one density, and for drag that is not solved for.
   if (d.layered() || (d.solves_viscosity() && d.walls == Walls::no_slip)) return {};
-  return {.medium = MediumPort{d.dimension, columns::position, d.spacing}};
+  return {.medium = MediumPort{d.dimension, columns::position, d.spacing, columns::gravity}};
 }
 
 FieldView Sph::field(const State& s, size_t, size_t which, std::vector<double>& scratch) const {

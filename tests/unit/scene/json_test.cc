@@ -124,7 +124,7 @@ TEST(Json, ManyKeysTakeNoTimeThatAPersonWouldNotice) {
   std::string text = "{";
   for (int k = 0; k < kKeys; ++k) text += (k ? ",\"k" : "\"k") + std::to_string(k) + "\":1";
   text += "}";
-  // CPU time: excludes the load of other programs. A fifth of a second; the 8e10 comparisons of a quadratic
+  // CPU time: excludes the load of other programs. A tenth of a second; the 8e10 comparisons of a quadratic
   // check for duplicates take minutes.
   const double begin = thread_cpu_seconds();
   EXPECT_EQ(parse_json(text).as_object().size(), static_cast<size_t>(kKeys));
