@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "engine/collision/flat/distance.h"
+#include "engine/math/wide.h"
 
 namespace truestep::flat {
 namespace {
@@ -20,26 +22,48 @@ struct Axis {
   uint32_t edge = 0;
 };
 
-/// The edge of p (n corners) with most of q (m corners) on its outside, and the separation of the sharp
-/// polygons.
-inline Axis best_axis(const Outline& p, uint32_t corners_p, const Outline& q, uint32_t corners_q) {
+/// The edge of p with most of q on its outside, and the separation of the sharp polygons.
+Axis best_axis_of_any(const Outline& p, const Outline& q) {
   Axis best;
-  for (uint32_t i = 0; i < corners_p; ++i) {
+  for (uint32_t i = 0; i < p.corners; ++i) {
     const Vec2 n = p.normal[i];
     double least = dot(n, q.corner[0]);
-    for (uint32_t j = 1; j < corners_q; ++j) {
-      const double d = dot(n, q.corner[j]);
-      least = d < least ? d : least;
-    }
+    for (uint32_t j = 1; j < q.corners; ++j) least = std::min(dot(n, q.corner[j]), least);
     const double s = least - dot(n, p.corner[i]);
     if (s > best.separation) best = {s, i};
   }
   return best;
 }
+
+/// x and y of the first four.
+struct FourVectors {
+  using W = Wide<double>;
+  explicit FourVectors(const std::array<Vec2, kMostCorners>& from) {
+    W::Raw low, high;
+    std::memcpy(&low, from.data(), sizeof low), std::memcpy(&high, from.data() + 2, sizeof high);
+    x = W(__builtin_shufflevector(low, high, 0, 2, 4, 6));
+    y = W(__builtin_shufflevector(low, high, 1, 3, 5, 7));
+  }
+  W x, y;
+};
+
+/// The same for a polygon of four, the most common case, with an edge in each lane.
+Axis best_axis_of_four(const Outline& p, const Outline& q) {
+  using W = Wide<double>;
+  const FourVectors n(p.normal), corner(p.corner);
+  const auto along = [&n](Vec2 a) { return n.x * W(a.x) + n.y * W(a.y); };
+  W least = along(q.corner[0]);
+  for (uint32_t j = 1; j < q.corners; ++j) least = min(along(q.corner[j]), least);
+  const W s = least - (n.x * corner.x + n.y * corner.y);
+  Axis best;
+  for (uint32_t i = 0; i < 4; ++i) {
+    if (s[static_cast<int>(i)] > best.separation) best = {s[static_cast<int>(i)], i};
+  }
+  return best;
+}
+
 Axis best_axis(const Outline& p, const Outline& q) {
-  // Boxes are the most common case: the compiler unrolls for them.
-  if (p.corners == 4 && q.corners == 4) return best_axis(p, 4, q, 4);
-  return best_axis(p, p.corners, q, q.corners);
+  return p.corners == 4 ? best_axis_of_four(p, q) : best_axis_of_any(p, q);
 }
 
 /// The edge of q that faces most against n.
@@ -130,8 +154,10 @@ bool edge_edge(const Clip& c, uint32_t edge, uint32_t facing, Contact& out) {
   const auto add = [&](double s, double h, uint32_t on_p, uint32_t on_q) {
     if (h - radii > c.margin) return;
     const Vec2 at = v + s * t + 0.5 * (h + c.p.radius - c.q.radius) * n;
-    const Side corner_of = s == 0 || s == length ? c.which : other_side(c.which);
-    out.point[out.points++] = {at, h - radii, feature(c.which, on_p, on_q), corner_of};
+    // Member by member: a copy of the whole waits for what has just been written of it.
+    ContactPoint& point = out.point[out.points++];
+    point.at = at, point.separation = h - radii, point.id = feature(c.which, on_p, on_q);
+    point.corner_of = s == 0 || s == length ? c.which : other_side(c.which);
   };
   if (c.q.corners == 1) {
     add(s0, h0, edge, low);

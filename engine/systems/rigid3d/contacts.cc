@@ -165,16 +165,23 @@ bool ContactList::wake(State& s, std::span<const BodyKind> kinds) {
   return any;
 }
 
+void ContactList::find_joined(const State& s, std::span<const Joint> joints) {
+  const auto held = s.span<uint32_t>(columns::joint_bodies), broken = s.span<uint32_t>(columns::joint_broken);
+  joined_now_.clear();
+  for (size_t k = 0; k < joints.size(); ++k) {
+    if (joints[k].collide || broken[k]) continue;
+    const auto [low, high] = std::minmax(held[2 * k], held[2 * k + 1]);
+    joined_now_.push_back(uint64_t{low} << 32 | high);
+  }
+  // Mostly they are those of the last step.
+  if (joined_now_ == joined_before_) return;
+  joined_ = joined_now_, joined_before_.swap(joined_now_);
+  std::sort(joined_.begin(), joined_.end());
+}
+
 void ContactList::find(State& s, std::span<const BodyKind> kinds, std::span<const Joint> joints,
                        const StepInput& in, double ahead) {
-  joined_.clear();
-  const auto held = s.span<uint32_t>(columns::joint_bodies);
-  for (size_t k = 0; k < joints.size(); ++k) {
-    if (joints[k].collide || s.span<uint32_t>(columns::joint_broken)[k]) continue;
-    const auto [low, high] = std::minmax(held[2 * k], held[2 * k + 1]);
-    joined_.push_back(uint64_t{low} << 32 | high);
-  }
-  std::sort(joined_.begin(), joined_.end());
+  find_joined(s, joints);
   update_bounds(s, kinds, in, ahead);
   narrow_phase(s, kinds, in, ahead);
   if (wake(s, kinds)) {
@@ -184,8 +191,19 @@ void ContactList::find(State& s, std::span<const BodyKind> kinds, std::span<cons
   match(s);
 }
 
+ContactList::Rows::Rows(const State& s)
+    : bodies(s.span<uint32_t>(columns::contact_bodies)),
+      ids(s.span<uint32_t>(columns::contact_ids)),
+      impulse(s.f64(columns::contact_impulse).data()),
+      normal(s.f64(columns::contact_normal).data()),
+      friction(s.f64(columns::contact_friction).data()),
+      roll(s.f64(columns::contact_roll).data()),
+      offset(s.f64(columns::contact_offset).data()),
+      uneven(s.f64(columns::contact_uneven).data()) {}
+
 void ContactList::match(const State& s) {
-  const auto bodies = s.span<uint32_t>(columns::contact_bodies);
+  const Rows old(s);
+  const auto& bodies = old.bodies;
   const size_t rows = s.rows(columns::contact_bodies);
   const auto key = [&](size_t r) { return uint64_t{bodies[2 * r]} << 32 | bodies[2 * r + 1]; };
   claimed_.assign(rows, 0);
@@ -197,23 +215,20 @@ void ContactList::match(const State& s) {
     while (rows_end < rows && key(rows_end) == pair) ++rows_end;
     const auto same = [&](const Contact& c) { return (uint64_t{c.a} << 32 | c.b) == pair; };
     while (end < contacts_.size() && same(*contacts_[end])) ++end;
-    match_pair(s, {contacts_.data() + k, end - k}, row, rows_end);
+    match_pair(old, {contacts_.data() + k, end - k}, row, rows_end);
     k = end, row = rows_end;
   }
 }
 
 /// The contacts of two bodies, with rows [first, end) of the previous step.
-void ContactList::match_pair(const State& s, std::span<Contact* const> contacts, size_t first, size_t end) {
-  const auto ids = s.span<uint32_t>(columns::contact_ids);
-  const double *impulse = s.f64(columns::contact_impulse).data(),
-               *normal = s.f64(columns::contact_normal).data();
-  const double *friction = s.f64(columns::contact_friction).data(),
-               *offset = s.f64(columns::contact_offset).data(),
-               *uneven = s.f64(columns::contact_uneven).data();
+void ContactList::match_pair(const Rows& rows, std::span<Contact* const> contacts, size_t first, size_t end) {
+  const auto& ids = rows.ids;
+  const double *impulse = rows.impulse, *friction = rows.friction, *offset = rows.offset,
+               *uneven = rows.uneven;
   const auto go_on = [&](Contact& c, size_t r) {
     c.slide = {friction[4 * r], friction[4 * r + 1], friction[4 * r + 2]};
     c.twist = friction[4 * r + 3], c.penetration_offset = offset[r];
-    c.roll = load3(s.f64(columns::contact_roll).data(), r), claimed_[r] = 1;
+    c.roll = load3(rows.roll, r), claimed_[r] = 1;
   };
   bool strangers = false;
   for (Contact* c : contacts) {
@@ -259,7 +274,7 @@ void ContactList::match_pair(const State& s, std::span<Contact* const> contacts,
     size_t next = end;
     double closest = kSameNormal;
     for (size_t r = first; r < end; ++r) {
-      const double along = dot(load3(normal, r), c->manifold.normal);
+      const double along = dot(load3(rows.normal, r), c->manifold.normal);
       if (!claimed_[r] && along > closest) closest = along, next = r;
     }
     if (next == end) continue;

@@ -56,6 +56,7 @@ class ContactList {
   }
 
  private:
+  void find_joined(const State& s, std::span<const Joint> joints);
   void update_bounds(const State& s, std::span<const BodyKind> kinds, const StepInput& in, double ahead);
   void narrow_phase(const State& s, std::span<const BodyKind> kinds, const StepInput& in, double ahead);
   /// True where the contact passes a one-way platform: it holds a body that comes from outside moving towards
@@ -74,8 +75,14 @@ class ContactList {
                   Outlook& out) const;
   static void bring_back(Contact& c, const Outlook& o);
   bool wake(State& s, std::span<const BodyKind> kinds);
+  /// Columns of the last step's contacts.
+  struct Rows {
+    explicit Rows(const State& s);
+    std::span<const uint32_t> bodies, ids;
+    const double *impulse, *normal, *friction, *roll, *offset, *uneven;
+  };
   void match(const State& s);
-  void match_pair(const State& s, std::span<Contact* const> contacts, size_t first, size_t end);
+  void match_pair(const Rows& old, std::span<Contact* const> contacts, size_t first, size_t end);
 
   struct Row {
     uint32_t bodies[2], ids[5];
@@ -91,7 +98,8 @@ class ContactList {
   static constexpr double kSeenMotion = 1e-6;
   std::vector<uint8_t> bears_;    // per pair; empty if nothing moves
   bool moves_ = false;            // any body
-  std::vector<uint64_t> joined_;  // pairs that do not touch, ascending
+  std::vector<uint64_t> joined_;  // pairs that do not touch, ascending; as listed, now and before
+  std::vector<uint64_t> joined_now_, joined_before_;
   std::vector<std::vector<Contact>> blocks_;
   std::vector<std::vector<Manifold>> manifolds_;
   std::vector<Contact*> contacts_;

@@ -138,7 +138,7 @@ void Rigid3d::change_substeps(State& s, double h, int now, int next) const {
   // Offsets are the yields of the contact springs.
   if (!settings_.contact_hertz) {
     for (const auto c : {columns::contact_offset, columns::contact_uneven}) {
-      for (double& offset : s.f64(c)) offset *= share * share;
+      for (double& offset : s.f64(c)) offset *= std::min(share * share, 1.0);
     }
   }
   s.f64(columns::substep)[0] = h / next;
@@ -153,17 +153,17 @@ void Rigid3d::find_contacts(State& s, const StepInput& in) const {
   for (size_t i = 0; i < scratch.before.size(); ++i) scratch.before[i] = {load3(x, i), load_quat(q, i)};
   // Bodies joined to a moving body move too.
   const auto held = s.span<uint32_t>(columns::joint_bodies);
-  const auto asleep = s.span<uint32_t>(columns::asleep);
+  const auto asleep = s.span<uint32_t>(columns::asleep), kind = s.span<uint32_t>(columns::kind),
+             broken = s.span<uint32_t>(columns::joint_broken);
+  const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
   const auto moves = [&](uint32_t i) {
-    const BodyKind& k = bodies_.kinds[s.span<uint32_t>(columns::kind)[i]];
+    const BodyKind& k = bodies_.kinds[kind[i]];
     if (k.moved_by_forces()) return asleep[i] == 0;
-    return k.motion == BodyDef::Motion::kinematic &&
-           (load3(s.f64(columns::velocity).data(), i) != Vec3{} ||
-            load3(s.f64(columns::angular_velocity).data(), i) != Vec3{});
+    return k.motion == BodyDef::Motion::kinematic && (load3(v, i) != Vec3{} || load3(w, i) != Vec3{});
   };
   for (size_t k = 0; k < held.size(); k += 2) {
     const uint32_t a = held[k], b = held[k + 1];
-    if (a == kNoBody || b == kNoBody || s.span<uint32_t>(columns::joint_broken)[k / 2]) continue;
+    if (a == kNoBody || b == kNoBody || broken[k / 2]) continue;
     if (asleep[a] && moves(b)) wake_body(s, a, bodies_.kinds);
     if (asleep[b] && moves(a)) wake_body(s, b, bodies_.kinds);
   }

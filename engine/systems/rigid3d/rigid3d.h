@@ -67,7 +67,15 @@ class Rigid3d final : public StagedSystem, public BodyOwner, public BodySleep {
   static Scratch& scratch(const StepInput& in);
   /// True if contacts of the last step are mostly between bodies that rotate far in a step of h.
   bool contacts_turn_fast(const State& s, double h) const;
-  bool turns_fast(const State& s, uint32_t body, double h) const;
+  /// Which bodies rotate far in a step of h, from columns that are looked up once.
+  struct Turns {
+    Turns(const State& s, std::span<const BodyKind> kinds, double h);
+    bool fast(uint32_t body) const;
+    std::span<const BodyKind> kinds;
+    std::span<const uint32_t> kind, asleep;
+    const double* spin;
+    double h;
+  };
   void apply_forces(State& s, const StepInput& in) const;
   int substeps(const State& s, double h) const;
   void choose_substeps(State& s, const StepInput& in) const;

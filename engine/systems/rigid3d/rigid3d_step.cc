@@ -18,30 +18,37 @@ constexpr double kFastTurn = 0.1, kMost = 1;
 constexpr double kSubstepTurn = 0.2;
 }  // namespace
 
-bool Rigid3d::turns_fast(const State& s, uint32_t i, double h) const {
-  const BodyKind& k = bodies_.kinds[s.span<uint32_t>(columns::kind)[i]];
+Rigid3d::Turns::Turns(const State& s, std::span<const BodyKind> of, double step)
+    : kinds(of),
+      kind(s.span<uint32_t>(columns::kind)),
+      asleep(s.span<uint32_t>(columns::asleep)),
+      spin(s.f64(columns::angular_velocity).data()),
+      h(step) {}
+
+bool Rigid3d::Turns::fast(uint32_t i) const {
+  if (!(norm2(load3(spin, i)) * (h * h) > kFastTurn * kFastTurn) || asleep[i]) return false;
   // The contact point of a ball does not depend on its rotation.
-  if (s.span<uint32_t>(columns::asleep)[i] || k.reach == k.inner) return false;
-  return norm2(load3(s.f64(columns::angular_velocity).data(), i)) * (h * h) > kFastTurn * kFastTurn;
+  const BodyKind& k = kinds[kind[i]];
+  return k.reach != k.inner;
 }
 
 bool Rigid3d::contacts_turn_fast(const State& s, double h) const {
   const auto pairs = s.span<uint32_t>(columns::contact_bodies);
+  const Turns turns(s, bodies_.kinds, h);
   size_t turning = 0;
-  for (size_t k = 0; k < pairs.size(); k += 2)
-    turning += turns_fast(s, pairs[k], h) || turns_fast(s, pairs[k + 1], h);
+  for (size_t k = 0; k < pairs.size(); k += 2) turning += turns.fast(pairs[k]) || turns.fast(pairs[k + 1]);
   if (turning == 0) return false;
-  const auto kind = s.span<uint32_t>(columns::kind), asleep = s.span<uint32_t>(columns::asleep);
+  const auto &kind = turns.kind, &asleep = turns.asleep;
   size_t awake = 0;
   for (size_t i = 0; i < kind.size(); ++i) awake += !asleep[i] && bodies_.kinds[kind[i]].moved_by_forces();
   return static_cast<double>(turning) >= kMost * static_cast<double>(awake);
 }
 
 int Rigid3d::substeps_of_turns(const State& s, double h) const {
+  const Turns turns(s, bodies_.kinds, h);
   double fastest = 0;
   for (const uint32_t i : s.span<uint32_t>(columns::contact_bodies)) {
-    if (turns_fast(s, i, h))
-      fastest = std::max(fastest, norm(load3(s.f64(columns::angular_velocity).data(), i)));
+    if (turns.fast(i)) fastest = std::max(fastest, norm(load3(turns.spin, i)));
   }
   const double most = BucklingWatch::kMostTimes * settings_.substeps;
   return static_cast<int>(std::min(std::ceil(fastest * h / kSubstepTurn), most));

@@ -44,6 +44,14 @@ TEST(RigidMixedRestitution, NoSceneInSpaceGainsEnergy) {
   EXPECT_EQ(scenes_that_gain({Space::space, "f64"}, 40), 0);
 }
 
+// Loads at the start that sweeps had not balanced, of light bodies under heavy ones that topple, threw the
+// bodies between them up: these four gained 2.2 to 5.2 %.
+TEST(RigidMixedRestitution, LoadsThatAreNotInBalanceDoNotThrow) {
+  for (const uint64_t seed : {1527, 2019, 3271, 3811}) {
+    EXPECT_LT(run_mixed(mixed_scene({Space::space, "", seed}), 4).most, 0.01) << seed;
+  }
+}
+
 /// A ball with e = 0.8 falls 0.7 m on a lighter block with e = 0 that lies on a floor with e = 0.
 std::string ball_on_block(Space space, double radius, double above) {
   const auto number = [](double x) { return std::to_string(x); };

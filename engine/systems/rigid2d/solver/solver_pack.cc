@@ -43,10 +43,13 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
              offsets = state.span<float>(columns::contact_offset);
   const auto t = [](double x) { return static_cast<T>(x); };
   W there[2] = {W::zero(), W::zero()};  // 1 where a lane has this point
+  flat::Contact foreseen;
+  const double ahead = 0.5 * (settings.steps - 1) * settings.h;
+  const double least_spin = kSeenMotion / ahead, least_speed = least_spin * model.size;
   for (int k = 0; k < count; ++k) {
     const uint32_t index = pairs.touching[hits[k]];
     const Hit& hit = pairs.hits[index];
-    flat::Contact contact = pairs.contacts[index];
+    const flat::Contact* at_start = &pairs.contacts[index];
     const Surface &a = model.surfaces[hit.body_a], &b = model.surfaces[hit.body_b];
     c.a[k] = slot_[hit.body_a], c.b[k] = slot_[hit.body_b];
     Vec2 apart = pairs.pose[hit.body_b].p - pairs.pose[hit.body_a].p;
@@ -58,14 +61,16 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
         return flat::PlaneMotion{{r[0], r[1]}, r[2]};
       };
       const flat::PlaneMotion of_a = motion(c.a[k]), of_b = motion(c.b[k]);
-      const double ahead = 0.5 * (settings.steps - 1) * settings.h;
-      const double way = std::max(
-          {std::abs(of_a.spin), std::abs(of_b.spin), flat::norm(of_b.velocity - of_a.velocity) / model.size});
-      if (way * ahead > kSeenMotion) {
-        flat::foresee(contact, apart, of_a, of_b, model.radius[hit.a], model.radius[hit.b],
+      const Vec2 passing = of_b.velocity - of_a.velocity;
+      const double spin = std::max(std::abs(of_a.spin), std::abs(of_b.spin));
+      if (spin > least_spin || flat::dot(passing, passing) > least_speed * least_speed) {
+        const double way = std::max(spin, flat::norm(passing) / model.size);
+        foreseen = *at_start, at_start = &foreseen;
+        flat::foresee(foreseen, apart, of_a, of_b, model.radius[hit.a], model.radius[hit.b],
                       std::min(ahead, kMostMotion / way));
       }
     }
+    const flat::Contact& contact = *at_start;
     const Vec2 n = contact.normal;
     c.nx.set(k, t(n.x)), c.ny.set(k, t(n.y));
     c.round_a.set(k, t(model.radius[hit.a]));

@@ -15,8 +15,8 @@ namespace {
 constexpr double kTallLoad = 3;
 /// .. and for yielding.
 constexpr double kGivingLoad = 10;
-/// Below the first quotient substeps are added until it reaches the second; above the third fewer are tried.
-constexpr double kTooSoft = 1.1, kStiff = 1.4, kMoreThanStiff = 2.2;
+/// Below the first quotient substeps are added until it is reached; above the second fewer are tried.
+constexpr double kStiff = 1.1, kMoreThanStiff = 2.2;
 /// A contact under such loads may yield by this fraction of the smaller body's reach.
 constexpr double kMostGive = 0.015;
 /// m/s; faster bodies are falling or in flight.
@@ -147,7 +147,7 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds,
   for (const Island& all : island_) {
     if (all.counts && all.load > 0) least = std::min(least, all.stiffness / all.load);
   }
-  const bool enough = least >= kTooSoft && (now == settings.substeps || least < kMoreThanStiff);
+  const bool enough = least >= kStiff && (now == settings.substeps || least < kMoreThanStiff);
   const double standing = enough ? now : now * std::sqrt(kStiff / std::max(least, 1e-6)),
                bearing = now * std::sqrt(gives_way), wanted = std::max(standing, bearing);
   return std::clamp(static_cast<int>(std::ceil(std::min(wanted, 1e6))), settings.substeps,

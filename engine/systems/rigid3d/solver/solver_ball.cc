@@ -14,7 +14,8 @@ bool only_a_ball(const Joint& j) {
 
 /// Axes along which the state stores the impulses of a joint.
 void slide_axes(const Joint& j, const Rotation& a, Vec3 out[3]) {
-  const Rotation r = a * rotation(j.slide_frame);
+  const Quat& q = j.slide_frame;
+  const Rotation r = q.x == 0 && q.y == 0 && q.z == 0 ? a : a * rotation(q);
   for (int e = 0; e < 3; ++e) out[e] = axis(r, e);
 }
 
@@ -140,6 +141,7 @@ void BallSolver<T>::relax(Record8<T>* v, const ThreadTeam& team) {
 template <class T>
 void BallSolver<T>::store(State& s, std::span<const Joint> joints, double h) const {
   const auto impulse = s.f64(columns::joint_impulse), load = s.f64(columns::joint_load);
+  const auto broken = s.span<uint32_t>(columns::joint_broken);
   const auto held = s.span<uint32_t>(columns::joint_bodies);
   const double* q = s.f64(columns::orientation).data();
   for (size_t group = 0; group < lanes_.count; ++group) {
@@ -152,9 +154,10 @@ void BallSolver<T>::store(State& s, std::span<const Joint> joints, double h) con
       Vec3 axes[3];
       slide_axes(joints[k], a == kNoBody ? Rotation{} : rotation(load_quat(q, a)), axes);
       for (int e = 0; e < 3; ++e) impulse[6 * static_cast<size_t>(k) + e] = dot(axes[e], f);
-      store3(load.data(), 2 * static_cast<size_t>(k), f / h);
+      const Vec3 force = f / h;
+      store3(load.data(), 2 * static_cast<size_t>(k), force);
       store3(load.data(), 2 * static_cast<size_t>(k) + 1, Vec3{});
-      if (norm(f / h) > joints[k].break_force) s.span<uint32_t>(columns::joint_broken)[k] = 1;
+      if (joints[k].break_force < kUnbounded && norm(force) > joints[k].break_force) broken[k] = 1;
     }
   }
 }

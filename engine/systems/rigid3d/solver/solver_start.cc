@@ -219,14 +219,13 @@ void ContactSolver<T>::find_first_loads(const State& s, std::span<const BodyKind
   if (body_.empty()) return;
   const auto gathering = team_.gather(in.arena);
   fill_rows(s, kinds, joints, contacts, now, change, settings, in);
-  find_loads(s, kinds, contacts, now, settings, in.h);
+  hand_down_loads(contacts, now);
   for (size_t k = 0; k < contact_lanes_.count; ++k) {
     for (int lane = 0; lane < W::kLanes; ++lane) {
       const uint32_t m = contact_lanes_.member[k * W::kLanes + lane];
       if (m == kNoBody) continue;
       Contact& c = *contacts[m];
       for (int p = 0; p < c.manifold.count; ++p) c.impulse[p] = groups_[k].place[p].impulse[lane];
-      c.penetration_offset = 0, std::fill_n(c.uneven, Manifold::kMost, 0.0);
     }
   }
 }
