@@ -13,18 +13,18 @@ namespace {
 using namespace grid_fluid;
 using A = GridFluidDef::Advection;
 
-constexpr double kWide = 0.4, kHigh = 1, kLong = 1.6, kRest = kWide * kHigh / kLong / 2;
+constexpr double kWide = 0.4, kTall = 1, kLong = 1.6, kRest = kWide * kTall / kLong / 2;
 
-GridFluidDef column(A advection, int64_t cells, bool space) {
+GridFluidDef collapsing_column(A advection, int64_t cells, bool space) {
   std::vector<int64_t> n{cells, cells * 3 / 4};
   if (space) n.push_back(cells / 4);
   GridFluidDef d = water(advection, n, kLong / static_cast<double>(cells));
-  d.bodies = {box_of_liquid({0, 0, -1}, {kWide, kHigh, 1})};
+  d.bodies = {box_of_liquid({0, 0, -1}, {kWide, kTall, 1})};
   return d;
 }
 
 /// Takes 3 % of all motion away after every step.
-void still(LiquidRun& run, A advection, int steps) {
+void still_by_hand(LiquidRun& run, A advection, int steps) {
   for (int k = 0; k < steps; ++k) {
     run.steps(1);
     for (double& v : run.state.f64(1)) v *= 0.97;
@@ -37,10 +37,10 @@ void still(LiquidRun& run, A advection, int steps) {
 TEST(LiquidLevel, AfterASplashWaterStandsAsDeepAsItsVolumeSays) {
   for (const A advection : {A::flip, A::apic}) {
     for (const auto& [cells, space] : {std::pair{32, false}, std::pair{64, false}, std::pair{24, true}}) {
-      LiquidRun run(column(advection, cells, space), 1.0 / 60);
+      LiquidRun run(collapsing_column(advection, cells, space), 1.0 / 60);
       run.steps(space ? 180 : 600);
       const double swinging = run.observed("centre.y");
-      still(run, advection, 240);
+      still_by_hand(run, advection, 240);
       const double level = run.observed("centre.y");
       std::printf("  %s, %d cells%s: %+.2f %% when stilled, %+.1f %% before\n",
                   advection == A::flip ? "flip" : "apic", cells, space ? " in space" : "",
@@ -55,7 +55,7 @@ TEST(LiquidLevel, AfterASplashWaterStandsAsDeepAsItsVolumeSays) {
 // The mean excess of the level while it swings is the wave's: half of its energy is height, half is motion.
 TEST(LiquidLevel, WhatSwingsIsHighByTheWavesEnergyAlone) {
   for (const A advection : {A::flip, A::apic}) {
-    LiquidRun run(column(advection, 32, false), 1.0 / 60);
+    LiquidRun run(collapsing_column(advection, 32, false), 1.0 / 60);
     run.steps(600);
     double motion = 0, height = 0;
     constexpr int kSteps = 1200;  // ten periods of the slowest wave

@@ -8,9 +8,9 @@ namespace {
 
 using namespace grid_fluid;
 using A = GridFluidDef::Advection;
-constexpr double kGravity = 9.81;
+constexpr double kWeight = 9.81;
 
-FlowSideDef inflow(std::vector<std::string> velocity) {
+FlowSideDef inflow_side(std::vector<std::string> velocity) {
   return {SideKind::inflow, std::move(velocity)};
 }
 const FlowSideDef kOutflow{SideKind::outflow, {}};
@@ -25,7 +25,7 @@ TEST(LiquidOpenSides, AStreamFillsAndLeavesABox) {
             advection, space ? std::vector<int64_t>{16, 16, 8} : std::vector<int64_t>{16, 16}, 1.0 / 16);
         std::vector<std::string> velocity(space ? 3 : 2, "0");
         velocity[along_y ? 1 : 0] = along_y ? "-1" : "1";
-        (along_y ? d.sides.y_max : d.sides.x_min) = inflow(velocity);
+        (along_y ? d.sides.y_max : d.sides.x_min) = inflow_side(velocity);
         (along_y ? d.sides.y_min : d.sides.x_max) = kOutflow;
         LiquidRun run(d, 0.02, 1, {});
         run.steps(25);  // half a box
@@ -48,7 +48,7 @@ TEST(LiquidOpenSides, AsMuchFlowsAsTheGivenVelocitySays) {
   for (const A advection : {A::flip, A::apic}) {
     GridFluidDef d = water(advection, {32, 24}, 1.0 / 32);
     d.bodies = {box_of_liquid({0, 0, -1}, {1, 0.25, 1})};
-    d.sides.x_min = inflow({"y < 0.25 ? 0.4*sin(pi*t)^2 : 0", "0"});
+    d.sides.x_min = inflow_side({"y < 0.25 ? 0.4*sin(pi*t)^2 : 0", "0"});
     d.sides.x_min->dye = 1;
     LiquidRun run(d, 0.01);
     run.steps(200);
@@ -62,7 +62,7 @@ TEST(LiquidOpenSides, AsMuchFlowsAsTheGivenVelocitySays) {
     EXPECT_LT(run.observed("density.mean_error"), 0.02);
 
     // Drawn out at the floor of the other side.
-    d.sides.x_min.reset(), d.sides.x_max = inflow({"y < 0.125 ? 0.5 : 0", "0"});
+    d.sides.x_min.reset(), d.sides.x_max = inflow_side({"y < 0.125 ? 0.5 : 0", "0"});
     LiquidRun drained(d, 0.01);
     drained.steps(200);
     EXPECT_EQ(drained.observed("emitted"), 0);
@@ -78,11 +78,11 @@ TEST(LiquidOpenSides, AsMuchFlowsAsTheGivenVelocitySays) {
 TEST(LiquidOpenSides, AStreamThinsWhereItFallsOverAnEdge) {
   constexpr double kDepth = 0.25, kFroude = 2;
   for (const A advection : {A::flip, A::apic}) {
-    const double u = kFroude * std::sqrt(kGravity * kDepth);
+    const double u = kFroude * std::sqrt(kWeight * kDepth);
     GridFluidDef d = water(advection, {64, 24}, kDepth / 16);
     d.bodies = {box_of_liquid({0, 0, -1}, {1, kDepth, 1})};
     d.bodies[0].velocity = {u, 0, 0};
-    d.sides.x_min = inflow({"y < 0.25 ? " + std::to_string(u) + " : 0", "0"});
+    d.sides.x_min = inflow_side({"y < 0.25 ? " + std::to_string(u) + " : 0", "0"});
     d.sides.x_max = kOutflow;
     LiquidRun run(d, 0.005);
     run.steps(200);
@@ -123,7 +123,7 @@ TEST(LiquidOpenSides, APoolRunsOut) {
     }
     EXPECT_LT(run.observed("mass"), 0.35 * mass);
     EXPECT_GT(run.observed("mass"), 0.02 * mass);
-    EXPECT_LT(run.observed("speed.max"), 1.1 * 2 * std::sqrt(kGravity * 0.5))
+    EXPECT_LT(run.observed("speed.max"), 1.1 * 2 * std::sqrt(kWeight * 0.5))
         << "no faster than a dam break's tip";
   }
 }

@@ -6,7 +6,7 @@
 namespace truestep::grid_fluid {
 
 namespace {
-double component(const Vec3& v, size_t a) {
+double along_axis(const Vec3& v, size_t a) {
   return a == 0 ? v.x : a == 1 ? v.y : v.z;
 }
 }  // namespace
@@ -46,7 +46,7 @@ void GivenFlow::find_pipe(const LiquidInlet& inlet, Pipe& pipe) const {
     const Vec3 p = inlet.mouth - inlet.along * (0.5 * inlet.depth + 2 * slack) + place;
     size_t cell[3] = {};
     for (size_t a = 0; a < g.dimensions; ++a) {
-      const double x = (component(p, a) - g.origin[a]) / g.spacing[a];
+      const double x = (along_axis(p, a) - g.origin[a]) / g.spacing[a];
       cell[a] = static_cast<size_t>(std::clamp(x, 0.0, static_cast<double>(g.cells[a] - 1)));
     }
     const auto at = static_cast<uint32_t>(g.at(cell[0], cell[1], cell[2]));
@@ -85,7 +85,7 @@ void GivenFlow::for_faces(size_t c, F&& f) const {
   }
   for (size_t k = 0; k < pipes_.size() && room_ == Room::left; ++k) {
     if (!inlets_[k].pours(time_)) continue;
-    const double u = component(inlets_[k].velocity(), c);
+    const double u = along_axis(inlets_[k].velocity(), c);
     for (const uint32_t at : pipes_[k].faces[c]) f(at, u);
   }
 }
