@@ -161,7 +161,7 @@ std::vector<Issue> issues_of(const std::string& collider) {
 
 TEST(SphMeshWalls, AMeshThatEnclosesNothingIsToldWhere) {
   const std::string corners =
-      R"("vertices": [[0, 0, 0], [0.3, 0, 0], [0, 0.3, 0], [0, 0, 0.3]], "triangles": )";
+      R"("vertices": [[0, 0, 0], [0.3, 0, 0], [0, 0.3, 0], [0, 0, 0.3], [0.3, 0.3, 0.3]], "triangles": )";
   const std::string start = R"({"type": "mesh", )" + corners;
   EXPECT_TRUE(issues_of(start + "[0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3]}").empty()) << "control";
   struct Case {
@@ -171,10 +171,10 @@ TEST(SphMeshWalls, AMeshThatEnclosesNothingIsToldWhere) {
   };
   for (const Case& c :
        {Case{"[0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 2]", "/systems/0/colliders/0/triangles/9", "has no area"},
-        Case{"[0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 4]", "/systems/0/colliders/0/triangles/11", "no such vertex"},
+        Case{"[0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 5]", "/systems/0/colliders/0/triangles/11", "no such vertex"},
         Case{"[0, 2, 1, 0, 1, 3, 0, 3, 2, 2, 1, 3]", "/systems/0/colliders/0/triangles/", "same direction"},
         Case{"[0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2]", "/systems/0/colliders/0/triangles", "clockwise"},
-        Case{"[0, 2, 1, 0, 1, 3, 0, 3, 2, 0, 1, 2]", "/systems/0/colliders/0/triangles/", "one side only"}}) {
+        Case{"[0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 4]", "/systems/0/colliders/0/triangles/", "one side only"}}) {
     const auto issues = issues_of(start + c.triangles + "}");
     ASSERT_EQ(issues.size(), 1u) << c.triangles;
     EXPECT_EQ(issues[0].pointer.rfind(c.pointer, 0), 0u) << issues[0].pointer;
