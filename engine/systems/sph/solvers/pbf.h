@@ -29,9 +29,13 @@ class Pbf {
       if (k > 0) renew(f, bodies, t, arena);
       arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
-          const T over = f.fixed(i) ? T{0} : std::max(f.delta[i] - 1, T{0});
-          f.push[i] = over / (f.stiffness[i] + relief * f.lightness(i) +
-                              (any ? bodies.template give<Answer::rest>(i) : T{0}));
+          // Among others that nothing moves it has no stiffness either.
+          if (f.fixed(i)) {
+            f.push[i] = 0;
+            continue;
+          }
+          f.push[i] = std::max(f.delta[i] - 1, T{0}) / (f.stiffness[i] + relief * f.lightness(i) +
+                                                        (any ? bodies.template give<Answer::rest>(i) : T{0}));
           f.flow[i] += f.push[i];
         }
       });
