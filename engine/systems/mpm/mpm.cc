@@ -14,8 +14,8 @@ std::unique_ptr<const Setting> settle(const MpmDef& def, const std::string& id) 
                                                .pieces = {},
                                                .inlets = {},
                                                .colliders = build_colliders(def.colliders),
-                                               .force = Texts(def.force, def.dimension, "/force"),
-                                               .exact = Texts(def.exact, def.dimension, "/exact"),
+                                               .force = PlaceTexts(def.force, def.dimension, "/force"),
+                                               .exact = PlaceTexts(def.exact, def.dimension, "/exact"),
                                                .id = id});
   size_t first = 0;
   const std::vector<int> fields = velocity_fields(def);

@@ -32,7 +32,7 @@ double energy_densities(const Piece& piece, size_t begin, size_t end, const Real
 
 /// Root mean square over particles, m.
 double distance_from_exact(const Setting& set, const RealColumn<const double>& x, double t) {
-  constexpr size_t kMost = Texts::kMost;
+  constexpr size_t kMost = PlaceTexts::kMost;
   const auto d = static_cast<size_t>(set.def.dimension);
   double sum = 0, from[3][kMost], to[3][kMost];
   for (size_t b = 0; b < set.def.bodies.size(); ++b) {

@@ -9,10 +9,10 @@
 
 #include "engine/core/state/state.h"
 #include "engine/core/system.h"
+#include "engine/math/expression/place_texts.h"
 #include "engine/systems/mpm/energy.h"
 #include "engine/systems/mpm/inlet.h"
 #include "engine/systems/mpm/mpm_def.h"
-#include "engine/systems/mpm/texts.h"
 
 namespace truestep::mpm {
 
@@ -53,7 +53,7 @@ struct Setting {
   size_t capacity = 0;  ///< largest number of particles at a time
   size_t fields = 1;    ///< velocity fields
   ColliderSet colliders;
-  Texts force, exact;  ///< m/s^2; m, for a particle that starts at x, y, z
+  PlaceTexts force, exact;  ///< m/s^2; m, for a particle that starts at x, y, z
   std::string id;
 
   /// Initial number of particles.

@@ -81,15 +81,15 @@ struct Grid : Boundaries<D, Nodes, T>, Group<D, T> {
   /// m/s^2, of the particles in slots [s, end), at most as many as texts take at once: all of one component,
   /// then all of the next.
   void accelerations(const Setting& set, double t, size_t s, size_t end, double* out) const {
-    alignas(64) double x[3][Texts::kMost] = {};
-    const size_t many = std::min(end - s + W::kLanes - 1, Texts::kMost) / W::kLanes * W::kLanes;
+    alignas(64) double x[3][PlaceTexts::kMost] = {};
+    const size_t many = std::min(end - s + W::kLanes - 1, PlaceTexts::kMost) / W::kLanes * W::kLanes;
     for (size_t k = 0; k < many; k += W::kLanes) {
       for (int i = 0; i < D; ++i) {
         const W at = load(now.group(s + k) + (L::x + i) * W::kLanes);
         for (size_t lane = 0; lane < W::kLanes; ++lane) x[i][k + lane] = double{at[static_cast<int>(lane)]};
       }
     }
-    set.force.run(t, x[0], x[1], x[2], many, out, Texts::kMost);
+    set.force.run(t, x[0], x[1], x[2], many, out, PlaceTexts::kMost);
   }
 
   void scatter_all(const Setting& set, double t, T h, const ThreadArena& arena) {
@@ -102,7 +102,7 @@ struct Grid : Boundaries<D, Nodes, T>, Group<D, T> {
       Stencils<D, Nodes, T> at;
       alignas(64) T rows[kRowNumbers];
       alignas(64) T still[kRowNumbers] = {};
-      alignas(64) double pull[3 * Texts::kMost];
+      alignas(64) double pull[3 * PlaceTexts::kMost];
       for (size_t k = begin; k < end; ++k) {
         T* tile = tiles.data() + k * kTileNumbers;
         std::fill(tile, tile + kTileNumbers, T{0});
@@ -125,11 +125,12 @@ struct Grid : Boundaries<D, Nodes, T>, Group<D, T> {
               std::fill(rows, rows + 4 * W::kLanes, T{0});
             }
             if (!set.force.empty()) {
-              const size_t from = (s - run.begin) % Texts::kMost;
+              const size_t from = (s - run.begin) % PlaceTexts::kMost;
               if (from == 0) accelerations(set, t, s, run.end, pull);
               for (size_t i = 0; i < D; ++i) {
                 for (size_t lane = 0; lane < W::kLanes; ++lane)
-                  rows[4 * lane + i + 1] += mass * h * static_cast<T>(pull[i * Texts::kMost + from + lane]);
+                  rows[4 * lane + i + 1] +=
+                      mass * h * static_cast<T>(pull[i * PlaceTexts::kMost + from + lane]);
               }
             }
             T* first = impulse ? impulse : tile;

@@ -109,6 +109,7 @@ struct Fluid {
   bool weighted = false;                     ///< whether light is in use; otherwise it is 1 everywhere
   bool renews = false;                       ///< whether lists are renewed within a substep
   std::vector<uint8_t> held;                 ///< by which nozzle, from 1; 0: by none
+  Aligned<T> shift, inside;                  ///< m, four a row; 1: of particles that are shifted (shifting.h)
   Aligned<T> rests;  ///< 1, how nearly a particle's pressure is that of a fluid at rest
   std::vector<Chunk<T>> chunks;
   std::vector<double> partial;  ///< by chunk or block
@@ -161,30 +162,31 @@ struct Fluid {
     });
   }
   /// Sum and maximum of the first numbers that body(slot, chunk, begin, end) returns, none of them negative,
-  /// and sum of the second.
+  /// and sums of the second and the third.
   struct Tally {
-    double sum = 0, most = 0, second = 0;
+    double sum = 0, most = 0, second = 0, third = 0;
   };
   template <class Body>
   Tally tally(const ThreadArena& arena, const Body& body) {
-    partial.resize(3 * chunks_in_use());
+    partial.resize(4 * chunks_in_use());
     arena.for_blocks(chunks_in_use(), 4, [&](size_t first, size_t last) {
       for (size_t k = first; k < last; ++k) {
         const Chunk<T>& c = chunks[k];
         const size_t low = k * kChunk, high = std::min(n, low + kChunk);
         Tally part;
         for (size_t i = low; i < high; ++i) {
-          const auto [value, second] = body(i, c, c.first[i - low], c.first[i - low + 1]);
-          part.sum += value, part.second += second;
+          const auto [value, second, third] = body(i, c, c.first[i - low], c.first[i - low + 1]);
+          part.sum += value, part.second += second, part.third += third;
           if (!(value <= part.most)) part.most = value;
         }
-        partial[3 * k] = part.sum, partial[3 * k + 1] = part.most, partial[3 * k + 2] = part.second;
+        partial[4 * k] = part.sum, partial[4 * k + 1] = part.most;
+        partial[4 * k + 2] = part.second, partial[4 * k + 3] = part.third;
       }
     });
     Tally out;
     for (size_t k = 0; k < chunks_in_use(); ++k) {
-      out.sum += partial[3 * k], out.second += partial[3 * k + 2];
-      if (!(partial[3 * k + 1] <= out.most)) out.most = partial[3 * k + 1];
+      out.sum += partial[4 * k], out.second += partial[4 * k + 2], out.third += partial[4 * k + 3];
+      if (!(partial[4 * k + 1] <= out.most)) out.most = partial[4 * k + 1];
     }
     return out;
   }

@@ -16,7 +16,8 @@ class Neighbours {
     const SphDef& d = set.def;
     if (d.viscosity > 0 || d.xsph > 0 || d.solver != Method::dfsph) extras_ = Extras::slopes;
     if (d.surface_tension > 0) extras_ = Extras::slopes;
-    if (d.xsph > 0 || (d.solver == Method::pbf && d.artificial_pressure > 0)) extras_ = Extras::weights;
+    if (d.xsph > 0 || set.shifting > 0 || (d.solver == Method::pbf && d.artificial_pressure > 0))
+      extras_ = Extras::weights;
     if (d.surface_tension > 0 && kRounded<T>) extras_ = Extras::distances;
     if constexpr (kRounded<T>) {
       unit_ = set.kernel_s * set.support * steepest(set.def.kernel) / kGradientSteps;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/errors.h"
+#include "engine/base/text/short_number.h"
 #include "engine/kernels/sph/cohesion.h"
 #include "engine/math/trig.h"
 #include "engine/systems/sph/speeds.h"
@@ -62,6 +64,13 @@ double largest_symbol(Smoothing kind, int dimension, double support) {
   return most;
 }
 
+[[noreturn]] void refuse_initial(const Vec3& x) {
+  const std::string message = "is not finite at the particle at (" + short_number(x.x, 4) + ", " +
+                              short_number(x.y, 4) + ", " + short_number(x.z, 4) + ") m";
+  throw Error("scene_invalid", "/initial " + message,
+              {{"/initial", "out_of_range", message, "", "", "", ""}});
+}
+
 }  // namespace
 
 double Setting::sound_for(const Vec3& gravity) const {
@@ -72,7 +81,14 @@ double Setting::sound_for(const Vec3& gravity) const {
   for (const InletDef& e : def.emitters) {
     heaviest = std::max(heaviest, e.density.value_or(def.density) / def.density);
   }
-  return 10 * expected_speed(def, colliders, meshes, gravity) * std::sqrt(heaviest);
+  return 10 * expected_speed(def, colliders, meshes, gravity, fastest_initial) * std::sqrt(heaviest);
+}
+
+Vec3 Setting::initial_at(const Vec3& place) const {
+  if (initial.empty()) return {};
+  double out[3] = {};
+  initial.run(0, &place.x, &place.y, &place.z, 1, out, 1);
+  return {out[0], out[1], out[2]};
 }
 
 std::vector<Vec3> wet_places(const Setting& set, const BodyDef& body) {
@@ -86,7 +102,16 @@ std::unique_ptr<const Setting> settle(const SphDef& given, const std::string& id
   auto out =
       std::make_unique<Setting>(Setting{.def = def, .id = id, .interface = {}, .wall = {}, .colliders = {}});
   out->meshes = build_mesh_walls(def);
-  for (const BodyDef& b : def.bodies) out->rows += wet_places(*out, b).size();
+  out->initial = PlaceTexts(def.initial, def.dimension, "/initial");
+  for (const BodyDef& b : def.bodies) {
+    const std::vector<Vec3> places = wet_places(*out, b);
+    out->rows += places.size();
+    for (const Vec3& x : places) {
+      const double speed = norm(out->initial_at(x));
+      if (!std::isfinite(speed)) refuse_initial(x);
+      out->fastest_initial = std::max(out->fastest_initial, speed);
+    }
+  }
   const double s = def.spacing, h = def.support * s;
   out->volume = def.dimension == 2 ? s * s : s * s * s;
   out->mass = out->volume * def.density;
@@ -109,6 +134,11 @@ std::unique_ptr<const Setting> settle(const SphDef& given, const std::string& id
     }
   }
   out->colliders = build_colliders_but_solids(def.colliders);
+  const Vec3 size = def.high - def.low;
+  const double room = size.x * size.y * (def.dimension == 2 ? 1 : size.z);
+  out->closed = def.without_sides() && !def.changes() && def.colliders.empty() &&
+                static_cast<double>(out->rows) * out->volume >= (1 - 1e-6) * room;
+  out->shifting = def.shifting.value_or(out->closed ? 2 : 0);
   out->sound = def.sound_speed > 0 ? def.sound_speed : std::max(out->sound_for(gravity), 1e-6);
   for (const BodyDef& b : def.bodies) {
     out->lightest = std::min(out->lightest, b.density.value_or(def.density) / def.density);

@@ -8,6 +8,7 @@
 #include "engine/core/system.h"
 #include "engine/kernels/sph/half_space.h"
 #include "engine/kernels/sph/interface.h"
+#include "engine/math/expression/place_texts.h"
 #include "engine/systems/sph/inlet.h"
 #include "engine/systems/sph/mesh_wall.h"
 
@@ -57,6 +58,12 @@ struct Setting {
   /// m/s, at which wcsph compresses by less than 1 % under this gravity (m/s^2): ten times the speeds to
   /// come.
   double sound_for(const Vec3& gravity) const;
+  bool closed = false;         ///< whether the liquid fills a box without sides: it cannot part
+  double shifting = 0;         ///< 1, strength (shifting.h)
+  PlaceTexts initial = {};     ///< m/s
+  double fastest_initial = 0;  ///< m/s, of the particles at the start
+  /// m/s, given at a place (m) by the scene's expressions.
+  Vec3 initial_at(const Vec3& place) const;
   HalfSpace wall;
   ColliderSet colliders;
   std::vector<MeshWall> meshes;  ///< the colliders that are not in the set

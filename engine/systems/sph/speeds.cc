@@ -73,7 +73,7 @@ double bottom_of(const SphDef& d, const ColliderSet& colliders, std::span<const 
 }  // namespace
 
 double expected_speed(const SphDef& d, const ColliderSet& colliders, std::span<const MeshWall> meshes,
-                      const Vec3& gravity) {
+                      const Vec3& gravity, double fastest_initial) {
   const bool plane = d.dimension == 2;
   const Vec3 pull{gravity.x, gravity.y, plane ? 0 : gravity.z};
   const double g = norm(pull);
@@ -88,7 +88,7 @@ double expected_speed(const SphDef& d, const ColliderSet& colliders, std::span<c
         ball ? b.radius : reach.x * std::abs(up.x) + reach.y * std::abs(up.y) + reach.z * std::abs(up.z);
     top = std::max(top, dot(b.center, up) + above);
     const double strain = std::max({std::abs(b.strain.x), std::abs(b.strain.y), std::abs(b.strain.z)});
-    speed = std::max(speed, norm(b.velocity) + (norm(b.spin) + strain) * widest);
+    speed = std::max(speed, norm(b.velocity) + (norm(b.spin) + strain) * widest + fastest_initial);
   }
   for (const InletDef& e : d.emitters) {
     top = std::max(top, dot(e.position, up) + e.radius);

@@ -27,6 +27,7 @@ Sph::Sph(const SphDef& def, const BuildContext& context)
     skip_stage("removal", "no kill regions given");
   }
   if (def.emitters.empty()) skip_stage("births", "no emitters given");
+  if (setting_->shifting == 0) skip_stage("shifting", "not asked for, and the liquid can part");
   if (def.surface_tension == 0) skip_stage("surface tension", "it is 0");
   if (def.colliders.empty()) skip_stage("colliders", "none given");
   const Scalar real = def.precision == Precision::f32 ? Scalar::f32 : Scalar::f64;
@@ -55,7 +56,7 @@ class StandingLiquid {
     const double g[3] = {gravity.x, gravity.y, gravity.z};
     for (int a = 1; a < 3; ++a) axis_ = std::abs(g[a]) > std::abs(g[axis_]) ? a : axis_;
     weight_ = std::abs(g[axis_]), up_ = g[axis_] < 0 ? 1 : -1;
-    if (norm(gravity) > weight_ * (1 + 1e-9)) weight_ = 0;
+    if (d.wraps(axis_) || norm(gravity) > weight_ * (1 + 1e-9)) weight_ = 0;
     const double floor = up_ > 0 ? along(d.low) : -along(d.high);
     stands_.resize(d.bodies.size());
     const auto bottom = [&](const BodyDef& b) { return up_ * along(b.center) - along(reach_of(b)); };
@@ -148,8 +149,9 @@ State Sph::initial_state() const {
     for (const Vec3& place : wet_places(*setting_, b)) {
       const Vec3 r = place - b.center;
       x.set_vector(i, place);
-      v.set_vector(
-          i, b.velocity + cross(b.spin, r) + Vec3{b.strain.x * r.x, b.strain.y * r.y, b.strain.z * r.z});
+      v.set_vector(i, b.velocity + cross(b.spin, r) +
+                          Vec3{b.strain.x * r.x, b.strain.y * r.y, b.strain.z * r.z} +
+                          setting_->initial_at(place));
       // Standing water would ring for seconds if its weight had to compress it first.
       const bool carried = d.solver == Method::wcsph;
       density.set(i, carried ? density_at(standing.pressure(body, place) / d.density, setting_->sound) : 1);

@@ -154,6 +154,10 @@ void check_def(const SphDef& d, const DefTable::Report& report) {
   if (plane && d.wraps(2)) return report("/periodic", "a plane system has no direction z");
   if (plane && d.lid_velocity.z != 0) return report("/lid_velocity", "a plane system moves in z = 0");
   if (d.lid_velocity.y != 0) return report("/lid_velocity", "the lid slides: y must be 0");
+  if (d.wraps(1) && norm2(d.lid_velocity) > 0)
+    return report("/lid_velocity", "a box that is periodic along y has no upper side");
+  if (!d.initial.empty() && d.initial.size() != static_cast<size_t>(d.dimension))
+    return report("/initial", "needs as many components as `dimension`");
   for (size_t k = 0; k < d.bodies.size(); ++k) {
     const std::string at = "/bodies/" + std::to_string(k);
     check_body(d, d.bodies[k], at, report);
@@ -254,6 +258,8 @@ const DefTable& sph_table() {
         .vector("high", &D::high, "m", any(), "opposite corner; z is ignored in the plane")
         .number("spacing", &D::spacing, "m", above(0), "between particles at rest")
         .objects("bodies", &D::bodies, body_table(), {0, 1000}, "fluid at the start")
+        .texts("initial", &D::initial, {0, 3},
+               "m/s, initial velocity, added to that of the bodies: expressions of x, y and z")
         .objects("hollows", &D::hollows, hollow_table(), {0, 1000},
                  "regions without fluid at the start, even inside bodies of fluid: room for immersed bodies")
         .objects("emitters", &D::emitters, inlet_table(), {0, 64}, "nozzles")
@@ -282,6 +288,11 @@ const DefTable& sph_table() {
                 "viscosity that keeps particles in order; 0 if `viscosity` is resolved")
         .number("vorticity", &D::vorticity, "1", between(0, 10), "strength of vorticity confinement")
         .number(
+            "shifting", &D::shifting, "1", between(0, 4),
+            "strength of particle shifting, from where particles are dense to where they are sparse: for "
+            "flows inside a liquid, which gather particles along streamlines; absent: 2 in a full box that "
+            "is periodic along every axis, else 0")
+        .number(
             "density_error", &D::density_error, "1", {.min = 1e-6, .max = 0.1},
             "mean compression per substep at which a solve of dfsph ends; the largest may be ten times this")
         .integer("max_iterations", &D::max_iterations, between(2, 10'000), "of each solve of dfsph")
@@ -301,7 +312,7 @@ const DefTable& sph_table() {
         .choice("walls", &D::walls, {"slip", "no_slip"},
                 "no_slip: the box and colliders drag viscous fluid along")
         .vector("lid_velocity", &D::lid_velocity, "m/s", any(), "of the upper side in y, parallel to it")
-        .choice("periodic", &D::periodic, {"none", "x", "z", "xz"},
+        .choice("periodic", &D::periodic, {"none", "x", "y", "xy", "z", "xz", "yz", "xyz"},
                 "directions in which fluid that leaves the box re-enters at the other side");
     // The rest is common to all systems of points.
     add_kill_rows(table);
@@ -348,7 +359,9 @@ Cost sph_cost(const void* def) {
   const double substeps = d.solver == Method::wcsph ? 10 : 2, passes = d.solver == Method::wcsph ? 3 : 30;
   return {.state_bytes = n * scalar * 10,
           .workspace_bytes = pairs * 1.5 * (d.precision == Precision::f32 ? 17 : 50) +
-                             n * scalar * (d.solves_viscosity() ? 67 : 42) +
+                             n * scalar *
+                                 ((d.solves_viscosity() ? 67 : 42) +
+                                  (d.shifting.value_or(d.without_sides() ? 2 : 0) > 0 ? 5 : 0)) +
                              cells * (n >= kSortedByParts ? 20 : 8) + bytes_of_mesh_walls(d),
           .elements = n,
           .seconds_per_step = substeps * pairs * (4e-9 + passes * 0.7e-9)};

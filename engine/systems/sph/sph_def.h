@@ -1,6 +1,7 @@
 // Parameters of the system type "sph".
 #pragma once
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/collision/points/collider_def.h"
@@ -17,7 +18,8 @@ namespace truestep::sph {
 enum class Shape : uint8_t { box, ball };
 enum class Method : uint8_t { dfsph, wcsph, pbf };
 enum class Walls : uint8_t { slip, no_slip };
-enum class Periodic : uint8_t { none, x, z, xz };
+/// Bit a is set if the box is periodic along axis a.
+enum class Periodic : uint8_t { none, x, y, xy, z, xz, yz, xyz };
 enum class Tension : uint8_t { cohesion, interface };
 enum class Viscous : uint8_t { explicit_step, implicit_step, weiler2018 };
 enum class Precision : uint8_t { f32, f64 };
@@ -49,6 +51,7 @@ struct SphDef : KillDefs {
   Vec3 low, high{1, 1, 1};
   double spacing = 0.025;
   std::vector<BodyDef> bodies;
+  std::vector<std::string> initial;
   std::vector<HollowDef> hollows;
   std::vector<InletDef> emitters;
   std::optional<int64_t> max_particles;
@@ -56,6 +59,7 @@ struct SphDef : KillDefs {
   Smoothing kernel = Smoothing::cubic;
   double support = 2;
   double density = 1000, viscosity = 1e-6, artificial_viscosity = 0.02, xsph = 0.5, vorticity = 0;
+  std::optional<double> shifting;
   Viscous viscosity_step = Viscous::explicit_step;
   double surface_tension = 0;
   Tension surface_tension_model = Tension::cohesion;
@@ -80,10 +84,9 @@ struct SphDef : KillDefs {
   bool layered() const;
   /// The same liquid, with the density that all its parts have, if they do, as the system's.
   SphDef with_common_density() const;
-  bool wraps(int axis) const {
-    return axis == 0 ? periodic == Periodic::x || periodic == Periodic::xz
-                     : axis == 2 && (periodic == Periodic::z || periodic == Periodic::xz);
-  }
+  /// Whether the box is periodic along every axis.
+  bool without_sides() const { return wraps(0) && wraps(1) && (dimension == 2 || wraps(2)); }
+  bool wraps(int axis) const { return (static_cast<unsigned>(periodic) >> axis & 1u) != 0; }
 };
 
 const DefTable& sph_table();

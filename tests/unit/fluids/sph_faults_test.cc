@@ -47,6 +47,16 @@ TEST(SphScene, SaysWhatDoesNotFit) {
   d.lid_velocity.y = 1;
   EXPECT_EQ(faults(d), Faults{"/lid_velocity"});
   d = piece();
+  d.periodic = Periodic::xy;
+  EXPECT_EQ(faults(d), Faults{});
+  d.lid_velocity.x = 1;
+  EXPECT_EQ(faults(d), Faults{"/lid_velocity"}) << "no upper side";
+  d = piece();
+  d.initial = {"y", "0"};
+  EXPECT_EQ(faults(d), Faults{});
+  d.initial.push_back("0");
+  EXPECT_EQ(faults(d), Faults{"/initial"}) << "a third component in the plane";
+  d = piece();
   d.bodies.clear();
   EXPECT_EQ(faults(d), Faults{"/bodies"}) << "nothing at all";
   d = piece();
@@ -75,6 +85,23 @@ TEST(SphScene, SaysWhatDoesNotFit) {
   EXPECT_EQ(faults(d), Faults{"/emitters/0/radius"}) << "too many";
   d.emitters = {nozzle}, d.emitters[0].direction = {0, 0, 1};
   EXPECT_EQ(faults(d), Faults{"/emitters/0/direction"}) << "out of the plane";
+}
+
+TEST(SphScene, SaysWhichInitialVelocityIsNone) {
+  const auto fault = [](const std::string& text) -> std::string {
+    SphDef d = piece();
+    d.initial = {"0", text};
+    try {
+      const SphRun run(d);
+    } catch (const Error& e) {
+      return e.issues().at(0).pointer;
+    }
+    return "";
+  };
+  EXPECT_EQ(fault("sin(x"), "/initial/1") << "it does not end";
+  EXPECT_EQ(fault("z"), "/initial/1") << "no such axis in the plane";
+  EXPECT_EQ(fault("1 / (x - x)"), "/initial") << "not finite";
+  EXPECT_EQ(fault("sin(x)"), "") << "control";
 }
 
 TEST(SphScene, ExpectsAsManyParticlesAsThereAre) {

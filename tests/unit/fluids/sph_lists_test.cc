@@ -17,7 +17,8 @@ SphDef shaken_water(Periodic periodic, Precision precision, int dimension) {
   d.dimension = dimension, d.spacing = 0.1, d.precision = precision, d.periodic = periodic;
   d.high = {1.2, 1.2, dimension == 3 ? 0.9 : 1};
   const double half = dimension == 3 ? 0.45 : 1;
-  d.bodies = {{.center = {0.6, 0.5, 0.45}, .half_extents = {0.6, 0.5, half}}};
+  const double middle = d.wraps(1) ? 0.6 : 0.5;
+  d.bodies = {{.center = {0.6, middle, 0.45}, .half_extents = {0.6, middle, half}}};
   return d;
 }
 
@@ -87,16 +88,19 @@ void check(Periodic periodic) {
 }
 
 TEST(SphLists, HoldEveryNeighbourOnce) {
-  for (const Periodic periodic : {Periodic::none, Periodic::x, Periodic::z, Periodic::xz}) {
+  for (const Periodic periodic : {Periodic::none, Periodic::x, Periodic::y, Periodic::xy, Periodic::z,
+                                  Periodic::xz, Periodic::yz, Periodic::xyz}) {
     check<3, float>(periodic), check<3, double>(periodic);
   }
-  check<2, float>(Periodic::none), check<2, double>(Periodic::x);
+  for (const Periodic periodic : {Periodic::none, Periodic::x, Periodic::y, Periodic::xy}) {
+    check<2, float>(periodic), check<2, double>(periodic);
+  }
 }
 
 // What renewing makes of positions that have not moved is what listing made of them, to rounding of offsets
 // across a side.
 TEST(SphLists, AreRenewedAsTheyWere) {
-  Listed<3, float> all(shaken_water(Periodic::xz, Precision::f32, 3));
+  Listed<3, float> all(shaken_water(Periodic::xyz, Precision::f32, 3));
   const auto density = all.f.delta, stiffness = all.f.stiffness;
   all.near.renew(all.f, all.alone);
   double most = 0;

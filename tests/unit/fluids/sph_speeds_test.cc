@@ -76,7 +76,9 @@ TEST(SphSpeeds, ALiquidFromNozzlesHasPressure) {
 
 TEST(SphSpeeds, TheFastestOfAllCountsAndTheFallFromTheHighest) {
   SphDef d = puddle();
-  const auto expected = [&] { return expected_speed(d, build_colliders_but_solids(d.colliders), {}, kFall); };
+  const auto expected = [&] {
+    return expected_speed(d, build_colliders_but_solids(d.colliders), {}, kFall, 0);
+  };
   // From the nozzle's upper edge to the floor.
   EXPECT_NEAR(expected(), std::sqrt(4 + 2 * 9.81 * 0.6), 1e-12);
   d.kill_planes = {{.point = {0, 0.2, 0}}};
@@ -89,7 +91,7 @@ TEST(SphSpeeds, TheFastestOfAllCountsAndTheFallFromTheHighest) {
   d.colliders = {piston({})};
   EXPECT_NEAR(expected(), std::sqrt(4 + 2 * 9.81 * 0.6), 1e-12) << "control: one at rest";
   // The same box lying on its side.
-  const double aside = expected_speed(d, build_colliders_but_solids(d.colliders), {}, {9.81, 0, 0});
+  const double aside = expected_speed(d, build_colliders_but_solids(d.colliders), {}, {9.81, 0, 0}, 0);
   EXPECT_NEAR(aside, std::sqrt(4 + 2 * 9.81 * (0.8 - 0.25 + 0.1)), 1e-12);
 }
 

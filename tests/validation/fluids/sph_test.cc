@@ -31,14 +31,15 @@ TEST(SphValidation, ADiskIsPulledToAnEllipse) {
     d.dimension = 2, d.low = {-3, -3, 0}, d.high = {3, 3, 1}, d.spacing = 0.02, d.precision = Precision::f64;
     // In substeps of 50 us a compression of 1e-4 is a rate of 2/s, of 100/s that act.
     d.solver = solver, d.xsph = 0, d.viscosity = 0, d.density_error = 1e-6;
+    // Particles under the cubic spline of two spacings come to lie such that the density of wcsph is no
+    // longer their own: its diffusion then drives them apart, and the disk is 1.5 % too long.
+    if (solver == Method::wcsph) d.kernel = Smoothing::wendland_c2, d.support = 3;
     d.bodies = {{.shape = Shape::ball, .center = {}, .strain = {-100, 100, 0}, .radius = 1}};
     SphRun run(d, 1e-4);
     const double before = square_sum(run, 1);
     run.seconds(0.0076);
     const double b = std::sqrt(square_sum(run, 1) / before);
-    // The case's tolerance; weakly compressible runs are 1 to 2 % off everywhere, as it says.
-    const double most = solver == Method::wcsph ? 0.02 : 0.01;
-    EXPECT_NEAR(b, 1.94451719071562, most * 1.9445) << static_cast<int>(solver);
+    EXPECT_NEAR(b, 1.94451719071562, 0.01 * 1.9445) << static_cast<int>(solver);  // the case's tolerance
     EXPECT_GT(std::abs(b - 1 - 100 * 0.0076), 0.1) << "control: without pressure";
   }
 }
@@ -87,6 +88,19 @@ TEST(SphValidation, AForceDrivesAChannel) {
   EXPECT_GT(middle_speed(slip), 2e-5) << "control: walls that do not hold it";
 }
 
+// Viscosity makes substeps short in which the flow hardly moves. Corrected at once, compressions of a
+// millionth in such a substep took pressures that made the rows buckle: particles at 3 mm/s in a channel of
+// 12 um/s.
+TEST(SphValidation, AFineChannelKeepsItsRows) {
+  SphDef d = channel(Method::dfsph);
+  d.spacing = 1.25e-5;
+  SphRun run(d, 1.25e-4, {1e-4, 0, 0});
+  run.seconds(0.0225);
+  EXPECT_NEAR(middle_speed(run), 2.23273750702e-6, 0.02 * 1.25e-5);
+  EXPECT_LT(run.observe("speed.max"), 1.25e-5);
+  EXPECT_GT(run.observe("substeps"), 1) << "control: viscosity divides its steps";
+}
+
 // Case fluid.standing_wave: the first mode of a tank half a wavelength long. It starts with the velocities of
 // the linear theory, and crosses the middle after half a period.
 TEST(SphValidation, AStandingWaveKeepsItsPeriod) {
@@ -95,6 +109,9 @@ TEST(SphValidation, AStandingWaveKeepsItsPeriod) {
     SphDef d;
     d.dimension = 2, d.high = {1, 1.5, 1}, d.spacing = 0.025, d.precision = Precision::f64, d.solver = solver;
     d.xsph = 0, d.viscosity = 0;
+    // The rows of a lattice under the cubic spline of two spacings buckle, which costs or gives 1 to 3 %.
+    if (solver != Method::pbf) d.kernel = Smoothing::wendland_c2, d.support = 3;
+    if (solver == Method::dfsph) d.spacing = 0.02, d.density_error = 1e-5;
     d.bodies = {{.center = {0.5, 0.5, 0}, .half_extents = {0.5, 0.5, 1}}};
     SphRun run(d, 0.002, {0, -9.81, 0});
     RealColumn<double> v(run.state, columns::velocity);
@@ -113,9 +130,8 @@ TEST(SphValidation, AStandingWaveKeepsItsPeriod) {
       }
       before = now;
     }
-    // The case demands 1 % of the period of waves of infinitesimal height. 40 particles of depth give 3 %,
-    // with few position corrections 6 %.
-    EXPECT_NEAR(crossed, kPi / kOmega, (solver == Method::pbf ? 0.06 : 0.03) * kPi / kOmega)
+    // The case's 1 % of the period of waves of infinitesimal height; with few position corrections 6 %.
+    EXPECT_NEAR(crossed, kPi / kOmega, (solver == Method::pbf ? 0.06 : 0.01) * kPi / kOmega)
         << static_cast<int>(solver);
     EXPECT_GT(std::abs(crossed - kPi / std::sqrt(9.81)), 0.3) << "control: a wave as long as it is deep";
   }

@@ -3,10 +3,13 @@
 // density. Both start from the pressures of the previous substep; pressure never pulls. In the first a wall
 // is the fluid's mirror image: were it a region at rest, the even rows of a lattice could fall through the
 // odd ones (the gradient at a row sees only the two rows next to it). In the second it is what the density
-// sums up.
+// sums up. A liquid that fills a box without sides cannot part, and its density has no room to yield: there
+// pressures pull too, only differences count (their mean is 0), the first solve is the only one and particles
+// keep their density by being shifted, as in projection methods (Lind, Xu, Stansby & Rogers 2012).
 #pragma once
 #include <algorithm>
 #include <array>
+#include <limits>
 
 #include "engine/systems/sph/bodies.h"
 
@@ -25,22 +28,33 @@ class Dfsph {
   struct Solved {
     SolveResult flow, push;
   };
+  /// A substep of `h` s. Of the compression that a substep may remove it removes the part `share`; it is the
+  /// part `part` of the time in which the flow moves as far as in a substep it may.
+  struct Pace {
+    double h, share, part;
+  };
   /// Removes compression from the velocities (a torn region may close, by a part of the gap per substep),
-  /// then makes them such that the density after a substep of `h` s is the rest density. Of the compression
-  /// that a substep may remove, this one removes the part `share`.
-  Solved solve(Fluid<D, T>& f, BodiesIn<D, T>& bodies, double h, double share,
-               const ThreadArena& arena) const {
-    const T most = static_cast<T>(kMostAtOnce * share);
+  /// then makes them such that the density after a substep is the rest density, or nearer to it by `part`:
+  /// corrected at once, in substeps that viscosity makes short, an error that the flow does not feel would
+  /// take pressures that shake it.
+  Solved solve(Fluid<D, T>& f, BodiesIn<D, T>& bodies, const Pace& pace, const ThreadArena& arena) const {
+    const double h = pace.h, error = h * h / pace.part;
+    const T most = static_cast<T>(kMostAtOnce * pace.share), part = static_cast<T>(pace.part);
     const T step = static_cast<T>(h), per_step = 1 / step, closing = static_cast<T>(kClosing / h);
     begin_from(f, f.flow, arena);
     push_by<Answer::mirror>(f, f.flow, arena);
     move<Answer::mirror>(f, bodies, f.flow, h, arena);
     Solved out;
     out.flow = relax<Answer::mirror>(
-        f, bodies, f.flow, h * h, arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
+        f, bodies, f.flow, error, arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
           const T rate = compression<Answer::mirror, D, T>(f, f.v, i, c, begin, end) + 2 * f.drive[i];
           return per_step * (rate + closing * std::min(f.delta[i] - static_cast<T>(kGap), T{0}));
         });
+    if (set_.closed) {
+      push_by<Answer::mirror>(f, f.change, arena);
+      move<Answer::mirror>(f, bodies, f.change, h, arena);
+      return out;
+    }
     // The result of the first solve and the start of the second push in one pass.
     begin_from(f, f.push, arena);
     push_by_both(f, f.change, f.push, f.next, arena);
@@ -49,9 +63,9 @@ class Dfsph {
     }
     move<Answer::rest>(f, bodies, f.push, h, arena);
     out.push = relax<Answer::rest>(
-        f, bodies, f.push, h * h, arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
+        f, bodies, f.push, error, arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
           const T rate = compression<Answer::rest, D, T>(f, f.v, i, c, begin, end) + f.drive[i];
-          return per_step * (per_step * std::min(f.delta[i] - 1, most) + rate);
+          return per_step * (per_step * part * std::min(f.delta[i] - 1, most) + rate);
         });
     push_by<Answer::rest>(f, f.change, arena);
     move<Answer::rest>(f, bodies, f.change, h, arena);
@@ -85,15 +99,18 @@ class Dfsph {
     if (bodies.any()) bodies.template answer<A>(q), bodies.follow(f, h);
   }
 
-  /// Solves for q >= 0, starting from begin_from, such that no compression remains. The velocities already
-  /// contain the effect of the initial q, and residual(slot, chunk, begin, end) is the compression (1/s^2)
-  /// left in them; `error` makes it relative. Leaves in f.change the change from the initial pressures.
-  /// Projected gradient method with Nesterov's acceleration, restarted where it goes uphill (O'Donoghue &
-  /// Candes 2015): the matrix is symmetric and has no negative eigenvalue.
+  /// Solves for q >= 0 (in a closed box, for q with the mean 0), starting from begin_from, such that no
+  /// compression remains. The velocities already contain the effect of the initial q, and residual(slot,
+  /// chunk, begin, end) is the compression (1/s^2) left in them; `error` makes it relative. Leaves in
+  /// f.change the change from the initial pressures. Projected gradient method with Nesterov's acceleration,
+  /// restarted where it goes uphill (O'Donoghue & Candes 2015): the matrix is symmetric and has no negative
+  /// eigenvalue.
   template <Answer A, class Residual>
   SolveResult relax(Fluid<D, T>& f, BodiesIn<D, T>& bodies, Aligned<T>& q, double error,
                     const ThreadArena& arena, const Residual& residual) const {
     const bool any = bodies.any();
+    const T floor = set_.closed ? std::numeric_limits<T>::lowest() : T{0};
+    T mean = 0;  // of the residuals, in a closed box: pressures cannot change it
     const T least = static_cast<T>(1e-6 / (set_.support * set_.support));
     T relaxation = static_cast<T>(set_.relaxation);
     SolveResult out;
@@ -109,7 +126,7 @@ class Dfsph {
       const auto left = f.tally(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
         if (f.fixed(i)) {
           f.iterate[i] = f.next[i] = 0;
-          return std::array<double, 2>{0, 0};
+          return std::array<double, 3>{0, 0, 0};
         }
         T rest;
         if (first) {
@@ -118,6 +135,8 @@ class Dfsph {
           rest = f.source[i] + compression<A, D, T>(f, f.a, i, c, begin, end);
           if (any) rest += bodies.recoil(i);
         }
+        const T total = rest;
+        rest -= mean;
         T own = f.stiffness[i];
         if constexpr (A == Answer::mirror) {
           const T *pull = f.pull.data() + 4 * i, *wall = f.wall.data() + 4 * i;
@@ -125,13 +144,17 @@ class Dfsph {
         }
         if (any) own += bodies.template give<A>(i);
         // Where there is pressure, expansion is an error too.
-        const double wrong = q[i] > 0 ? std::abs(double{rest}) : std::max(double{rest}, 0.0);
-        const T to = own > least ? std::max(q[i] + relaxation * rest / own, T{0}) : T{0};
+        const double wrong = q[i] > floor ? std::abs(double{rest}) : std::max(double{rest}, 0.0);
+        const T to = own > least ? std::max(q[i] + relaxation * rest / own, floor) : T{0};
         const T way = to - f.iterate[i];
-        f.iterate[i] = to, f.next[i] = std::max(to + beyond * way, T{0});
-        return std::array<double, 2>{wrong * error, double{rest} * double{way}};
+        f.iterate[i] = to, f.next[i] = std::max(to + beyond * way, floor);
+        return std::array<double, 3>{wrong * error, double{rest} * double{way}, double{total}};
       });
       ++out.iterations;
+      if (set_.closed) {
+        mean = static_cast<T>(left.third / static_cast<double>(f.n));
+        center(f, f.iterate, arena), center(f, f.next, arena);
+      }
       out.mean = left.sum / std::max(static_cast<double>(f.n), 1.0), out.most = left.most;
       const bool good = out.iterations >= kLeastIterations && out.mean <= set_.def.density_error &&
                         out.most <= kMostOverMean * set_.def.density_error;
@@ -144,6 +167,16 @@ class Dfsph {
     }
     go_to(f, q, f.iterate, arena);
     return out;
+  }
+  /// Subtracts the mean of q.
+  static void center(Fluid<D, T>& f, Aligned<T>& q, const ThreadArena& arena) {
+    const auto all = f.tally(arena, [&](size_t i, const Chunk<T>&, size_t, size_t) {
+      return std::array<double, 3>{0, 0, double{q[i]}};
+    });
+    const T mean = static_cast<T>(all.third / static_cast<double>(f.n));
+    arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) q[i] -= mean;
+    });
   }
   /// q becomes `to`, f.change its difference from the start.
   static void go_to(Fluid<D, T>& f, Aligned<T>& q, const Aligned<T>& to, const ThreadArena& arena) {

@@ -5,11 +5,12 @@
 #include "engine/base/errors.h"
 #include "engine/base/text/short_number.h"
 #include "engine/systems/sph/neighbours.h"
+#include "engine/systems/sph/solvers/allowed.h"
 #include "engine/systems/sph/solvers/dfsph.h"
 #include "engine/systems/sph/solvers/divergence.h"
-#include "engine/systems/sph/solvers/layer_load.h"
 #include "engine/systems/sph/solvers/pbf.h"
 #include "engine/systems/sph/solvers/read_pressures.h"
+#include "engine/systems/sph/solvers/shifting.h"
 #include "engine/systems/sph/solvers/tension.h"
 #include "engine/systems/sph/solvers/viscosity.h"
 #include "engine/systems/sph/solvers/vorticity.h"
@@ -26,11 +27,13 @@ class SolverOf final : public Solver {
  public:
   explicit SolverOf(const Setting& setting)
       : set_(setting),
+        allowed_(setting),
         neighbours_(setting),
         walls_(setting),
         dfsph_(setting),
         wcsph_(setting),
         pbf_(setting, neighbours_, walls_),
+        shifting_(setting),
         viscosity_(setting, walls_) {
     const SphDef& d = setting.def;
     implicit_ = d.solves_viscosity();
@@ -52,11 +55,13 @@ class SolverOf final : public Solver {
     for (int64_t k = 0; left > 0; ++k) {
       f.resize(s.rows(columns::position));
       const double walls = fastest_wall(set_.def, set_.colliders, set_.meshes, in.t + in.h - left, left);
-      const double allowed = limit(s, f, std::max(bodies.fastest(), walls), gravity, in.arena);
+      const auto [allowed, flow] = allowed_(s, f, std::max(bodies.fastest(), walls), gravity, in.arena);
       const double parts = std::ceil(left / allowed);
       if (!(parts + static_cast<double>(k) <= set_.def.max_substeps)) refuse(allowed);
       const double h = parts > 1 ? left / parts : left;
-      substep(s, f, bodies, gravity, in, in.t + in.h - left, h, tracks);
+      // Where viscosity alone divides a step, the flow hardly moves in a substep.
+      const double part = in.h > allowed && flow > allowed ? std::max(h / flow, kLeastPart) : 1;
+      substep(s, f, bodies, gravity, in, {.t = in.t + in.h - left, .h = h, .part = part}, tracks);
       tracks.courant = std::max(tracks.courant, h / allowed * set_.def.courant);
       ++tracks.substeps;
       left = h < left ? left - h : 0;
@@ -92,80 +97,26 @@ class SolverOf final : public Solver {
     return f;
   }
 
+  struct Substep {
+    double t, h, part;  ///< s, start and length; 1, of the time in which the flow moves as far as it may
+  };
   struct Tracks {
     double mean = 0, most = 0, substeps = 0, density = 0, flow = 0, viscous = 0, courant = 0;
   };
 
-  /// s, allowed by the fastest particle, body or wall (`solids`, m/s), sound and viscosity.
-  double limit(const State& s, Fluid<D, T>& f, double solids, const Vec3& gravity,
-               const ThreadArena& arena) const {
-    const auto v = s.span<T>(columns::velocity);
-    const SphDef& d = set_.def;
-    f.partial.assign((f.n + kBlockRows - 1) / kBlockRows, 0);
-    arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
-      double most = 0;
-      for (size_t k = begin; k < end; ++k) {
-        double square = 0;
-        for (size_t a = 0; a < D; ++a) square += double{v[3 * k + a]} * double{v[3 * k + a]};
-        if (!(square <= most)) most = square;
-      }
-      f.partial[begin / kBlockRows] = most;
-    });
-    double most = solids * solids;
-    for (const Inlet& inlet : set_.inlets) most = std::max(most, inlet.speed * inlet.speed);
-    for (const double square : f.partial) {
-      if (!(square <= most)) most = square;
-    }
-    const double sound = d.solver == Method::wcsph ? set_.sound / std::sqrt(set_.lightest) : 0;
-    const double half = 0.5 * (std::sqrt(most) + sound), reach = d.courant * d.spacing;
-    // Speed that includes acceleration by gravity on the way.
-    const double way = half + std::sqrt(half * half + norm(gravity) * reach);
-    double out = way > 0 ? reach / way : way == 0 ? HUGE_VAL : way;
-    if (const double g = norm(gravity); g > 0 && d.solver != Method::wcsph) {
-      out = std::min(out, kFall * std::sqrt(d.spacing / g));
-      if (d.solver == Method::pbf) {
-        const double under = std::max(
-            depth<D>(s.span<T>(columns::position).data(), f.n, gravity / g, f.partial, arena), d.spacing);
-        const double most = d.pbf_iterations == 1 ? kCarriedByOne : kCarried;
-        out = std::min(out, d.spacing * std::sqrt(most * d.pbf_iterations / (g * under)));
-        // Not by the pressures found: those of a shorter substep are larger, and would shorten the next.
-        if (set_.ratio) {
-          const double load = load_by_weight<D>(set_, s.span<T>(columns::position).data(),
-                                                s.span<T>(set_.ratio).data(), f.n, gravity, f.partial);
-          const double layers = std::min(most, kCarriedLayers) * d.pbf_iterations;
-          if (load > 0) out = std::min(out, d.spacing * std::sqrt(layers / load));
-        }
-      }
-    }
-    if (set_.ratio && d.solver == Method::dfsph && norm(gravity) > 0) {
-      const T* ratio = s.span<T>(set_.ratio).data();
-      const double found = load_of_pressures(s.span<T>(columns::push).data(), s.span<T>(columns::flow).data(),
-                                             ratio, f.n, f.partial, arena);
-      const double weight =
-          load_by_weight<D>(set_, s.span<T>(columns::position).data(), ratio, f.n, gravity, f.partial);
-      out = std::min(out, kHeld * d.spacing / std::sqrt(std::min(found, kMostOverWeight * weight)));
-    }
-    if (d.surface_tension > 0) {
-      const double inertia = d.density * set_.lightest * d.spacing * d.spacing * d.spacing;
-      out = std::min(out, kCapillary * std::sqrt(inertia / d.surface_tension));
-    }
-    if (viscous_) out = std::min(out, kDiffusion * set_.support * set_.support / d.viscosity);
-    return out;
-  }
-
-  /// One substep of h s from `t`.
   void substep(State& s, Fluid<D, T>& f, BodiesIn<D, T>& bodies, const Vec3& gravity, const StepInput& in,
-               double t, double h, Tracks& tracks) const {
+               const Substep& now, Tracks& tracks) const {
+    const double t = now.t, h = now.h, end = t + h;
     const SphDef& d = set_.def;
     const bool places = d.solver == Method::pbf;
     if (places) {
-      fall(s, gravity, t, static_cast<T>(h), in.arena);
+      fall(s, gravity, now, in.arena);
       bodies.pull(f, gravity, h), bodies.advance(h);
     }
     {
       const ProfileScope scope(in.profile, "sph neighbours");
       neighbours_.sort(f, s.span<T>(columns::position).data(), in.arena);
-      walls_.shares(f, places ? t + h : t, in.arena);
+      walls_.shares(f, places ? end : t, in.arena);
       if (bodies.any()) bodies.touch(f, in.arena);
       if (f.weighted) weigh(s, f, t, in.arena);
       neighbours_.list(f, in.arena);
@@ -173,7 +124,7 @@ class SolverOf final : public Solver {
     }
     const ProfileScope scope(in.profile, "sph pressure");
     if (places) {
-      pbf_.correct(f, bodies, t + h, h, in.arena);
+      pbf_.correct(f, bodies, end, h, in.arena);
       tracks.density += d.pbf_iterations;
     }
     forces(f, places ? Vec3{} : gravity, t, static_cast<T>(h), in.arena);
@@ -183,20 +134,33 @@ class SolverOf final : public Solver {
     if (d.solver == Method::wcsph) wcsph_.advance(f, bodies, gravity, h, in.arena);
     if (d.solver == Method::dfsph) {
       // Substeps that a load makes short must not separate an overlap of the start as much faster.
-      const double g = norm(gravity), longest = g > 0 ? kFall * std::sqrt(d.spacing / g) : h;
+      const double g = norm(gravity), longest = g > 0 ? allowed_.by_fall(g) : h;
       const double share = set_.ratio && t < kSettling * longest ? std::min(h / longest, 1.0) : 1;
-      const auto [flow, push] = dfsph_.solve(f, bodies, h, share, in.arena);
+      const auto [flow, push] = dfsph_.solve(f, bodies, {.h = h, .share = share, .part = now.part}, in.arena);
       tracks.flow += flow.iterations, tracks.density += push.iterations;
     }
     const bool both = d.solver == Method::wcsph;
     const auto error = f.tally(in.arena, [&](size_t i, const Chunk<T>&, size_t, size_t) {
       const double e = double{f.delta[i]} - 1;
-      return std::array<double, 2>{both ? std::abs(e) : std::max(e, 0.0), 0};
+      return std::array<double, 3>{both ? std::abs(e) : std::max(e, 0.0), 0, 0};
     });
     tracks.mean = error.sum / std::max(static_cast<double>(f.n), 1.0), tracks.most = error.most;
-    move(s, f, t + h, static_cast<T>(h), in.arena);
+    if (shifting_.any()) {
+      const ProfileScope shifts(in.profile, "sph shifting");
+      shifting_.shift(f, fastest(f, in.arena) * h, both, in.arena);
+    }
+    move(s, f, end, static_cast<T>(h), in.arena);
     if (!places) bodies.advance(h);
-    if (!set_.inlets.empty()) pour(set_, s, t + h, in.workspace);
+    if (!set_.inlets.empty()) pour(set_, s, end, in.workspace);
+  }
+
+  /// m/s, of any particle.
+  double fastest(Fluid<D, T>& f, const ThreadArena& arena) const {
+    const auto squares = f.tally(arena, [&](size_t i, const Chunk<T>&, size_t, size_t) {
+      const T* v = f.v.data() + 4 * i;
+      return std::array<double, 3>{double{v[0] * v[0] + v[1] * v[1] + v[2] * v[2]}, 0, 0};
+    });
+    return std::sqrt(squares.most);
   }
 
   /// Gravity, viscosity, surface tension.
@@ -281,19 +245,19 @@ class SolverOf final : public Solver {
     });
   }
 
-  /// Velocities and positions after h s from t under gravity alone.
-  void fall(State& s, const Vec3& gravity, double t, T h, const ThreadArena& arena) const {
-    const double after = t + double{h};
+  /// Velocities and positions after a substep under gravity alone.
+  void fall(State& s, const Vec3& gravity, const Substep& now, const ThreadArena& arena) const {
+    const T h = static_cast<T>(now.h);
     T *x = s.span<T>(columns::position).data(), *v = s.span<T>(columns::velocity).data();
     const T g[3] = {static_cast<T>(gravity.x), static_cast<T>(gravity.y), static_cast<T>(gravity.z)};
     arena.for_blocks(s.rows(columns::position), kBlockRows, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
         T unused[3] = {}, place[3] = {};
         const bool free = set_.inlets.empty() ||
-                          !nozzle_at({double{x[3 * i]}, double{x[3 * i + 1]}, double{x[3 * i + 2]}}, t);
+                          !nozzle_at({double{x[3 * i]}, double{x[3 * i + 1]}, double{x[3 * i + 2]}}, now.t);
         for (size_t a = 0; a < D; ++a)
           place[a] = x[3 * i + a] + h * (v[3 * i + a] + (free ? h * g[a] : T{0}));
-        walls_.keep_inside(place, unused, after);
+        walls_.keep_inside(place, unused, now.t + now.h);
         for (size_t a = 0; a < D; ++a) v[3 * i + a] = (place[a] - x[3 * i + a]) / h;
         walls_.wrap(place);
         for (size_t a = 0; a < D; ++a) x[3 * i + a] = place[a];
@@ -306,7 +270,8 @@ class SolverOf final : public Solver {
   void load(const State& s, Fluid<D, T>& f, double weight, const ThreadArena& arena) const {
     const T *v = s.span<T>(columns::velocity).data(), *push = s.span<T>(columns::push).data(),
             *flow = s.span<T>(columns::flow).data(), *density = s.span<T>(columns::density).data();
-    const bool carried = set_.def.solver == Method::wcsph;
+    const bool carried = set_.def.solver == Method::wcsph, shifts = shifting_.any();
+    if (shifts) f.inside.resize(f.n);
     const T sound = static_cast<T>(set_.sound), per_layer = static_cast<T>(1 / (set_.def.spacing * weight));
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
@@ -314,6 +279,7 @@ class SolverOf final : public Solver {
         for (size_t a = 0; a < 3; ++a) f.v[4 * k + a] = v[3 * i + a];
         f.v[4 * k + 3] = 0;
         f.push[k] = push[i], f.flow[k] = flow[i];
+        if (shifts) f.inside[k] = Shifting<D, T>::inside(f.delta[k]);
         if (carried) f.delta[k] = density[i];
         const T under = carried ? tait(f.delta[k], sound) : f.push[k] + f.flow[k];
         const T layers = f.weighted ? under * per_layer * f.light[k] : under * per_layer;
@@ -328,6 +294,7 @@ class SolverOf final : public Solver {
       *push = s.span<T>(columns::push).data(), *flow = s.span<T>(columns::flow).data(),
       *density = s.span<T>(columns::density).data(), *pressure = s.span<T>(columns::pressure).data();
     const bool carried = set_.def.solver == Method::wcsph, solved = set_.def.solver == Method::dfsph;
+    const bool shifts = shifting_.any();
     const T on = set_.def.solver == Method::pbf ? T{0} : h;
     const T rest = static_cast<T>(set_.def.density), sound = static_cast<T>(set_.sound);
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
@@ -335,6 +302,7 @@ class SolverOf final : public Solver {
         const size_t i = f.row[k];
         T place[3] = {}, speed[3] = {};
         for (size_t a = 0; a < D; ++a) speed[a] = f.v[4 * k + a], place[a] = f.x[a][k] + on * speed[a];
+        for (size_t a = 0; shifts && a < D; ++a) place[a] += f.shift[4 * k + a];
         walls_.keep_off(place, speed, t);
         for (size_t a = 0; a < D; ++a) x[3 * i + a] = place[a], v[3 * i + a] = speed[a];
         const T d = f.delta[k];
@@ -356,30 +324,17 @@ class SolverOf final : public Solver {
     throw failure;
   }
 
-  /// Fraction of the period of the shortest wave of surface tension: sqrt(rho s^3 / (2 pi sigma)) over 2.5.
-  static constexpr double kCapillary = 0.16;
-  /// Fraction of the time in which a particle falls half a spacing: with longer substeps a pool does not come
-  /// to rest.
-  static constexpr double kFall = 0.09;
-  /// For pbf, the largest g H (h / s)^2 per iteration of a substep at which the compression of a pool H deep
-  /// stays in order: at twice as much, corrections shoot particles out. A single iteration, which no second
-  /// one corrects, overshoots much earlier.
-  static constexpr double kCarried = 0.09, kCarriedByOne = 0.012;
-  /// The same between liquids of different density, by the load on the lightest (layer_load.h): at 0.2 two of
-  /// 100:1 burst, at 0.02 the first corrections add 2 % of energy.
-  static constexpr double kCarriedLayers = 0.04;
-  /// For dfsph between such liquids, the largest h sqrt(p / rho) / s, p and rho of a particle: at 1.3 the
-  /// light liquid collapses. What separates an overlap counts up to so many weights.
-  static constexpr double kHeld = 0.6, kMostOverWeight = 4;
+  static constexpr double kLeastPart = 1e-4;  ///< of a flow that does not move
   static constexpr double kSettling = 20;  ///< longest substeps, in which an overlap of the start separates
-  static constexpr double kDiffusion = 0.03;  ///< of the squared kernel radius: Morris, Fox & Zhu 1997
 
   const Setting& set_;
+  Allowed<D, T> allowed_;
   Neighbours<D, T> neighbours_;
   BoxWalls<D, T> walls_;
   Dfsph<D, T> dfsph_;
   Wcsph<D, T> wcsph_;
   Pbf<D, T> pbf_;
+  Shifting<D, T> shifting_;
   ImplicitViscosity<D, T> viscosity_;
   bool viscous_ = false;   ///< explicit viscosity, by short enough substeps
   bool implicit_ = false;  ///< by a solve

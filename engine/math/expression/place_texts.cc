@@ -1,11 +1,11 @@
-#include "engine/systems/mpm/texts.h"
+#include "engine/math/expression/place_texts.h"
 
 #include "engine/base/errors.h"
 #include "engine/math/expression/names.h"
 
-namespace truestep::mpm {
+namespace truestep {
 
-Texts::Texts(const std::vector<std::string>& texts, int dimension, const std::string& pointer) {
+PlaceTexts::PlaceTexts(const std::vector<std::string>& texts, int dimension, const std::string& pointer) {
   ExpressionGraph graph;
   ExpressionNames names;
   const char* const variables[] = {"t", "x", "y", "z"};
@@ -25,11 +25,11 @@ Texts::Texts(const std::vector<std::string>& texts, int dimension, const std::st
   components_ = roots.size();
 }
 
-void Texts::run(double t, const double* x, const double* y, const double* z, size_t count, double* out,
-                size_t stride) const {
+void PlaceTexts::run(double t, const double* x, const double* y, const double* z, size_t count, double* out,
+                     size_t stride) const {
   const ExpressionRows::Column variables[] = {{&t, 0}, {x, 1}, {y, 1}, {z, 1}};
   const ExpressionRows::Output to[3] = {{out, 1}, {out + stride, 1}, {out + 2 * stride, 1}};
   program_.run(variables, {to, components_}, 0, count);
 }
 
-}  // namespace truestep::mpm
+}  // namespace truestep

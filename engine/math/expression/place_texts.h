@@ -1,5 +1,4 @@
-// Expressions of a scene evaluated at particles: an acceleration by position and time, and exact positions
-// over time.
+// A vector that a scene gives as expressions of place and time: velocity, acceleration, position.
 #pragma once
 #include <string>
 #include <vector>
@@ -7,16 +6,16 @@
 #include "engine/math/expression/rows.h"
 #include "engine/math/vec3.h"
 
-namespace truestep::mpm {
+namespace truestep {
 
 /// Up to three expressions of t, x, y and z (no z in the plane).
-class Texts {
+class PlaceTexts {
  public:
   static constexpr size_t kMost = ExpressionRows::kBlock;
 
-  Texts() = default;
+  PlaceTexts() = default;
   /// Error "scene_invalid" with `pointer` and an index after it if a text is invalid. Empty texts: nothing.
-  Texts(const std::vector<std::string>& texts, int dimension, const std::string& pointer);
+  PlaceTexts(const std::vector<std::string>& texts, int dimension, const std::string& pointer);
 
   bool empty() const { return components_ == 0; }
   size_t instructions() const { return program_.instructions(); }
@@ -29,4 +28,4 @@ class Texts {
   size_t components_ = 0;
 };
 
-}  // namespace truestep::mpm
+}  // namespace truestep

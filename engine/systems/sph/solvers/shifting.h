@@ -1,0 +1,90 @@
+// Particle shifting: after a substep particles move a little from where they are dense to where they are
+// sparse, so that a flow does not gather them along its streamlines,
+//   dx = -A u h H grad C,  grad C_i = sum_j V (1 + R (W_ij / W(s))^4) grad W_ij,
+// u the fastest particle's speed, h the substep, H the kernel's radius, s the spacing (Skillen, Lind, Stansby
+// & Rogers 2013; u and the term with R = 0.2 as by Sun, Colagrossi, Marrone & Zhang 2017, who have A = 2).
+// What the flow has at the new place follows from its gradient (Lind, Xu, Stansby & Rogers 2012, equation
+// 33). Near a free surface grad C points out of the liquid, so that particles stay.
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+#include "engine/systems/sph/fluid.h"
+
+namespace truestep::sph {
+
+template <int D, class T>
+class Shifting {
+ public:
+  explicit Shifting(const Setting& set)
+      : set_(set),
+        per_near_(
+            static_cast<T>(1 / (set.kernel_w * smoothing_at(set.def.kernel, 1 / set.def.support).w[0]))) {}
+
+  bool any() const { return set_.shifting > 0; }
+
+  /// Whether a particle has neighbours all around it: 0 to 1, from the kernel's sum over particles and walls.
+  static T inside(T sum) { return std::clamp((sum - T(0.9)) / T(0.08), T{0}, T{1}); }
+
+  /// Leaves displacements in f.shift (m, four a row), and changes velocities and, if `carried`, densities to
+  /// those there; `way` (m) is that of the fastest particle in the substep.
+  void shift(Fluid<D, T>& f, double way, bool carried, const ThreadArena& arena) const {
+    const double reach = set_.support;
+    const T scale = static_cast<T>(std::min(set_.shifting * way, kStable * reach) * reach);
+    const T most = static_cast<T>(kMost * set_.def.spacing);
+    f.shift.resize(4 * f.n);
+    f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
+      W sums[D];
+      for (auto& s : sums) s = W::zero();
+      for (size_t k = begin; k < end; k += W::kLanes) {
+        const W ratio = load(c.w.data() + k) * W::all(per_near_), square = ratio * ratio;
+        const W by = W::all(kNear) * square * square;
+        for (size_t a = 0; a < D; ++a) sums[a] = madd(by, c.gradient(a, k), sums[a]);
+      }
+      const T part = f.fixed(i) ? T{0} : scale * f.inside[i];
+      T* out = f.shift.data() + 4 * i;
+      T square = 0;
+      out[2] = out[3] = 0;
+      for (size_t a = 0; a < D; ++a) {
+        out[a] = -part * (f.pull[4 * i + a] + f.unit * sum(sums[a])), square += out[a] * out[a];
+      }
+      if (square > most * most) {
+        const T less = most / std::sqrt(square);
+        for (size_t a = 0; a < D; ++a) out[a] *= less;
+      }
+    });
+    f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
+      const T *by = f.shift.data() + 4 * i, *v = f.v.data() + 4 * i;
+      W sums[D], denser = W::zero();
+      for (auto& s : sums) s = W::zero();
+      for (size_t k = begin; k < end; k += W::kLanes) {
+        W other[4], along = W::zero();
+        c.rows_of(f.v, k, other);
+        for (size_t a = 0; a < D; ++a) along = madd(c.gradient(a, k), W::all(by[a]), along);
+        for (size_t a = 0; a < D; ++a) sums[a] = madd(along, other[a] - W::all(v[a]), sums[a]);
+        if (carried) denser = madd(along, c.of(f.delta, k) - W::all(f.delta[i]), denser);
+      }
+      T* out = f.a.data() + 4 * i;
+      out[2] = out[3] = 0;
+      for (size_t a = 0; a < D; ++a) out[a] = f.unit * sum(sums[a]);
+      if (carried) f.source[i] = f.unit * sum(denser);
+    });
+    arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t k = 4 * begin; k < 4 * end; ++k) f.v[k] += f.a[k];
+      if (!carried) return;
+      for (size_t i = begin; i < end; ++i) f.delta[i] += f.source[i];
+    });
+  }
+
+ private:
+  using W = Wide<T>;
+  static constexpr T kNear = T(0.2);
+  static constexpr double kStable =
+      0.125;                            ///< 1/2 of the squared smoothing length H / 2: their stability bound
+  static constexpr double kMost = 0.2;  ///< spacings in a substep
+
+  const Setting& set_;
+  T per_near_;
+};
+
+}  // namespace truestep::sph
