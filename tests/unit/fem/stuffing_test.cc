@@ -3,13 +3,12 @@
 
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "engine/geometry/make/stuffing.h"
 
 namespace truestep {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 double volume_of(const Stuffing& s) {
   double v = 0;
@@ -48,7 +47,7 @@ size_t border_faces(const Stuffing& s) {
 }
 
 // Bounds that Labelle and Shewchuk prove for their patterns: 10.7 and 164.8 degrees.
-constexpr double kLeastAngle = 10.7 * kPi / 180, kLargestAngle = 164.8 * kPi / 180;
+constexpr double kLeastAngle = 10.7 * std::numbers::pi / 180, kLargestAngle = 164.8 * std::numbers::pi / 180;
 
 TEST(Stuffing, ABallHasItsVolumeWithTheOrderOfItsFacets) {
   double errors[2];
@@ -76,7 +75,7 @@ TEST(Stuffing, CylindersKeepTheirVolumeButForRoundedEdges) {
   EXPECT_LT(s.largest_angle, kLargestAngle);
   border_faces(s);
   // Edges are cut off within a lattice cell: some tenths of a^2 per unit of their length 2 pi r.
-  EXPECT_NEAR(volume_of(s), rod->volume(), 2 * 2 * kPi * 0.4 * 0.01);
+  EXPECT_NEAR(volume_of(s), rod->volume(), 2 * 2 * std::numbers::pi * 0.4 * 0.01);
 }
 
 // An octahedron as a surface: the lattice finds the region enclosed by its triangles.

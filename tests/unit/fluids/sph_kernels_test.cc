@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <cmath>
+#include <numbers>
 
 #include "engine/kernels/sph/cohesion.h"
 #include "engine/kernels/sph/half_space.h"
@@ -11,7 +12,6 @@
 namespace truestep::sph {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr Smoothing kAll[] = {Smoothing::cubic, Smoothing::wendland_c2, Smoothing::wendland_c4,
                               Smoothing::poly6_spiky};
 
@@ -23,7 +23,8 @@ TEST(SphKernels, IntegrateToOne) {
       double sum = 0;
       for (int k = 0; k < kShells; ++k) {
         const double q = (k + 0.5) / kShells;
-        sum += smoothing_at(kind, q).w[0] * (dimension == 2 ? 2 * kPi * q : 4 * kPi * q * q) / kShells;
+        sum += smoothing_at(kind, q).w[0] *
+               (dimension == 2 ? 2 * std::numbers::pi * q : 4 * std::numbers::pi * q * q) / kShells;
       }
       EXPECT_NEAR(sum * smoothing_sigma(kind, dimension), 1, 1e-6);
       EXPECT_GT(std::abs(sum * smoothing_sigma(kind, 5 - dimension) - 1), 0.1)
@@ -60,7 +61,8 @@ TEST(SphKernels, ThePairIsPoly6AndSpiky) {
   for (const int dimension : {2, 3}) {
     double sum = 0;
     for (int k = 0; k < kShells; ++k) {
-      const double q = (k + 0.5) / kShells, shell = dimension == 2 ? 2 * kPi * q : 4 * kPi * q * q;
+      const double q = (k + 0.5) / kShells,
+                   shell = dimension == 2 ? 2 * std::numbers::pi * q : 4 * std::numbers::pi * q * q;
       sum -= smoothing_at(kPair, q).s[0] * q * q * shell / kShells / dimension;
     }
     // The midpoint rule, and the thousandth of the radius within which the gradient is let fall to 0.
@@ -117,7 +119,7 @@ TEST(SphCohesion, IsStrongAsTheTensionSays) {
       double sum = 0;
       for (double q = 0.0005; q < 1; q += 0.001) {
         const double r = q * kSupport, bond = kRho / n * strength * kSupport * cohesion_work(q);
-        sum += (dimension == 2 ? r * r : kPi / 2 * r * r * r) * bond * 0.001 * kSupport;
+        sum += (dimension == 2 ? r * r : std::numbers::pi / 2 * r * r * r) * bond * 0.001 * kSupport;
       }
       return n * n * sum;
     };

@@ -13,8 +13,6 @@
 namespace truestep::mac {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 struct Plane {
   MacGrid g;
   std::vector<double> psi, u, v, out;
@@ -28,7 +26,7 @@ struct Plane {
   ConstFields known() const { return {u.data(), v.data(), nullptr}; }
   // 0 on the sides, where the flow runs along them at rest except at the upper one: u = sin(pi x)^2 there.
   static double stream(double x, double y) {
-    const double s = std::sin(kPi * x);
+    const double s = std::sin(std::numbers::pi * x);
     return s * s * y * y * (y - 1);
   }
   void set() {
@@ -88,7 +86,7 @@ TEST(StreamFunction, VelocitiesOfFourthOrderHaveItUpToTheWalls) {
       for (size_t m = 0; m < cells + 1; ++m) {
         // From one value beyond the left wall: v = -dpsi/dx.
         const double x = (static_cast<double>(m) - 0.5) / n, y = static_cast<double>(j) / n;
-        const double exact = -kPi * std::sin(2 * kPi * x) * y * y * (y - 1);
+        const double exact = -std::numbers::pi * std::sin(2 * std::numbers::pi * x) * y * y * (y - 1);
         most = std::max(most, std::abs(p.v[p.g.at(m, j, 0) - 1] - exact));
       }
     }

@@ -16,16 +16,15 @@ namespace {
 using heat::HeatDef;
 using lattice::SideKind;
 using wave::WaveDef;
-constexpr double kHalfTurn = std::numbers::pi;
 constexpr const char* kEuler[] = {"implicit_euler", "linear_implicit_euler"};
 
 /// 1/m^2: the lattice's -u_xx of sin(pi x) in this many cells of [0, 1].
 double second_difference(int cells) {
-  const double s = std::sin(0.5 * kHalfTurn / cells);
+  const double s = std::sin(0.5 * std::numbers::pi / cells);
   return 4.0 * cells * cells * s * s;
 }
 double mode_at(double x, double y, double) {
-  return std::sin(kHalfTurn * x) * std::cos(kHalfTurn * y);
+  return std::sin(std::numbers::pi * x) * std::cos(std::numbers::pi * y);
 }
 
 constexpr int kCells = 12;

@@ -16,7 +16,6 @@ namespace {
 using heat::HeatDef;
 using lattice::LatticeDef;
 using lattice::SideKind;
-constexpr double kPi = std::numbers::pi;
 
 // Slopes of log error over halvings of the spacing. The next term of the error, smaller by h^2, leaves some
 // hundredths at these spacings; corners between sides of different kinds converge later.
@@ -32,11 +31,11 @@ struct Mode {
   double wave;  ///< number
 };
 const Mode kModes[] = {
-    {"fixed", "sin(pi*s)", SideKind::dirichlet, SideKind::dirichlet, kPi},
-    {"insulated", "cos(pi*s)", SideKind::neumann, SideKind::neumann, kPi},
-    {"mixed", "sin(1.5*pi*s)", SideKind::dirichlet, SideKind::neumann, 1.5 * kPi},
-    {"mixed the other way", "cos(1.5*pi*s)", SideKind::neumann, SideKind::dirichlet, 1.5 * kPi},
-    {"periodic", "sin(2*pi*s)", SideKind::periodic, SideKind::periodic, 2 * kPi}};
+    {"fixed", "sin(pi*s)", SideKind::dirichlet, SideKind::dirichlet, std::numbers::pi},
+    {"insulated", "cos(pi*s)", SideKind::neumann, SideKind::neumann, std::numbers::pi},
+    {"mixed", "sin(1.5*pi*s)", SideKind::dirichlet, SideKind::neumann, 1.5 * std::numbers::pi},
+    {"mixed the other way", "cos(1.5*pi*s)", SideKind::neumann, SideKind::dirichlet, 1.5 * std::numbers::pi},
+    {"periodic", "sin(2*pi*s)", SideKind::periodic, SideKind::periodic, 2 * std::numbers::pi}};
 
 double mode_value(const Mode& m, double s) {
   return m.text[0] == 's' ? std::sin(m.wave * s) : std::cos(m.wave * s);
@@ -163,7 +162,8 @@ TEST(Heat, ManufacturedSolutionWithVariableCoefficientAndRobinSides) {
 
 TEST(Heat, MethodsHaveTheirOrderInTime) {
   // One mode on a lattice: y' = -lambda y exactly, lambda = 4 a / h^2 sin^2(pi h / 2).
-  const double h = 1.0 / 16, s = std::sin(0.5 * kPi * h), lambda = 4 / (h * h) * s * s, end = 0.25;
+  const double h = 1.0 / 16, s = std::sin(0.5 * std::numbers::pi * h), lambda = 4 / (h * h) * s * s,
+               end = 0.25;
   const auto error = [&](const char* method, uint64_t n) {
     HeatDef d;
     d.cells = {16};
@@ -173,7 +173,8 @@ TEST(Heat, MethodsHaveTheirOrderInTime) {
     d.tolerance = 1e300;
     FieldRun run(d, end / double(n));
     run.steps(n);
-    return run.error([&](double x, double, double) { return std::exp(-lambda * end) * std::sin(kPi * x); });
+    return run.error(
+        [&](double x, double, double) { return std::exp(-lambda * end) * std::sin(std::numbers::pi * x); });
   };
   struct Row {
     const char* method;
@@ -191,7 +192,7 @@ TEST(Heat, MethodsHaveTheirOrderInTime) {
 }
 
 TEST(Heat, TolerancesAreKept) {
-  const double h = 1.0 / 64, s = std::sin(0.5 * kPi * h), lambda = 4 / (h * h) * s * s;
+  const double h = 1.0 / 64, s = std::sin(0.5 * std::numbers::pi * h), lambda = 4 / (h * h) * s * s;
   for (const char* method : {"rkc2", "sdirk4", "radau5", "rodas5p", "cvode_bdf", "dopri5"}) {
     const double order = std::min(find_integrator(method)->order, 5);
     double first = 0, last = 0;
@@ -204,7 +205,8 @@ TEST(Heat, TolerancesAreKept) {
       d.tolerance = tolerance;
       FieldRun run(d, 0.1);
       run.steps(2);
-      last = run.error([&](double x, double, double) { return std::exp(-lambda * 0.2) * std::sin(kPi * x); });
+      last = run.error(
+          [&](double x, double, double) { return std::exp(-lambda * 0.2) * std::sin(std::numbers::pi * x); });
       if (first == 0) first = last;
       std::printf("%-10s tolerance %.0e error %.2e, %g evaluations\n", method, tolerance, last,
                   run.observed("integrator.rates"));
@@ -218,7 +220,8 @@ TEST(Heat, TolerancesAreKept) {
 
 TEST(Heat, TheDiffusivityMayMoveInTime) {
   // a = 1 + sin(20 t) / 2 has the integral t + (1 - cos(20 t)) / 40: one mode on its lattice, exactly.
-  const double h = 1.0 / 12, s = std::sin(0.5 * kPi * h), lambda = 8 / (h * h) * s * s, end = 0.1;
+  const double h = 1.0 / 12, s = std::sin(0.5 * std::numbers::pi * h), lambda = 8 / (h * h) * s * s,
+               end = 0.1;
   const double decay = std::exp(-lambda * (end + (1 - std::cos(20 * end)) / 40));
   const auto error = [&](const char* method, const char* diffusivity) {
     HeatDef d;
@@ -232,8 +235,9 @@ TEST(Heat, TheDiffusivityMayMoveInTime) {
     run.steps(2);
     std::printf("%-10s %g evaluations, %g rejected\n", method, run.observed("integrator.rates"),
                 run.observed("integrator.rejected"));
-    return run.error(
-        [&](double x, double y, double) { return decay * std::sin(kPi * x) * std::sin(kPi * y); });
+    return run.error([&](double x, double y, double) {
+      return decay * std::sin(std::numbers::pi * x) * std::sin(std::numbers::pi * y);
+    });
   };
   for (const char* method : {"rkc2", "dop853", "tr_bdf2", "sdirk4", "rodas5p", "radau5", "cvode_bdf"}) {
     // Of second order with errors of h^3: tolerance^(2/3) times a few.
@@ -244,7 +248,9 @@ TEST(Heat, TheDiffusivityMayMoveInTime) {
 
 TEST(Heat, KernelSpreads) {
   // Gaussian of width sqrt(2 a t) from t0 = 0.01 to 0.04 on [-2, 2], where its tail is below e^-25.
-  const auto kernel = [](double t, double x) { return std::exp(-x * x / (4 * t)) / std::sqrt(4 * kPi * t); };
+  const auto kernel = [](double t, double x) {
+    return std::exp(-x * x / (4 * t)) / std::sqrt(4 * std::numbers::pi * t);
+  };
   HeatDef d;
   d.cells = {200};
   d.size = {4};

@@ -14,7 +14,6 @@ namespace {
 using lattice::LatticeDef;
 using lattice::SideKind;
 using wave::WaveDef;
-constexpr double kPi = std::numbers::pi;
 
 double observed_order(const std::function<double(int cells)>& error, int first) {
   const double a = error(first), b = error(2 * first), c = error(4 * first);
@@ -38,13 +37,13 @@ TEST(Wave, StandingWavesTurnAtTheirFrequency) {
         d.order = order;
         d.speed = "2";
         d.initial = "sin(pi*x)";
-        double k2 = kPi * kPi;
+        double k2 = std::numbers::pi * std::numbers::pi;
         if (dimensions > 1) {
-          d.initial += "*cos(pi*y)", k2 += kPi * kPi;
+          d.initial += "*cos(pi*y)", k2 += std::numbers::pi * std::numbers::pi;
           d.sides.y_min = d.sides.y_max = side(SideKind::neumann);
         }
         if (dimensions > 2) {
-          d.initial += "*sin(2*pi*z)", k2 += 4 * kPi * kPi;
+          d.initial += "*sin(2*pi*z)", k2 += 4 * std::numbers::pi * std::numbers::pi;
           d.sides.z_min = side(SideKind::periodic);
         }
         d.integrator = "dop853";
@@ -53,8 +52,9 @@ TEST(Wave, StandingWavesTurnAtTheirFrequency) {
         run.steps(3);
         const double phase = std::cos(2 * std::sqrt(k2) * 0.3);
         return run.error([&](double x, double y, double z) {
-          return phase * std::sin(kPi * x) * (dimensions > 1 ? std::cos(kPi * y) : 1) *
-                 (dimensions > 2 ? std::sin(2 * kPi * z) : 1);
+          return phase * std::sin(std::numbers::pi * x) *
+                 (dimensions > 1 ? std::cos(std::numbers::pi * y) : 1) *
+                 (dimensions > 2 ? std::sin(2 * std::numbers::pi * z) : 1);
         });
       };
       const int promised = order == LatticeDef::Order::second ? 2 : 4;
@@ -181,7 +181,7 @@ TEST(Wave, EnergyIsWhatTheSlopeHolds) {
     d.speed = "3";
     d.initial = "sin(pi*x)";
     FieldRun run(d, 1e-3);
-    const double exact = 9 * kPi * kPi / 4, h = kPi / 40;
+    const double exact = 9 * std::numbers::pi * std::numbers::pi / 4, h = std::numbers::pi / 40;
     const double miss = order == LatticeDef::Order::second ? h * h / 12 : h * h * h * h / 90;
     EXPECT_NEAR(1 - run.observed("energy.potential") / exact, miss, 0.1 * miss);
   }

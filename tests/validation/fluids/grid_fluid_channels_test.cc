@@ -10,7 +10,6 @@ namespace truestep::test {
 namespace {
 
 using namespace grid_fluid;
-constexpr double kPi = std::numbers::pi;
 
 // Morris, Fox, Zhu 1997: start-up flow in channels of 1 mm, viscosity 1e-6, in mm and units of 1e-5 m/s.
 TEST(GridFluidChannels, ChannelsStartAsTheirSeriesSay) {
@@ -84,7 +83,7 @@ TEST(GridFluidChannels, ImplicitChannelsStartWithSecondOrder) {
       d.sides.x_min = FlowSideDef{SideKind::periodic, {}};
       std::string series = lid ? "y" : "y*(1-y)/2";
       for (int n = 1; n <= 7; ++n) {
-        const double k = lid ? n : 2 * n - 1, pi_k = kPi * k;
+        const double k = lid ? n : 2 * n - 1, pi_k = std::numbers::pi * k;
         const double size = lid ? (n % 2 ? -2 : 2) / pi_k : -4 / (pi_k * pi_k * pi_k);
         char term[128];
         std::snprintf(term, sizeof term, "%+.17g*sin(%.17g*y)*exp(-%.17g*t)", size, pi_k, pi_k * pi_k);
@@ -124,7 +123,8 @@ TEST(GridFluidChannels, ALidThatStartsAtOnceIsFollowedWithSecondOrder) {
     for (int n = 1; n <= 9; ++n) {
       char term[128];
       std::snprintf(term, sizeof term, "%+.17g*sin(%.17g*y)*exp(-%.17g*(t-%.17g))",
-                    (n % 2 ? -2 : 2) / (kPi * n), kPi * n, kPi * kPi * n * n, late);
+                    (n % 2 ? -2 : 2) / (std::numbers::pi * n), std::numbers::pi * n,
+                    std::numbers::pi * std::numbers::pi * n * n, late);
       series += term;
     }
     d.exact = {series, "0"};

@@ -13,7 +13,6 @@ namespace truestep::test {
 namespace {
 
 using namespace grid_fluid;
-constexpr double kPi = std::numbers::pi;
 using Texts = std::vector<std::string>;
 
 TEST(GridFluid, CavityAtReynolds1000IsTheSpectralOne) {

@@ -11,7 +11,6 @@ namespace truestep::test {
 namespace {
 
 using namespace grid_fluid;
-constexpr double kPi = std::numbers::pi;
 
 // A cylinder of radius R spins at W in unbounded fluid: u = W R^2 / r along the circles is exact, and the
 // fluid takes a torque of 4 pi density viscosity W R^2 from it. The sides of the box give the exact flow.
@@ -37,7 +36,7 @@ Spun spinning_cylinder(int64_t cells, GridFluidDef::Advection advection, double 
   GridFlow run(d, 0.02);
   run.steps(100);
   return {run.observed("error.exact"),
-          -run.observed("obstacle.torque") / (4 * kPi * kViscosity * speed * kRadius * kRadius)};
+          -run.observed("obstacle.torque") / (4 * std::numbers::pi * kViscosity * speed * kRadius * kRadius)};
 }
 
 TEST(GridFluidTurning, ASpinningCylinderKeepsUpItsVortex) {

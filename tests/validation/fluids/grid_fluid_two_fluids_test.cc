@@ -13,7 +13,7 @@ namespace truestep::test {
 namespace {
 
 using namespace grid_fluid;
-constexpr double kPi = std::numbers::pi, kGravity = 9.81;
+constexpr double kGravity = 9.81;
 
 GridFluidDef layers(int64_t across, int64_t high, double below, double above, const std::string& where) {
   GridFluidDef d;
@@ -35,7 +35,7 @@ double amplitude(const GridFlow& run) {
   for (size_t i = 0; i < g.cells[0]; ++i) {
     double filled = 0;
     for (size_t j = 0; j < g.cells[1]; ++j) filled += share[g.at(i, j, 0)];
-    sum -= filled * g.spacing[1] * std::cos(2 * kPi * g.coordinate(mac::kCentre, 0, double(i)));
+    sum -= filled * g.spacing[1] * std::cos(2 * std::numbers::pi * g.coordinate(mac::kCentre, 0, double(i)));
   }
   return 2 * sum / double(g.cells[0]);
 }
@@ -47,7 +47,7 @@ double growth(double below, double above, int64_t cells) {
   const double volume = run.observed("second_fluid.volume"), first = amplitude(run);
   EXPECT_NEAR(first, kStart, 0.01 * kStart);
   double last = first;
-  while (2 * kPi * last < kSteepness && run.done < 400) run.steps(4), last = amplitude(run);
+  while (2 * std::numbers::pi * last < kSteepness && run.done < 400) run.steps(4), last = amplitude(run);
   // Sums of some 5,000 cells over a hundred steps.
   EXPECT_NEAR(run.observed("second_fluid.volume"), volume, 1e-12);
   return std::acosh(last / first) / run.t();
@@ -55,7 +55,7 @@ double growth(double below, double above, int64_t cells) {
 
 TEST(GridFluidTwoFluids, AHeavyLayerFallsAsLinearTheorySays) {
   for (const double above : {2.0, 10.0}) {
-    const double theory = std::sqrt((above - 1) / (above + 1) * kGravity * 2 * kPi);
+    const double theory = std::sqrt((above - 1) / (above + 1) * kGravity * 2 * std::numbers::pi);
     const double a = growth(1, above, 24), b = growth(1, above, 48);
     std::printf("  %g:1 grows by %.4f, %.4f 1/s, theory %.4f: %.1f, %.1f %%\n", above, a, b, theory,
                 100 * (a / theory - 1), 100 * (b / theory - 1));
@@ -63,7 +63,7 @@ TEST(GridFluidTwoFluids, AHeavyLayerFallsAsLinearTheorySays) {
     EXPECT_LT(std::abs(b - theory), std::abs(a - theory));
   }
   // Control: 3:1 in the place of 2:1.
-  const double theory = std::sqrt(kGravity * 2 * kPi / 3);
+  const double theory = std::sqrt(kGravity * 2 * std::numbers::pi / 3);
   EXPECT_GT(std::abs(growth(1, 3, 24) - theory), 0.1 * theory);
 }
 
@@ -88,9 +88,10 @@ double period(double below, double above, int64_t cells, double place) {
 }
 
 TEST(GridFluidTwoFluids, WavesBetweenLayersHaveThePeriodOfLinearTheory) {
-  const double coth = 1 / std::tanh(2 * kPi * 0.5);
+  const double coth = 1 / std::tanh(2 * std::numbers::pi * 0.5);
   const auto theory = [&](double below, double above) {
-    return 2 * kPi / std::sqrt(kGravity * 2 * kPi * (below - above) / ((below + above) * coth));
+    return 2 * std::numbers::pi /
+           std::sqrt(kGravity * 2 * std::numbers::pi * (below - above) / ((below + above) * coth));
   };
   for (const double below : {10.0, 100.0}) {
     // On faces and in the middle of a row, where the row's mass made 10:1 0.96 and 1.67 % long.

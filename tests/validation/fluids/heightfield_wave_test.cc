@@ -11,7 +11,7 @@ namespace truestep::test {
 namespace {
 
 using namespace heightfield_wave;
-constexpr double kPi = std::numbers::pi, kG = 9.81;
+constexpr double kG = 9.81;
 
 // Linear theory: surface a cos(k x) cos(w t) over depth H between walls, w = k sqrt(g H), k = pi / L.
 TEST(HeightfieldWave, StandingWavesSwingAtTheLinearPeriodWithSecondOrder) {
@@ -115,7 +115,7 @@ TEST(HeightfieldWave, ADamBreaksAsStokerAndRitterSay) {
 // Thacker 1981, "Some exact solutions to the nonlinear shallow-water wave equations", section 4: a plane
 // surface rotates in the bowl z = 0.1 (r^2 - 1) with w^2 = 2 g 0.1; the shoreline runs over dry ground.
 TEST(HeightfieldWave, APlaneSurfaceTurnsRoundInThackersBowl) {
-  const double w = std::sqrt(2 * kG * 0.1), period = 2 * kPi / w;
+  const double w = std::sqrt(2 * kG * 0.1), period = 2 * std::numbers::pi / w;
   const auto run_of = [&](int64_t cells, const char* swing) {
     HeightfieldWaveDef d;
     d.cells = {cells, cells};

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "tests/unit/fluids/sph_rig.h"
 
@@ -9,7 +10,6 @@ namespace truestep::sph {
 namespace {
 
 using testing_rig::SphRun;
-constexpr double kPi = 3.14159265358979323846;
 
 /// A tank of two layers, `heavy` times as dense below.
 SphDef layers(double heavy, Precision precision) {
@@ -96,7 +96,7 @@ double growth(double density, Smoothing kernel, double support, double spacing) 
               {.center = {0.25, kDepth / 2, 0}, .half_extents = {0.25, kDepth / 2, 1}, .density = density}};
   SphRun run(d, 0.005, {0, -9.81, 0});
   // Started from the linear theory's velocities with the border still flat: amplitude grows by sinh.
-  constexpr double kStart = 0.04, kK = 2 * kPi;
+  constexpr double kStart = 0.04, kK = 2 * std::numbers::pi;
   RealColumn<double> v(run.state, columns::velocity);
   const size_t n = run.system.setting().rows;
   for (size_t i = 0; i < n; ++i) {

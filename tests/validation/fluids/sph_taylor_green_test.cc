@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "tests/unit/fluids/sph_rig.h"
 
@@ -10,8 +11,6 @@ namespace truestep::sph {
 namespace {
 
 using testing_rig::SphRun;
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// The unit box with Re = 100 and `across` particles along a side; the decay of its energy until t = 1 over
 /// that of the closed form, exp(-16 pi^2 nu t).
@@ -24,7 +23,8 @@ double decay(SphDef d, int across) {
   SphRun run(d, 0.1 / across);  // the fastest particle crosses a tenth of a spacing
   const double before = run.observe("energy.kinetic");
   run.seconds(1);
-  return -std::log(run.observe("energy.kinetic") / before) / (16 * kPi * kPi * d.viscosity);
+  return -std::log(run.observe("energy.kinetic") / before) /
+         (16 * std::numbers::pi * std::numbers::pi * d.viscosity);
 }
 
 SphDef solved_by(Method solver, Precision precision = Precision::f64) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "tests/unit/fluids/sph_rig.h"
 
@@ -9,7 +10,6 @@ namespace truestep::sph {
 namespace {
 
 using testing_rig::SphRun;
-constexpr double kPi = 3.14159265358979323846;
 
 SphDef drop(double radius, double tension) {
   SphDef d;
@@ -71,12 +71,12 @@ double half_swing(Tension model, uint64_t start) {
   SphRun run(d, 0.01);
   run.shake(1e-3, start);
   double before = 0;
-  while (static_cast<double>(run.steps) * run.h < 1.5 * kPi / w) {
+  while (static_cast<double>(run.steps) * run.h < 1.5 * std::numbers::pi / w) {
     run.step();
     const double now = run.observe("spread.x") - run.observe("spread.y");
     if (run.steps > 10 && now <= 0) {
       EXPECT_LT(std::abs(run.observe("momentum.x")), 1e-9);
-      return (static_cast<double>(run.steps) - now / (now - before)) * run.h * w / kPi;
+      return (static_cast<double>(run.steps) - now / (now - before)) * run.h * w / std::numbers::pi;
     }
     before = now;
   }
@@ -96,7 +96,7 @@ struct Outline {
   double farthest = 0;  ///< of a particle, over the disk's radius
 };
 Outline outline(const SphRun& run) {
-  const double round = 0.6 / std::sqrt(kPi);
+  const double round = 0.6 / std::sqrt(std::numbers::pi);
   const size_t n = run.system.setting().rows;
   Outline out;
   for (size_t i = 0; i < n; ++i) {
@@ -118,7 +118,8 @@ Outline settled_square(Tension model, uint64_t start) {
   run.seconds(6);
   // Pairs keep momentum to 1e-14 kg m/s; the solve for viscosity ends at a millionth of what it begins with,
   // which the energy of the edge that is lost could move as much as this.
-  const double moved = std::sqrt(2 * run.observe("mass") * 10 * (4 * 0.6 - 2 * 0.6 * std::sqrt(kPi)));
+  const double moved =
+      std::sqrt(2 * run.observe("mass") * 10 * (4 * 0.6 - 2 * 0.6 * std::sqrt(std::numbers::pi)));
   EXPECT_LT(std::abs(run.observe("momentum.x")), 1e-6 * moved);
   return outline(run);
 }

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "tests/unit/fluids/sph_rig.h"
 
@@ -11,7 +12,6 @@ namespace {
 using testing_rig::channel;
 using testing_rig::middle_speed;
 using testing_rig::SphRun;
-constexpr double kPi = 3.14159265358979323846;
 constexpr Method kEvery[] = {Method::dfsph, Method::wcsph, Method::pbf};
 
 double square_sum(const SphRun& run, int axis) {
@@ -117,9 +117,9 @@ TEST(SphValidation, AStandingWaveKeepsItsPeriod) {
     RealColumn<double> v(run.state, columns::velocity);
     for (size_t i = 0; i < run.system.setting().rows; ++i) {
       const Vec3 x = run.position(i);
-      v.set_vector(i, Vec3{std::sin(kPi * x.x) * std::cosh(kPi * x.y),
-                           -std::cos(kPi * x.x) * std::sinh(kPi * x.y), 0} *
-                          (0.15 / std::cosh(kPi)));
+      v.set_vector(i, Vec3{std::sin(std::numbers::pi * x.x) * std::cosh(std::numbers::pi * x.y),
+                           -std::cos(std::numbers::pi * x.x) * std::sinh(std::numbers::pi * x.y), 0} *
+                          (0.15 / std::cosh(std::numbers::pi)));
     }
     double before = run.observe("centre.x"), middle = before, crossed = 0;
     for (int k = 1; k < 500 && crossed == 0; ++k) {
@@ -131,9 +131,11 @@ TEST(SphValidation, AStandingWaveKeepsItsPeriod) {
       before = now;
     }
     // The case's 1 % of the period of waves of infinitesimal height; with few position corrections 6 %.
-    EXPECT_NEAR(crossed, kPi / kOmega, (solver == Method::pbf ? 0.06 : 0.01) * kPi / kOmega)
+    EXPECT_NEAR(crossed, std::numbers::pi / kOmega,
+                (solver == Method::pbf ? 0.06 : 0.01) * std::numbers::pi / kOmega)
         << static_cast<int>(solver);
-    EXPECT_GT(std::abs(crossed - kPi / std::sqrt(9.81)), 0.3) << "control: a wave as long as it is deep";
+    EXPECT_GT(std::abs(crossed - std::numbers::pi / std::sqrt(9.81)), 0.3)
+        << "control: a wave as long as it is deep";
   }
 }
 

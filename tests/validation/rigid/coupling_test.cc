@@ -1,5 +1,6 @@
 // Couplings against closed forms: normal modes of attached bodies, collisions of two bodies.
 #include <cmath>
+#include <numbers>
 
 #include "tests/support/coupled.h"
 
@@ -8,15 +9,13 @@ namespace {
 
 using namespace testing_coupled;
 
-constexpr double kPi = 3.14159265358979323846;
-
 // Two free masses on a spring: omega^2 = k (1/m1 + 1/m2) (Landau, Lifshitz, Mechanics, section 13 and 21).
 // One system is a network, the other particles; released 10 % stretched, after half a period the length is
 // the mirror image, and the error falls with the square of the step.
 double half_period_error(double h) {
   const double m1 = 0.3, m2 = 0.7, k = 50, omega = std::sqrt(k * (1 / m1 + 1 / m2));
-  const auto steps = static_cast<uint64_t>(std::llround(kPi / omega / h));
-  const double dt = kPi / omega / static_cast<double>(steps);
+  const auto steps = static_cast<uint64_t>(std::llround(std::numbers::pi / omega / h));
+  const double dt = std::numbers::pi / omega / static_cast<double>(steps);
   char scene[1024];
   std::snprintf(scene, sizeof scene, R"({"gravity": [0, 0, 0], "time": {"dt": %.17g}, "systems": [
       {"type": "mass_spring", "id": "a", "free": {"points": [[0, 0, 0]], "masses": [%g]}, "integrator": "leapfrog"},
@@ -38,7 +37,7 @@ TEST(CouplingValidation, AttachedBodiesSwingWithTheirNormalMode) {
   // Kicks and drifts: the phase after half a period is off by pi (h omega)^2 / 24 (leapfrog's frequency).
   const double omega = std::sqrt(50 * (1 / 0.3 + 1 / 0.7));
   const double coarse = half_period_error(0.005), fine = half_period_error(0.0025);
-  EXPECT_NEAR(coarse, kPi * 0.005 * omega * 0.005 * omega / 24, 0.05 * coarse);
+  EXPECT_NEAR(coarse, std::numbers::pi * 0.005 * omega * 0.005 * omega / 24, 0.05 * coarse);
   EXPECT_NEAR(coarse / fine, 4, 0.1);
   // The control: the same check without the reduced mass misses by half.
   EXPECT_GT(std::abs(std::sqrt(50 / 0.3) - omega), 0.1 * omega);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "tests/unit/fem/fem_rig.h"
 
@@ -9,7 +10,6 @@ namespace truestep::fem {
 namespace {
 
 using testing_rig::FemRun;
-constexpr double kPi = 3.14159265358979323846;
 
 FemDef cube(Law law, int cells, Cell cell) {
   FemDef d;
@@ -27,7 +27,7 @@ TEST(FemMotion, AStripHasTheFrequenciesOfABeam) {
   d.element = Cell::quad9, d.plane = Plane::stress;
   d.material = Law::linear, d.youngs_modulus = 2e9, d.poisson_ratio = 0, d.density = 1000;
   d.modes = 3, d.pinned = {"x0"};
-  const double unit = std::sqrt(2e9 * 0.02 * 0.02 / 12 / 1000) / (2 * kPi);
+  const double unit = std::sqrt(2e9 * 0.02 * 0.02 / 12 / 1000) / (2 * std::numbers::pi);
   const auto held = FemRun(d).system->frequencies();
   const double cantilever[] = {1.875104068711961, 4.694091132974175, 7.854757438237613};
   for (size_t k = 0; k < 3; ++k) {

@@ -11,7 +11,6 @@ using namespace mass_spring;
 namespace {
 
 using testing_rig::SpringRun;
-constexpr double kPi = std::numbers::pi;
 
 // Reference case ms.chain10: ten unit masses between walls, k = 1, omega_j = 2 sin(j pi / 22).
 MassSpringDef chain10(const std::string& integrator) {
@@ -26,7 +25,7 @@ MassSpringDef chain10(const std::string& integrator) {
 // Angular frequency of mode j from the zero crossings of its amplitude.
 double measured_frequency(const std::string& integrator, int j, double h) {
   SpringRun run(chain10(integrator), {});
-  const auto mode = [j](size_t i) { return std::sin(j * kPi * static_cast<double>(i) / 11); };
+  const auto mode = [j](size_t i) { return std::sin(j * std::numbers::pi * static_cast<double>(i) / 11); };
   for (size_t i = 1; i <= 10; ++i) run.x()[3 * i] += 0.01 * mode(i);
   const auto amplitude = [&](std::span<const double> values, double origin) {
     double q = 0;
@@ -53,17 +52,17 @@ double measured_frequency(const std::string& integrator, int j, double h) {
     }
     q = q1, p = p1;
   }
-  return 20 * kPi / (last - first);
+  return 20 * std::numbers::pi / (last - first);
 }
 
 // rk4 at omega h <= 0.02 has a phase error of (omega h)^4 / 120 = 1e-9; the case asks for 1e-6.
 TEST(MassSpringValidation, Chain10SwingsAtItsEigenfrequencies) {
   for (int j = 1; j <= 10; ++j) {
-    const double exact = 2 * std::sin(j * kPi / 22);
+    const double exact = 2 * std::sin(j * std::numbers::pi / 22);
     EXPECT_NEAR(measured_frequency("rk4", j, 0.01) / exact, 1, 1e-6) << "mode " << j;
   }
   // Control: velocity_verlet at 0.1 is off by (omega h)^2 / 24 = 1.6e-3 in the highest mode.
-  const double exact = 2 * std::sin(10 * kPi / 22);
+  const double exact = 2 * std::sin(10 * std::numbers::pi / 22);
   EXPECT_NEAR(measured_frequency("velocity_verlet", 10, 0.1) / exact - 1, exact * exact * 0.01 / 24, 1e-5);
 }
 
@@ -82,7 +81,8 @@ TEST(MassSpringValidation, Chain10StiffnessHasTheseEigenvalues) {
     for (Eigen::Index c = 0; c < 10; ++c) k(r, c) = -all(3 * (r + 1), 3 * (c + 1));
   }
   const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k).eigenvalues();
-  for (int j = 1; j <= 10; ++j) EXPECT_NEAR(std::sqrt(values[j - 1]), 2 * std::sin(j * kPi / 22), 1e-12);
+  for (int j = 1; j <= 10; ++j)
+    EXPECT_NEAR(std::sqrt(values[j - 1]), 2 * std::sin(j * std::numbers::pi / 22), 1e-12);
 }
 
 // Reference case ms.hanging_chain: small swings of a chain of N equal masses on rigid links have
@@ -161,7 +161,7 @@ TEST(MassSpringValidation, HangingChainSwings) {
     }
     z = z1;
   }
-  EXPECT_NEAR(8 * kPi / (last - first) / omega, 1, 1e-3);
+  EXPECT_NEAR(8 * std::numbers::pi / (last - first) / omega, 1, 1e-3);
 }
 
 // Reference case rope.elastic_stretch: ten springs of 1000 N/m with 0.1 kg at each end stretch by

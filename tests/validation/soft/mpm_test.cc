@@ -1,6 +1,8 @@
 // The material point method against closed forms: reference cases mpm.* and fem.bar_gravity.
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "engine/geometry/solid.h"
 #include "engine/math/trig.h"
 #include "tests/unit/mpm/mpm_rig.h"
@@ -9,7 +11,6 @@ namespace truestep::mpm {
 namespace {
 
 using testing_rig::MpmRun;
-constexpr double kPi = 3.14159265358979323846;
 
 MpmDef spinning(Transfer transfer, int dimension) {
   MpmDef d;
@@ -63,8 +64,8 @@ TEST(MpmValidation, ABarVibratesInItsFirstMode) {
   MpmRun run(d, 0.05);
   const auto v = run.state.f64(columns::velocity);
   for (size_t i = 0; i < v.size() / 3; ++i)
-    v[3 * i + 1] = v0 * trig::sin(kPi * run.position(i).y / (2 * length));
-  const double mass = length, amplitude = v0 * 2 / kPi * mass;
+    v[3 * i + 1] = v0 * trig::sin(std::numbers::pi * run.position(i).y / (2 * length));
+  const double mass = length, amplitude = v0 * 2 / std::numbers::pi * mass;
   double last = run.observe("momentum.y"), crossing = 0, least = 0;
   EXPECT_NEAR(last / amplitude, 1, 0.001);
   int crossings = 0;

@@ -1,6 +1,7 @@
 // Reference cases of rods and cloth by the system xpbd: cloth.heavy_elastica_1, _10 and _100,
 // rope.bathe_bend45 and rope.michell (cases.json of the reference collection).
 #include <cmath>
+#include <numbers>
 
 #include "tests/unit/soft/xpbd_rig.h"
 
@@ -9,8 +10,6 @@ using namespace xpbd;
 namespace {
 
 using testing_rig::XpbdRun;
-
-constexpr double kPi = 3.14159265358979323846;
 
 struct Elastica {
   double gamma, x, drop;  // w L^3 / E I; of the tip, over L
@@ -23,7 +22,7 @@ TEST(XpbdReference, AHeavyRodIsTheElasticaOfItsWeight) {
   for (const Elastica& c : kElastica) {
     constexpr int kLinks = 60;
     constexpr double kDiameter = 0.01, kWeight = 0.5, kGravity = 10;  // N/m
-    constexpr double kInertia = kPi / 64 * kDiameter * kDiameter * kDiameter * kDiameter;
+    constexpr double kInertia = std::numbers::pi / 64 * kDiameter * kDiameter * kDiameter * kDiameter;
     XpbdDef d;
     d.rope = RopeShape{.to = {1, 0, 0}, .links = kLinks};
     d.thickness = kDiameter, d.density = kWeight / kGravity;
@@ -96,12 +95,12 @@ double twist_lost(double share) {
   constexpr int kLinks = 60;
   constexpr double kRatio = 1.3;  // alpha / beta = E I / G J = 1 + nu
   constexpr double kYoung = 1e8, kDiameter = 0.02;
-  constexpr double kInertia = kPi / 64 * kDiameter * kDiameter * kDiameter * kDiameter;
+  constexpr double kInertia = std::numbers::pi / 64 * kDiameter * kDiameter * kDiameter * kDiameter;
   const double twist = share * 10.88279618540530710 * kRatio;
   XpbdDef d;
   d.helix = HelixShape{.centre = {0, 0, 0},
                        .axis = {0, 0, 1},
-                       .radius = 1 / (2 * kPi),
+                       .radius = 1 / (2 * std::numbers::pi),
                        .pitch = 0,
                        .turns = 1,
                        .links = kLinks};

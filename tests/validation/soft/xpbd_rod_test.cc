@@ -3,6 +3,7 @@
 // of the cantilever under an end load), stored twist, a helical spring by Castigliano's theorem and the twist
 // at which a straight rod with clamped ends buckles (Greenhill; van der Heijden, Thompson 2000).
 #include <cmath>
+#include <numbers>
 
 #include "engine/base/errors.h"
 #include "tests/unit/soft/xpbd_rig.h"
@@ -13,9 +14,8 @@ namespace {
 
 using testing_rig::XpbdRun;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kE = 1e8, kDiameter = 0.02;
-constexpr double kI = kPi / 64 * kDiameter * kDiameter * kDiameter * kDiameter;
+constexpr double kI = std::numbers::pi / 64 * kDiameter * kDiameter * kDiameter * kDiameter;
 
 XpbdDef straight(int links, std::vector<std::string> clamped) {
   XpbdDef d;
@@ -95,7 +95,7 @@ TEST(XpbdRods, AHelicalSpringGivesWayByItsWiresTorsionAndBending) {
   const double sag = start - run.position(200).y;
   // A load F on the axis gives F / k with k = G d^4 / (8 D^3 n) = G J / (2 pi n R^3); at the wire's end its
   // arm is R (1 - cos) for torsion and R sin for bending: 3/2 and 1/2 E-wise (Castigliano).
-  const double i = kPi / 64 * kWire * kWire * kWire * kWire, shear = kYoung / 2.6;
+  const double i = std::numbers::pi / 64 * kWire * kWire * kWire * kWire, shear = kYoung / 2.6;
   const double rate = shear * std::pow(kWire, 4) / (8 * std::pow(2 * kRadius, 3) * kTurns);
   const double per_turns = 1.5 + 0.5 * (shear * 2 * i) / (kYoung * i);
   const double weight = 9.81 * kMass, expected = weight / rate * per_turns;
@@ -111,7 +111,7 @@ double off_line(double m, double t = 0, int links = 40) {
   // M = G J phi / L and E I / G J = 1 + nu.
   d.rod->twist = m * 1.3, d.rod->damping_time = 1e-3;
   XpbdRun run(d, 1.0 / 60, {0, -1e-3, 0});
-  const double stretch = t * kI / (kPi / 4 * kDiameter * kDiameter);
+  const double stretch = t * kI / (std::numbers::pi / 4 * kDiameter * kDiameter);
   for (double& x : run.state.f64(XpbdColumns::position)) x *= 1 + stretch;
   run.seconds(3);
   double most = 0;
