@@ -1,5 +1,5 @@
-// One-way bodies, in the plane and in space: solid for what moves against their direction, open for what
-// moves along it.
+// One-way bodies, in the plane and in space: solid to bodies that move against their direction, open to those
+// that move along it.
 #pragma once
 
 namespace truestep {

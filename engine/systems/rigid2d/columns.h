@@ -42,7 +42,7 @@ inline constexpr UserForces kHands{{push_body, push_force, push_remaining, push_
 }  // namespace columns
 
 /// A drag as a spring joint of this step, with damping ratio 0.7: it follows the pointer with little
-/// swinging.
+/// overshoot.
 inline Joint drag_joint(const Model& model, const UserForces::Drag& d) {
   Joint j;
   j.kind = JointKind::mouse, j.a = model.world(), j.b = static_cast<uint32_t>(d.who);

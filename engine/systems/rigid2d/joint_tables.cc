@@ -194,7 +194,7 @@ const DefTable& motor_table() {
         .number("angular_velocity", &MotorDef::angular_velocity, "rad/s", any(),
                 "of b relative to a, instead of turn")
         .number("rate", &MotorDef::rate, "1/s", above(0),
-                "how fast it comes to its pose: what is left fades at this rate")
+                "how fast it comes to its pose: the remaining error decays at this rate")
         .number("max_force", &MotorDef::max_force, "N", at_least(0), "limit of the force")
         .number("max_torque", &MotorDef::max_torque, "N m", at_least(0), "limit of the torque");
     return table.build();
