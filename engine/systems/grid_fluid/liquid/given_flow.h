@@ -19,7 +19,7 @@ class GivenFlow {
   enum class Room : uint8_t { left, none };
   void place(double t, Room room);
   bool any() const { return !inlets_.empty() || !sides_.empty(); }
-  /// Component c of the given velocities, and zero weights of those faces.
+  /// Sets component c of the given velocities, and the weights of those faces to zero.
   void hold(size_t c, double* u) const;
   void mark(size_t c, uint8_t* known) const;
   void shut(size_t c, double* factor) const;
