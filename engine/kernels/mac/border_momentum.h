@@ -11,7 +11,7 @@
 
 namespace truestep::mac {
 
-/// kg/m^3, of the fluid that fills what the share leaves, and of the one that it is of.
+/// kg/m^3, of the fluid that fills the rest of a cell, and of the one whose share is carried.
 struct TwoDensities {
   double first = 1, second = 1;
   double of(double share) const { return first + share * (second - first); }

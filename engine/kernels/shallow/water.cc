@@ -9,7 +9,7 @@ namespace {
 
 constexpr size_t kColumns = 64;  // of a tile
 
-// By value, so that loops become instructions on four numbers.
+// By value, so that loops vectorise.
 inline double least(double a, double b) {
   return a < b ? a : b;
 }
