@@ -284,7 +284,7 @@ void Flow::carry_border(FlowFields& f, double t, double h, double* share, Carrie
   }
 }
 
-// A leapfrog: the border is half a substep behind the velocity that it is carried by. What becomes of the
+// A leapfrog: the border is half a substep behind the velocity that it is carried by. The change of the
 // velocity there is kept as a rate.
 void Flow::carry_second(FlowFields& f, double t, double h) {
   const mac::MacGrid& g = model_->grid;

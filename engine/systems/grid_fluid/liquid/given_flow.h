@@ -1,6 +1,6 @@
-// Where liquid comes into the box, and with which velocity: sides of kind inflow, and nozzles. Faces on such
-// sides and within a nozzle are closed to the pressure and hold the given velocity. What a nozzle presses out
-// appears in the cells in its rear half, as a source of as much volume per second as its particles have.
+// Where liquid enters the box, and with which velocity: sides of kind inflow, and nozzles. Faces on such
+// sides and within a nozzle are closed to the pressure and hold the given velocity. What a nozzle emits
+// appears in the cells of its rear half, as a source of the same volume per second as that of its particles.
 // Scratch of one thread's run.
 #pragma once
 #include <span>

@@ -36,7 +36,7 @@ void LiquidFlow::bind(const FlowModel& m, std::span<const LiquidInlet> inlets, s
     const auto mirrors = m.mirrors(c);
     for (size_t a = 0; a < 3; ++a) {
       for (size_t end = 0; end < 2; ++end) {
-        // Faces on sides keep their values, and what flows in slides along its side.
+        // Faces on sides keep their values, and inflow has no friction along its side.
         const bool even = mirrors[a][end] == mac::Mirror::given &&
                           (a == c || (a < d && m.kinds[a][end] == SideKind::inflow));
         sides_[c][a][end].mirror = even ? mac::Mirror::even : mirrors[a][end];
