@@ -24,8 +24,8 @@ constexpr double kCarries = 0.3;
 /// Offsets of two equally loaded points are merged where they differ by no more than this fraction: those of
 /// a tower whose boxes stand in line to a thousandth.
 constexpr double kAlike = 1e-3;
-/// Maximum numbers of sweeps for loads that are not passed down and of packs that they may process in all, and
-/// the sweeps between two checks of the residual.
+/// Maximum numbers of sweeps for loads that are not passed down and of packs that they may process in all,
+/// and the sweeps between two checks of the residual.
 constexpr size_t kLoadSweeps = 2000, kLoadPacks = 200'000, kSweepsPerLook = 50;
 /// Fraction of the velocity that forces add in a small step that may remain in a supported body, and the
 /// multiple at which the body may already move.
