@@ -5,7 +5,7 @@
 namespace truestep {
 
 /// Whether a one-way body holds another one. `facing`: cosine between its direction and the contact's normal
-/// towards the other; `along`: velocity or way of the other relative to it, along its direction.
+/// towards the other; `along`: velocity or displacement of the other relative to it, along its direction.
 inline bool one_way_holds(double facing, double along) {
   constexpr double kLeastFacing = 0.5;
   return facing >= kLeastFacing && along <= 0;

@@ -52,8 +52,8 @@ inline Joint drag_joint(const Model& model, const UserForces::Drag& d) {
   return j;
 }
 
-/// What the motor of a joint wants now: its speed or position (m/s, m, rad/s or rad; of a motor joint its
-/// move or velocity in the frame of a), and its maximum force or torque.
+/// What the motor of a joint aims at: its speed or position (m/s, m, rad/s or rad; of a motor joint its move
+/// or velocity in the frame of a), and its maximum force or torque.
 struct Motor {
   Vec2 wanted;
   double most = 0;

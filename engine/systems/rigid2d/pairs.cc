@@ -79,8 +79,8 @@ void match(const Model& model, const State& s, Pairs& p, std::span<const BodyPai
   if (p.contacts.size() < count) p.contacts.resize(count);
 }
 
-/// True where the contact passes a one-way platform: it holds a body that comes from outside moving towards
-/// it, and goes on holding that body.
+/// True where the contact passes a one-way platform: it holds a body that comes from outside and moves
+/// towards it, and keeps holding that body.
 bool passes(const Model& model, const State& s, const Hit& h, const flat::Contact& contact) {
   if (!(model.light[h.body_a].one_way || model.light[h.body_b].one_way) || h.old != kNoPoint) return false;
   const Body &a = model.bodies[h.body_a], &b = model.bodies[h.body_b];

@@ -59,8 +59,8 @@ class ContactList {
   void find_joined(const State& s, std::span<const Joint> joints);
   void update_bounds(const State& s, std::span<const BodyKind> kinds, const StepInput& in, double ahead);
   void narrow_phase(const State& s, std::span<const BodyKind> kinds, const StepInput& in, double ahead);
-  /// True where the contact passes a one-way platform: it holds a body that comes from outside moving towards
-  /// it, and goes on holding that body. `margin`: m, of bodies that do not move.
+  /// True where the contact passes a one-way platform: it holds a body that comes from outside and moves
+  /// towards it, and keeps holding that body. `margin`: m, of bodies that do not move.
   bool passes(const State& s, std::span<const BodyKind> kinds, const BodyPair& pair, const Manifold& found,
               double margin) const;
   /// Marks the pairs that move and bore a load in the last step.

@@ -293,7 +293,7 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
       const Contact* c = contact_of(i, j);
       if (!c) {
         hit = time_of_impact(k.solid, own, o.solid, other, 0.25 * now[i].margin);
-        // What is in a one-way body already passes it, as does what comes from its open side.
+        // A body inside a one-way body already passes it, as does one that comes from its open side.
         const Vec3 up = o.one_way ? now[j].at.direction(o.one_way_direction) : Vec3{};
         if (o.one_way &&
             (!hit || hit->t == 0 || !one_way_holds(-dot(hit->normal, up), dot(own.move - other.move, up)))) {

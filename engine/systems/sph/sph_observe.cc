@@ -187,7 +187,7 @@ const Outputs& sph_outputs() {
           {"substeps", "1", "of the last step"},
           {"iterations.density", "1", "per substep, of the solve for constant density"},
           {"iterations.divergence", "1", "per substep, of the solve for zero divergence"},
-          {"iterations.viscosity", "1", "per substep, of the solve for viscosity"},
+          {"iterations.viscosity", "1", "per substep, of the solve for viscosity, if there is one"},
           {"count", "1", "particles present, if they come or go"},
           {"emitted", "1", "particles emitted by nozzles"},
           {"killed", "1", "particles removed by kill regions"},

@@ -87,7 +87,7 @@ double first_stop(const Model& model, const State& s, const Pairs& pairs, const 
       const Pose seen = theirs.from.to(mine.from);
       const bool separate = !slides_along(wall, theirs, shape, mine, flat::inner_radius(shape)) &&
                             flat::distance(wall, shape, seen).distance > 2 * gap;
-      // What is in a one-way body already passes it; what touches it is left to the solver.
+      // A body inside a one-way body already passes it; one that touches it is left to the solver.
       if (obstacle.one_way && !separate) return;
       const auto hit = flat::time_of_impact(wall, theirs, separate ? shape : core, mine,
                                             separate ? gap : kCoreGap * core.radius);

@@ -157,7 +157,7 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
     rate = select(c.before.taken > zero, max(rate, W::all(T(kPartingShare) * inverse_h)), rate);
   }
 
-  // Friction first: the normals have the last word. The tangent is the normal turned left.
+  // Friction first, so that normals are solved last. The tangent is the normal turned left.
   W load = zero;
   for (auto& p : c.point) {
     e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
