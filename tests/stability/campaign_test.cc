@@ -117,9 +117,16 @@ TEST(Campaign, SqueezedBodiesAreNotThrownIntoOthers) {
 }
 
 // Heavy bodies on light ones. A first step in a few substeps let them sink, and the stiffer contacts of the
-// next step threw them up (151322: 1 J of 23); where they fell, substeps came only as offsets grew, in seconds.
+// next step threw them up (151322: 1 J of 23); where they fell, substeps came only as offsets grew, in
+// seconds.
 TEST(Campaign, LightBodiesBearHeavyOnes) {
   judge_seeds({151322, 753829, 721204, 105447});
+}
+
+// Bodies that turn while they pass along a wall in one step swept their corners into it: only what hardly
+// turns slides along.
+TEST(Campaign, WhatTurnsDoesNotSlideAlong) {
+  judge_seeds({413107, 416500, 498686});
 }
 
 // Ropes almost without stretch and straight between two pins: half of their tensions were missing, and they

@@ -34,9 +34,15 @@ bool is_seam(const Touched& beside, const Touched& ground, double flush) {
     const Vec2 a = beside.shape.corner[side], b = beside.shape.corner[next_corner(beside.shape, side)];
     top = height(a) > height(b) ? a : b;
   } else {
-    const auto corners = beside.shape.corner.begin();
-    top = *std::max_element(corners, corners + beside.shape.corners,
-                            [&](Vec2 a, Vec2 b) { return dot(a, beside.normal) < dot(b, beside.normal); });
+    const Outline& b = beside.shape;
+    uint32_t at = 0;
+    for (uint32_t k = 1; k < b.corners; ++k) {
+      if (dot(b.corner[k], beside.normal) > dot(b.corner[at], beside.normal)) at = k;
+    }
+    top = b.corner[at];
+    // What goes on upwards from there is a wall.
+    const Vec2 before = b.corner[at > 0 ? at - 1 : b.corners - 1], after = b.corner[next_corner(b, at)];
+    if (std::max(height(before), height(after)) > flush) return false;
   }
   const double length = norm(edge), along = dot(edge, top - from) / length;
   return std::abs(height(top)) <= flush && along >= -flush && along <= length + flush;

@@ -83,7 +83,8 @@ bool Sph::driven(const Vec3& gravity) const {
       std::any_of(solids.begin(), solids.end(), [](const Collider& c) { return !c.motion.at_rest(); }) ||
       std::any_of(meshes.begin(), meshes.end(),
                   [](const MeshWall& m) { return !m.collider.motion.at_rest(); });
-  const bool around = (d.wraps(0) && gravity.x != 0) || (d.wraps(2) && gravity.z != 0);
+  const bool around =
+      (d.wraps(0) && gravity.x != 0) || (d.wraps(1) && gravity.y != 0) || (d.wraps(2) && gravity.z != 0);
   return wall || around || !d.emitters.empty() || d.vorticity > 0 ||
          (d.walls == Walls::no_slip && norm2(d.lid_velocity) > 0);
 }

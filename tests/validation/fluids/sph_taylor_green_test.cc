@@ -33,7 +33,7 @@ SphDef solved_by(Method solver, Precision precision = Precision::f64) {
   return d;
 }
 
-// The case's 5 %: dfsph is 2 to 3 % too fast, depending on how its particles come to lie, wcsph 4 %.
+// The case's 5 %: dfsph is 1 to 1.5 % too fast, depending on how its particles come to lie, wcsph 4 %.
 TEST(SphTaylorGreen, DecaysAsViscosityMakesIt) {
   EXPECT_NEAR(decay(solved_by(Method::dfsph), 50), 1, 0.05);
   EXPECT_NEAR(decay(solved_by(Method::dfsph, Precision::f32), 50), 1, 0.05);
@@ -43,7 +43,7 @@ TEST(SphTaylorGreen, DecaysAsViscosityMakesIt) {
   EXPECT_GT(decay(gathered, 50), 1.5) << "control: particles that gather along streamlines";
 }
 
-// 8 % at 25 particles across, 3 % at 50, 0.3 % at 100.
+// 10 % at 25 particles across, 1.4 % at 50, 0.1 % at 100.
 TEST(SphTaylorGreen, ConvergesWithResolution) {
   const double coarse = std::abs(decay(solved_by(Method::dfsph), 25) - 1);
   EXPECT_LT(std::abs(decay(solved_by(Method::dfsph), 50) - 1), 0.6 * coarse);

@@ -20,6 +20,8 @@ constexpr double kCoreGap = 0.25;
 constexpr double kShallow = 0.25;
 /// .. by which it may overlap a polygon before that; a higher edge is a step.
 constexpr double kLevel = 0.05;
+/// rad, by which a body with corners may turn in a step and still slide.
+constexpr double kHardlyTurns = 0.02;
 
 Sweep sweep_of(const Pairs& pairs, const Travel& t) {
   return {pairs.pose[t.body], t.angle, t.shift};
@@ -43,7 +45,9 @@ Box swept_box(const Outline& s, const Sweep& sweep, double reach) {
 bool slides_along(const Outline& piece, const Sweep& a, const Outline& shape, const Sweep& b, double inner) {
   const auto into = [&](Vec2 n) { return -flat::dot(a.from.q * n, b.shift - a.shift); };
   if (piece.is_link()) return std::abs(into(piece.normal[0])) < kShallow * inner;
-  if (a.angle != 0 || piece.corners < 3) return false;
+  // What turns far sweeps its corners into what its middle passes.
+  const bool turns = shape.corners > 1 && std::abs(b.angle) > kHardlyTurns;
+  if (a.angle != 0 || turns || piece.corners < 3) return false;
   const Outline there = flat::moved(shape, a.from.to(b.from));
   for (uint32_t i = 0; i < piece.corners; ++i) {
     const Vec2 n = piece.normal[i];

@@ -40,7 +40,8 @@ class Dfsph {
   Solved solve(Fluid<D, T>& f, BodiesIn<D, T>& bodies, const Pace& pace, const ThreadArena& arena) const {
     const double h = pace.h, error = h * h / pace.part;
     const T most = static_cast<T>(kMostAtOnce * pace.share), part = static_cast<T>(pace.part);
-    const T step = static_cast<T>(h), per_step = 1 / step, closing = static_cast<T>(kClosing / h);
+    const T step = static_cast<T>(h), per_step = 1 / step,
+            closing = static_cast<T>(set_.closed ? 0 : kClosing / h);
     begin_from(f, f.flow, arena);
     push_by<Answer::mirror>(f, f.flow, arena);
     move<Answer::mirror>(f, bodies, f.flow, h, arena);

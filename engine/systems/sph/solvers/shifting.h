@@ -4,7 +4,8 @@
 // u the fastest particle's speed, h the substep, H the kernel's radius, s the spacing (Skillen, Lind, Stansby
 // & Rogers 2013; u and the term with R = 0.2 as by Sun, Colagrossi, Marrone & Zhang 2017, who have A = 2).
 // What the flow has at the new place follows from its gradient (Lind, Xu, Stansby & Rogers 2012, equation
-// 33). Near a free surface grad C points out of the liquid, so that particles stay.
+// 33). A u h H is limited such that rows do not overshoot. Near a free surface grad C points out of the
+// liquid, so that particles stay.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -19,7 +20,9 @@ class Shifting {
   explicit Shifting(const Setting& set)
       : set_(set),
         per_near_(
-            static_cast<T>(1 / (set.kernel_w * smoothing_at(set.def.kernel, 1 / set.def.support).w[0]))) {}
+            static_cast<T>(1 / (set.kernel_w * smoothing_at(set.def.kernel, 1 / set.def.support).w[0]))) {
+    if (any()) widest_ = kStable / stiffest();
+  }
 
   bool any() const { return set_.shifting > 0; }
 
@@ -29,8 +32,7 @@ class Shifting {
   /// Leaves displacements in f.shift (m, four a row), and changes velocities and, if `carried`, densities to
   /// those there; `way` (m) is that of the fastest particle in the substep.
   void shift(Fluid<D, T>& f, double way, bool carried, const ThreadArena& arena) const {
-    const double reach = set_.support;
-    const T scale = static_cast<T>(std::min(set_.shifting * way, kStable * reach) * reach);
+    const T scale = static_cast<T>(std::min(set_.shifting * way * set_.support, widest_));
     const T most = static_cast<T>(kMost * set_.def.spacing);
     f.shift.resize(4 * f.n);
     f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
@@ -78,13 +80,41 @@ class Shifting {
 
  private:
   using W = Wide<T>;
+  /// 1/m^2, the largest factor of grad C on a displacement: of rows of a lattice of which every other one is
+  /// displaced, along an axis or along all of them, across themselves.
+  double stiffest() const {
+    const double s = set_.def.spacing;
+    const int reach = static_cast<int>(set_.def.support) + 1, deep = D == 3 ? reach : 0;
+    // grad C along x at the place dx of one whose row, or every other one around it, lies at 0.
+    const auto pull = [&](double dx, bool all) {
+      double sum = 0;
+      for (int x = -reach; x <= reach; ++x) {
+        for (int y = -reach; y <= reach; ++y) {
+          for (int z = -deep; z <= deep; ++z) {
+            const bool moved = (all ? x + y + z : x) % 2 == 0;
+            const double way = moved ? -x * s : dx - x * s, across = s * s * (y * y + z * z);
+            const double r = std::sqrt(way * way + across);
+            if (r == 0 || r >= set_.support) continue;
+            const SmoothingValue<double> at = smoothing_at(set_.def.kernel, r / set_.support);
+            const double ratio = set_.kernel_w * at.w[0] * double{per_near_}, square = ratio * ratio;
+            sum += set_.kernel_s * at.s[0] * way * (1 + double{kNear} * square * square);
+          }
+        }
+      }
+      return std::abs(sum);
+    };
+    const double little = 1e-3 * s;
+    return std::max(pull(little, false), pull(little, true)) / little;
+  }
+
   static constexpr T kNear = T(0.2);
-  static constexpr double kStable =
-      0.125;                            ///< 1/2 of the squared smoothing length H / 2: their stability bound
+  /// Largest part of a displacement that is undone at once; at 2 it only changes sides.
+  static constexpr double kStable = 1;
   static constexpr double kMost = 0.2;  ///< spacings in a substep
 
   const Setting& set_;
   T per_near_;
+  double widest_ = 0;  ///< m^2, the largest A u h H
 };
 
 }  // namespace truestep::sph
