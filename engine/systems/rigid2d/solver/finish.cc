@@ -45,7 +45,7 @@ Box swept_box(const Outline& s, const Sweep& sweep, double reach) {
 bool slides_along(const Outline& piece, const Sweep& a, const Outline& shape, const Sweep& b, double inner) {
   const auto into = [&](Vec2 n) { return -flat::dot(a.from.q * n, b.shift - a.shift); };
   if (piece.is_link()) return std::abs(into(piece.normal[0])) < kShallow * inner;
-  // What turns far sweeps its corners into what its middle passes.
+  // A body that turns far sweeps its corners into surfaces that its middle passes.
   const bool turns = shape.corners > 1 && std::abs(b.angle) > kHardlyTurns;
   if (a.angle != 0 || turns || piece.corners < 3) return false;
   const Outline there = flat::moved(shape, a.from.to(b.from));
