@@ -1,5 +1,5 @@
 // The end of a free flight, in the plane and in space. Substeps move bodies by the velocities at their ends,
-// which is too far by half a substep's change of velocity. What nothing but its own forces acted on moves by
+// which is too far by half a substep's change of velocity. A body on which only its own forces acted moves by
 // the mean of the velocities at both ends instead: along its parabola.
 #pragma once
 #include <algorithm>

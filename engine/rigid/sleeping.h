@@ -21,8 +21,8 @@ struct SleepRule {
 
   /// The rule for bodies held by nothing but friction with others.
   SleepRule of_rolling() const { return {speed, time, 0.4, curve}; }
-  /// The rule for bodies that touch nothing: at the defaults at most 0.6 mm/s and 1e-4 m/s^2, so that of
-  /// 0.025 Hz and above no oscillation of more than 1 mm/s falls asleep.
+  /// The rule for bodies that touch nothing: at the defaults at most 0.6 mm/s and 1e-4 m/s^2, so that no
+  /// oscillation of 0.025 Hz or more and above 1 mm/s falls asleep.
   SleepRule of_hanging() const { return {speed, time, 0.1 * share, 0.01 * curve}; }
 
   /// m, largest distance of a resting body's points from where its rest began.

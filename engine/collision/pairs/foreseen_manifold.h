@@ -1,7 +1,7 @@
 // Contacts in space as they will be a little later. They are found once a step and stay as they are through
 // its n substeps: found for the bodies' poses at its start, normals and arms lag by (n - 1) / 2 substeps on
 // average, and so does the force of loads that follow bodies as they roll on one another, which feeds every
-// rocking mode (docs/standing.md, "What rolls on what rolls"). A contact that bears is therefore found for
+// rocking mode (docs/standing.md, "Rolling on rolling bodies"). A contact that bears is therefore found for
 // the poses t = (n - 1) / (2 n) of the step later, as far as the bodies' velocities tell, and brought back:
 // with J the motion of its points along the normal there, its separations are
 //   s(now) = s(later) - t J (v, w),

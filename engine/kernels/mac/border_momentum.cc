@@ -29,8 +29,8 @@ void carry_momentum(const MacGrid& g, size_t c, size_t axis, Sweep sweep, const 
     return d.of(full[cell]) * by;
   };
   const auto mass_of = [&](size_t face) { return 0.5 * (d.of(share[face - sc]) + d.of(share[face])); };
-  // What crosses between two faces, by the velocity of the one behind and van Leer's slope; the share of its
-  // mass that leaves takes the slope with it, so that what stays is not further off than its neighbours.
+  // What crosses between two faces: the upwind face's velocity with van Leer's slope; the part of its mass
+  // that leaves takes the slope with it, so that what stays is not further off than its neighbours.
   const auto crossing = [&](size_t behind, size_t ahead, size_t further, double flux) {
     const double to_ahead = q[ahead] - q[behind], from_further = q[behind] - q[further];
     const double both = to_ahead * from_further;

@@ -3,10 +3,10 @@
 //   (room q)' = room q - (out - in),   room' = room - h du/dx,   q' = (room q)' / room',
 // room the share of a cell's volume that the axes before have left (1 before the first, and again after the
 // last if the flow's divergence is 0): without it each axis alone would squeeze q (Easter 1993, "Two modified
-// versions of Bott's positive-definite numerical advection scheme", section 3). A face is crossed by the mean
-// of a straight line in the cell that the flow comes from over the length that crosses; its slope is the
-// monotonized central one (van Leer 1977, "Towards the ultimate conservative difference scheme IV", equation
-// 67). While no more than a cell's room leaves it, q' lies between values of the cell and its neighbours.
+// versions of Bott's positive-definite numerical advection scheme", section 3). What crosses a face is the
+// mean, over the length that crosses, of a straight line in the upwind cell; its slope is the monotonized
+// central one (van Leer 1977, "Towards the ultimate conservative difference scheme IV", equation 67). While
+// no more than a cell's room leaves it, q' lies between values of the cell and its neighbours.
 // Axes in turn and then in the opposite order are of second order (Strang 1968). Ghosts must be filled.
 #pragma once
 #include "engine/kernels/mac/momentum.h"

@@ -25,7 +25,7 @@ using Sides = std::array<std::array<SideValues, 2>, 3>;
 void fill_ghosts(const MacGrid& grid, size_t place, const Sides& sides, double* u, const ThreadArena& arena);
 
 /// out += factor times what the Laplacian of a change that vanishes on the sides with given values (along
-/// them) gains from the parabola there, beyond the mirror image that transforms have.
+/// them) gains from the parabola there, compared with the mirror image that transforms assume.
 void add_wall_curvature(const MacGrid& grid, size_t place, const Sides& sides, const double* change,
                         double factor, double* out, const ThreadArena& arena);
 

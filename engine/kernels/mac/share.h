@@ -22,7 +22,7 @@ struct Border {
 
 /// Share of the unit cell where n . x < level; n of any length, 0 along axes that do not exist.
 double share_below(const std::array<double, 3>& normal, double level);
-/// The border with this normal (magnitudes adding up to 1) and this share, from 0 to 1, below it.
+/// The border with this normal (magnitudes adding up to 1) that has this share, from 0 to 1, below it.
 Border border_with(const std::array<double, 3>& normal, double share);
 /// The border in a cell, from the shares around it.
 Border border_in(const MacGrid& grid, const double* share, size_t at);

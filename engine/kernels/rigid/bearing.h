@@ -2,8 +2,8 @@
 //   sum N_p c_p = W,   sum N_p c_p (x_p, y_p) = M,
 // where c is the cosine of the angle between a point's normal and the vertical, (x, y) the point's horizontal
 // position, W the load and M its moments. Points that would have to pull are removed one at a time. Where no
-// such forces exist, as under a body that topples, it is borne as if its load were at the next place within
-// the bounds of the points: the moments that are left turn the body.
+// such forces exist, as under a body that topples, the points bear it as if its load acted at the nearest
+// place within their bounds: the remaining moments turn the body.
 #pragma once
 #include <algorithm>
 #include <cmath>

@@ -132,7 +132,7 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
   const W share = inverse(weight);
   for (W& c : center) c *= share;
 
-  // Pressed though still apart: the last step slowed the bodies so that they arrive in this one.
+  // Loaded though still apart: the last step slowed the bodies so that they arrive in this one.
   g.struck = where_positive(nearest, one, zero);
 
   // Friction acts where the surfaces will meet, half of the gap away from each.

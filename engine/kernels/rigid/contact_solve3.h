@@ -155,8 +155,8 @@ Wide<T> held_back(const ContactGroup<T>& g, int p) {
   return where_positive(g.restitution, waits, one);
 }
 
-/// Multiple of the scalar's epsilon, times the speed of a blow, up to which a load is the rounding of a gap
-/// that closes exactly at the end of a substep: separations are sums over at most some ten substeps.
+/// Multiple of the scalar's epsilon, times the speed of an impact, up to which a load is the rounding of a
+/// gap that closes exactly at the end of a substep: separations are sums over at most some ten substeps.
 inline constexpr int kRoundedGap = 64;
 
 /// An impact: points that carried no load yet, or only the rounding of a gap, and that all approach share the

@@ -21,7 +21,7 @@ inline Quat with_energy(const Quat& q, const Vec3& L, const Vec3& I, double twic
   const auto [low, high] = std::minmax_element(inverse, inverse + 3);
   const double* axis = now > twice ? low : high;
   const double extreme = all * *axis;
-  // Rounding, or moments that are alike.
+  // Rounding, or moments that are nearly equal.
   if (!(std::abs(now - extreme) > 1e-9 * now)) return q;
   const double s = std::clamp((now - twice) / (now - extreme), 0.0, 1.0);
   double to[3] = {m.x, m.y, m.z};

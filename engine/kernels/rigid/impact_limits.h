@@ -7,8 +7,8 @@
 namespace truestep {
 
 /// m/s; slower approaches do not bounce unless the scene sets its own limit. A hop that starts at v lasts 2 v
-/// / g: one shorter than a step would begin and end unseen, and bodies would hop for ever in ever shorter
-/// hops. Without gravity there is no such hop, and everything bounces. `gravity` in m/s^2, `dt` in s.
+/// / g: one shorter than a step would begin and end unseen, and bodies would hop for ever.
+/// Without gravity there is no such hop, and everything bounces. `gravity` in m/s^2, `dt` in s.
 constexpr double slowest_bounce(double gravity, double dt) {
   return 0.5 * gravity * dt;
 }

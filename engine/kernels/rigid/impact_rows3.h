@@ -48,7 +48,7 @@ bool hit_contacts(ContactGroup<T>& g, const ImpactRecords<T>& bodies, uint32_t e
   W a[6], b[6], v[6], wa[6], wb[6], shift[6], speed[4], closes[4], due(0), wait(T(1e30));
   gather6(bodies.velocity, g.a, a), gather6(bodies.velocity, g.b, b);
   detail::relative_motion(g, a, b, v);
-  // Bodies that have hit already are on new lines, which would have begun elsewhere.
+  // Bodies that have already hit move along new lines, which would have begun elsewhere.
   gather6(bodies.toi_correction, g.a, wa), gather6(bodies.toi_correction, g.b, wb);
   detail::relative_motion(g, wa, wb, shift);
   // A contact that ends the substep within rounding of closing counts as closed: the next substep would find

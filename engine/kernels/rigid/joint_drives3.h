@@ -122,7 +122,7 @@ void solve_drive(const JointGroup<T>& g, JointDrive<T>& d, Wide<T> a[6], Wide<T>
   if constexpr (kind == ContactSolve::bias) d.moved = moved;
   if (d.laws & D::kSpring) sum += two_sided<T>(d.spring, W(0), d.moved, d, v);
   if (d.laws & D::kMotor) {
-    // A motor does not drive beyond its limits: motor and limit, both rigid, would fight each other.
+    // A motor does not drive beyond its limits: motor and limit, both rigid, would work against each other.
     const W zero(0), up = (d.upper.error - moved) * W(pass.inverse_h),
                      down = (d.lower.error + moved) * W(pass.inverse_h);
     const W speed = max(-max(zero, down), min(max(zero, up), d.motor.speed));

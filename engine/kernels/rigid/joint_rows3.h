@@ -3,7 +3,7 @@
 //   linear  e_k . (x_b + r_b - x_a - r_a) = 0,      angular  t_k . (rotation of b relative to a) = 0;
 // a row that is not locked has K = 1 and takes no impulse. Forces on a act at b's anchor, so that sliding
 // joints conserve angular momentum. Arms and axes turn with the bodies within a step, so that fast swings
-// stay together; rotations are measured about the axes half way. Rows that are not locked: joint_drives3.h.
+// stay together; rotations are measured about the axes halfway. Rows that are not locked: joint_drives3.h.
 #pragma once
 #include "engine/kernels/rigid/row_math3.h"
 

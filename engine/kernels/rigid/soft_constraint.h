@@ -47,8 +47,8 @@ inline constexpr double kResolved2 = 0.25, kResolvedAlone2 = 1;
 /// under a load is exact, the frequency is within w2 h^2 / 24 + rate h / 4, and without damping the energy is
 /// conserved. (Matching the frequency instead would shift the equilibrium by rate h / 2.) Stiffer springs
 /// take implicit Euler, which they need when coupled to others, and beyond a radian are damped so that they
-/// recover half of their error in a step, not all of it: with locked rows beside them that answer a pass
-/// late, whole ones swing up. w2 in 1/s^2, rate in 1/s, h in s.
+/// recover half of their error in a step: with full recovery, oscillations build up beside locked rows that
+/// respond a pass late. w2 in 1/s^2, rate in 1/s, h in s.
 inline OscillatorStep oscillator_step(double w2, double rate, double h, double most2 = kResolved2) {
   const double turned2 = w2 * h * h;
   if (turned2 > most2) {

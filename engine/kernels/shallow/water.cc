@@ -9,7 +9,7 @@ namespace {
 
 constexpr size_t kColumns = 64;  // of a tile
 
-// By value, so that loops become instructions on four numbers.
+// By value, so that loops vectorise.
 inline double least(double a, double b) {
   return a < b ? a : b;
 }
@@ -31,7 +31,7 @@ struct Fluxes {
   double mass[kColumns + 1], before[kColumns + 1], after[kColumns + 1], across[kColumns + 1];
 };
 
-// Faces between the cells at 0 .. n - 1 of the pointers and those a stride after them. The bed's push on a
+// Faces between the cells at 0 .. n - 1 of the pointers and those a stride after them. The bed's force on a
 // cell is included as the pressure of its own depth at the face; the rest of it, g h times the surface's
 // slope, is left to the caller.
 void face_fluxes(const double* h, const double* eta, const double* normal, const double* other, ptrdiff_t s,

@@ -128,7 +128,7 @@ inline void store(T* p, const Wide<T>& a) {
   __builtin_memcpy(p, &a.v, sizeof a.v);
 }
 
-/// The nearest whole numbers, halves to even ones; |a| below 2^22 (float) or 2^51 (double).
+/// Rounded to the nearest integers, ties to even; |a| below 2^22 (float) or 2^51 (double).
 template <class T>
 inline Wide<T> nearest(const Wide<T>& a) {
   const Wide<T> shift = Wide<T>::all(static_cast<T>(sizeof(T) == 4 ? 0x1.8p23 : 0x1.8p52));
@@ -197,7 +197,7 @@ inline void store_rows4(int16_t (*rows)[4], const Wide<float> in[3], const Wide<
   }
 #endif
 }
-/// Lane i: the last number of row i, as one without a sign.
+/// Lane i: the last number of row i, as an unsigned one.
 inline Wide<float>::Mask load_last(const int16_t (*rows)[4]) {
 #if defined(__AVX2__) && defined(__FMA__)
   const auto* in = reinterpret_cast<const __m256i*>(rows);

@@ -164,7 +164,7 @@ inline uint32_t lanes_set(const typename Wide<T>::Mask& mask) {
   return bits;
 #endif
 }
-/// Whole numbers side by side.
+/// Loads consecutive integers.
 template <class T>
 inline typename Wide<T>::Mask whole(const uint32_t* p) {
   typename Wide<T>::Mask out;

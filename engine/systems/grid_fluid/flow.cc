@@ -163,11 +163,11 @@ void Flow::add_force(FlowFields& f, double t, size_t c, double factor, double* t
   });
 }
 
-// Transforms have mirror images beyond walls where the differences have parabolas, whose friction is larger:
-// a solve by them divides modes of the wall by too little, by up to m = 4/3 (in corners 5/3), which long
-// steps would amplify and short ones would not resolve. With the difference on the right of two more solves,
-// weighed by 1 and 1 / m, modes lack between 0 and 0.004 of their change (in corners 0.03): never less than
-// 0, so that steps of any length are stable, and nothing where the walls are not felt.
+// Transforms assume mirror images beyond walls, the differences parabolas, whose friction is larger: solves
+// by transforms damp the modes of the wall too little, by up to m = 4/3 (in corners 5/3), which long steps
+// would amplify and short ones not resolve. With the difference on the right-hand side of two more solves,
+// weighted by 1 and 1 / m, modes lack 0 to 0.004 of their change (in corners 0.03): never less than 0, so
+// that steps of any length are stable, and nothing where the walls are not felt.
 void Flow::diffuse(size_t c, double amount, double* change) {
   const mac::MacGrid& g = model_->grid;
   const double walls = static_cast<double>(g.dimensions) - 1;  // that meet in a corner and are parallel to c
@@ -262,7 +262,7 @@ void Flow::balance(FlowFields& f) {
     }
   };
   for_inflows([&](size_t a, size_t side, size_t end) {
-    // Every row's sum, then theirs, in their order.
+    // Sums of rows, then their sum, in a fixed order.
     const double face = g.cell_volume() / g.spacing[a], outwards = end == 0 ? -1 : 1;
     const size_t first = a == 0 ? 1 : 0, second = a == 2 ? 1 : 2;
     row_sums_.assign(g.cells[second], 0);

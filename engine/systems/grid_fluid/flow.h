@@ -40,10 +40,10 @@ struct FlowModel {
   bool keeps_divergence() const { return texts.obstacles_move || fourth_order(); }
   bool two_fluids() const { return def.second_fluid.has_value(); }
   bool two_viscosities() const { return two_fluids() && def.second_fluid->viscosity; }
-  /// kg/m^3, of a cell of which the second fluid fills a share.
+  /// kg/m^3, of a cell of which the second fluid fills the fraction `share`.
   double density_of(double share) const;
-  /// kg/m^3, of such a cell for accelerations along an axis; `normal`: square of that component of its
-  /// border's unit normal. Above 0.
+  /// kg/m^3, of such a cell for accelerations along an axis; `normal`: square of the component along it of
+  /// the border's unit normal. Positive.
   double inertia_of(double share, double normal) const;
   /// m/s^2, along axis a if the sides support the fluids against gravity; 0 along a periodic axis.
   double held_gravity(size_t a) const;
@@ -86,7 +86,7 @@ class Flow {
   void fill(FlowFields& f, double t);
   /// share = that of the second fluid at the end of the last substep, at time t.
   void bring_up(FlowFields& f, double t, double* share);
-  /// Takes densities of two fluids from where they are now; before `project`.
+  /// Sets the densities of two fluids from where they are now; call before `project`.
   void weigh(FlowFields& f);
   /// 1/s, largest divergence of a cell at time t, with obstacles placed for t.
   double largest_divergence(FlowFields& f, double t);
@@ -125,13 +125,13 @@ class Flow {
   /// Faces within two cells of the border, where it is or also where it was before.
   enum class Since : uint8_t { now, before };
   void note_border(const FlowFields& f, Since since);
-  /// Beside the border: rate (m/s^2, of component c), or what the velocity has become in h, is what the
-  /// fluxes of mass say.
+  /// Beside the border: replaces the rate (m/s^2, of component c), or the velocity after h, by what the
+  /// fluxes of mass give.
   void convect_at_border(size_t c, double* rate);
   void convect_at_border(const FlowFields& f, size_t c, double h, double* moved);
   template <class F>
   void for_border_faces(size_t c, F&& set);
-  /// rate += what viscosity (m^2/s, of the first fluid) does to two fluids, explicitly.
+  /// rate += the viscous acceleration of two fluids (viscosity in m^2/s, of the first), explicitly.
   void add_viscosity(const FlowFields& f, size_t c, double viscosity, double* rate);
   void find_fluidity(const FlowFields& f);
   /// to -= factor grad p by the density of `density` on the faces of component c that the equations decide.

@@ -130,7 +130,7 @@ void FlowTexts::sample(const Program& p, const mac::MacGrid& g, size_t place, do
   thread_local std::vector<double> x;
   x.resize(g.count(place, 0));
   for (size_t i = 0; i < x.size(); ++i) x[i] = g.coordinate(place, 0, static_cast<double>(i));
-  // Of this thread, whichever thread reads them.
+  // The calling thread's values, whichever thread reads them.
   const double* along = x.data();
   mac::for_rows(g, place, arena, [&](size_t at, size_t j, size_t k, size_t n) {
     const double y = g.coordinate(place, 1, static_cast<double>(j)),

@@ -33,12 +33,12 @@ double FlowModel::density_of(double share) const {
   return def.density + std::clamp(share, 0.0, 1.0) * (def.second_fluid->density - def.density);
 }
 
-// Layers on either side of a border slide past each other, with one velocity to a face: the border is carried
+// Layers on either side of a border slide past each other, but a face has one velocity: the border is carried
 // by the velocity of the layers' edges instead of its own, and the row that it crosses has mass without the
-// motion along it. For waves on a border along the row both together act like
+// motion along it. For waves on a border along the row, the two together act like
 //   4 share (1 - share) density_1 density_2 / density
-// of mass too much, an error of first order in k dx. It is taken off in proportion to Atwood's number, of
-// which such motion comes: fluids of one density do not feel their border.
+// of mass too much, an error of first order in k dx. It is taken off in proportion to the Atwood number,
+// which drives such motion: fluids of one density do not feel their border.
 double FlowModel::inertia_of(double share, double normal) const {
   const double two = std::clamp(share, 0.0, 1.0), mean = density_of(share);
   const double first = def.density, second = def.second_fluid->density;
@@ -284,7 +284,7 @@ void Flow::carry_border(FlowFields& f, double t, double h, double* share, Carrie
   }
 }
 
-// A leapfrog: the border is half a substep behind the velocity that it is carried by. What becomes of the
+// A leapfrog: the border is half a substep behind the velocity that it is carried by. The change of the
 // velocity there is kept as a rate.
 void Flow::carry_second(FlowFields& f, double t, double h) {
   const mac::MacGrid& g = model_->grid;

@@ -147,11 +147,11 @@ double GridFluid::largest_substep(double crossing_rate, double viscosity, double
   // there, and grows slowly enough only well below 1.
   const double cfl = d.cfl.value_or(!central ? 3 : rk3 ? 1.2 : kTwoStepCells);
   double largest = crossing_rate > 0 ? std::min(h, cfl / crossing_rate) : h;
-  // The border moves with the velocity that its own weight has just changed: a leapfrog, stable up to 2; half
-  // of that.
+  // The border moves with the velocity that its own weight has just changed: a leapfrog, stable up to 2, of
+  // which half is used.
   if (const double rate = model_.border_rate(); rate > 0) largest = std::min(largest, 1 / rate);
   if (model_.two_viscosities()) {
-    // Of the stress's own sum of second differences, 3/2 of the Laplacian's, beside a border twice as much.
+    // The stress's sum of second differences is 3/2 of the Laplacian's, beside a border twice that.
     constexpr double kStress = 3;
     viscosity = kStress * std::max(viscosity, *d.second_fluid->viscosity);
   }
@@ -189,8 +189,8 @@ int GridFluid::substeps_for(double crossing, double viscosity, double h, int tak
 }
 
 namespace {
-/// 1/s^2, the most that buoyancy adds to the crossing rate in a second: what all of the scalar has in common
-/// moves nothing.
+/// 1/s^2, the most that buoyancy adds to the crossing rate in a second: a uniform part of the scalar moves
+/// nothing.
 double buoyancy_rate(const FlowModel& m, const double* scalar, const ThreadArena& arena) {
   if (!scalar || m.def.scalar->expansion == 0) return 0;
   const mac::MacGrid& g = m.grid;
@@ -209,14 +209,14 @@ double buoyancy_rate(const FlowModel& m, const double* scalar, const ThreadArena
 }
 }  // namespace
 
-// Substeps are equal as long as they hold: a flow that becomes faster on the way has the rest of its step
-// divided anew. None is so long that buoyancy alone would carry the flow too far in it.
+// Substeps are equal while they are short enough: if the flow becomes faster on the way, the rest of the step
+// is divided anew. None is so long that buoyancy alone would carry the flow too far in it.
 void GridFluid::advance(State& s, const StepInput& in) const {
   auto& flow = in.workspace.object<Flow>("grid_fluid");
   flow.bind(model_, in.arena);
   FlowFields f = fields(s);
   const auto numbers = s.f64(numbers_);
-  // Two steps grow slowly at more cells than these, and would do so through a whole step.
+  // The two-step method grows slowly above this many cells, and would do so for the whole step.
   constexpr double kMargin = 1.25;
   const GridFluidDef& d = model_.def;
   const bool two_steps =

@@ -1,7 +1,7 @@
 // An incompressible fluid in a box of two or three dimensions on a staggered grid (flow.h): central
 // differences for smooth flows, advection along paths for all others; walls, inflow, outflow, periodic sides;
 // a transported scalar and its buoyancy. A step is divided into as many equal substeps as speed and viscosity
-// require, and its rest again when the flow has become too fast for them. Steady flows are found directly
+// require, and its rest anew when the flow becomes too fast for them. Steady flows are found directly
 // (steady_flow.h). Commands: set_parameter viscosity; impulse gives momentum to the fluid around a point.
 #pragma once
 #include "engine/core/system.h"
@@ -39,8 +39,8 @@ class GridFluid final : public StagedSystem {
   double largest_substep(double crossing_rate, double viscosity, double h) const;
   /// Cells per substep up to which results are reliable.
   double most_crossed() const;
-  /// Number of substeps into which h (s) is divided, `taken` of the step's having gone before. Instability if
-  /// they are more than kMostSubsteps.
+  /// Number of substeps into which h (s) is divided after the `taken` ones that the step already had.
+  /// Instability if they are more than kMostSubsteps.
   int substeps_for(double crossing_rate, double viscosity, double h, int taken) const;
 
   /// Share of the second fluid that the flow itself moves, after the one that is shown.

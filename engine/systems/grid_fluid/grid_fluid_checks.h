@@ -6,7 +6,7 @@ namespace truestep::grid_fluid {
 
 inline constexpr double kMostCells = 5e7, kMostParticles = 2e7;
 double cell_count(const GridFluidDef& d);
-/// What liquids with a surface do not have is refused by name, and so is what only they have.
+/// Refuses by name what liquids with a surface do not have, and for other flows what only liquids have.
 void check_liquid(const GridFluidDef& d, const DefTable::Report& report);
 void check_flow(const GridFluidDef& d, const DefTable::Report& report);
 

@@ -55,7 +55,7 @@ Cost grid_fluid_cost(const void* def) {
     c.workspace_bytes += 8 * padded * (3 * components + (components + 4) * 1.34 + 5) + padded * components;
     if (d.second_fluid->viscosity) c.workspace_bytes += 8 * padded;
   }
-  // Shares of faces again.
+  // Fractions of faces a second time.
   if (moving) c.workspace_bytes += padded * (17 * components + 1);
   c.elements = cell_count(d);
   if (d.steady() && components == 2) {

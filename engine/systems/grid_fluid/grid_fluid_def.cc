@@ -10,7 +10,7 @@ const DefTable& side_table() {
   static const DefTable kTable =
       TableOf<D>("the condition on a side")
           .choice("kind", &D::kind, {"wall", "slip", "inflow", "outflow", "periodic"},
-                  "wall: the fluid sticks to it; slip: it slides along it; inflow: it has the given "
+                  "wall: no slip; slip: the fluid slides along it; inflow: it has the given "
                   "velocity; outflow: zero pressure and zero slope along the normal; periodic: the fluid "
                   "re-enters at the other end")
           .texts("velocity", &D::velocity, {0, 3},
@@ -23,7 +23,7 @@ const DefTable& side_table() {
 const DefTable& scalar_table() {
   using D = ScalarDef;
   static const DefTable kTable =
-      TableOf<D>("a scalar that the flow carries: smoke, dye, salt, warmth")
+      TableOf<D>("a scalar that the flow carries: smoke, dye, salt, heat")
           .expression("initial", &D::initial, "value at the start, an expression of x, y, z")
           .expression("source", &D::source, "rate of change per second, an expression of x, y, z and t")
           .number("diffusivity", &D::diffusivity, "m^2/s", at_least(0), "diffusion coefficient")
@@ -44,8 +44,8 @@ const DefTable& second_fluid_table() {
           .number("density", &D::density, "kg/m^3", above(0), "mass per volume (area in the plane)")
           .number(
               "viscosity", &D::viscosity, "m^2/s", at_least(0),
-              "its kinematic viscosity, explicit and with the stress continuous across the border; without "
-              "it that of the first fluid")
+              "its kinematic viscosity, stepped explicitly, with the stress continuous across the border; "
+              "absent: that of the first fluid")
           .build();
   return kTable;
 }
@@ -137,12 +137,12 @@ const DefTable& grid_fluid_table() {
         .object("second_fluid", &D::second_fluid, second_fluid_table(),
                 "a second fluid with a sharp border to the first; gravity then acts on both")
         .number("vorticity_confinement", &D::vorticity_confinement, "1", at_least(0),
-                "strength of vorticity confinement: drives small eddies that advection along paths damps")
+                "strength of vorticity confinement: drives the small eddies that advection along paths damps")
         .objects("obstacles", &D::obstacles, obstacle_table(), {0, 1000}, "obstacles in the flow")
         .number("tolerance", &D::tolerance, "1", between(1e-14, 0.1),
                 "relative residual of the pressure with obstacles, two fluids or a surface (otherwise it "
                 "is solved to rounding); for a steady flow, change in the last iteration relative to the "
-                "fastest velocity")
+                "largest velocity")
         .objects("bodies", &D::bodies, body_table(), {0, 1000}, "of flip and apic: liquid at the start")
         .integer("particles_per_axis", &D::particles_per_axis, between(1, 4),
                  "of flip and apic: particles per cell along each axis; 2 gives 4 in the plane, 8 in space")
@@ -151,8 +151,7 @@ const DefTable& grid_fluid_table() {
         .objects("emitters", &D::emitters, inlet_table(), {0, 64}, "of flip and apic: nozzles")
         .integer("max_particles", &D::max_particles, between(1, kMostParticles),
                  "of flip and apic: most particles at once; absent: enough for the emitters, at most a tenth "
-                 "more than "
-                 "fill the box");
+                 "more than fill the box");
     add_kill_rows(table);
     return table.check(check_flow).build();
   }();

@@ -104,7 +104,7 @@ FieldView GridFluid::field(const State& s, size_t, size_t field, std::vector<dou
     for_cells(g, [&](size_t row, size_t at, size_t i, size_t j, size_t k) {
       scratch[row] = scale * q[at];
       if (field != 2 || !second_) return;
-      // The state's pressure is without the weight of the fluid at that point.
+      // The state's pressure excludes density gravity . x.
       const size_t place[] = {i, j, k};
       for (size_t a = 0; a < g.dimensions; ++a) {
         scratch[row] += model_.density_of(s.f64(*second_)[at]) * model_.held_gravity(a) *

@@ -1,4 +1,4 @@
-// What a scene says about shallow water; see heightfield_wave.h.
+// The definition of shallow water in a scene; see heightfield_wave.h.
 #pragma once
 #include <optional>
 #include <string>

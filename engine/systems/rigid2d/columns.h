@@ -42,7 +42,7 @@ inline constexpr UserForces kHands{{push_body, push_force, push_remaining, push_
 }  // namespace columns
 
 /// A drag as a spring joint of this step, with damping ratio 0.7: it follows the pointer with little
-/// swinging.
+/// overshoot.
 inline Joint drag_joint(const Model& model, const UserForces::Drag& d) {
   Joint j;
   j.kind = JointKind::mouse, j.a = model.world(), j.b = static_cast<uint32_t>(d.who);
@@ -52,8 +52,8 @@ inline Joint drag_joint(const Model& model, const UserForces::Drag& d) {
   return j;
 }
 
-/// What the motor of a joint wants now: its speed or position (m/s, m, rad/s or rad; of a motor joint its
-/// move or velocity in the frame of a), and its maximum force or torque.
+/// What the motor of a joint aims at: its speed or position (m/s, m, rad/s or rad; of a motor joint its move
+/// or velocity in the frame of a), and its maximum force or torque.
 struct Motor {
   Vec2 wanted;
   double most = 0;

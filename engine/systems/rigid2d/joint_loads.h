@@ -14,7 +14,7 @@ Pose pose_or_world(const Model& model, const State& state, uint32_t body);
 /// of angles and positions are 0 in the scene's pose. For joints of other kinds the angle.
 double joint_coordinate(const Joint& joint, const Model& model, const State& state);
 
-/// Angle of b relative to a (rad), 0 where the joint's bodies are not turned against one another.
+/// Angle of b relative to a (rad), 0 for joints whose bodies do not rotate relative to one another.
 double joint_angle(const Joint& joint, const State& state);
 
 /// Force (N) and torque (N m, counter-clockwise) on its second body, at that body's anchor.

@@ -193,8 +193,7 @@ const DefTable& motor_table() {
         .vector("velocity", &MotorDef::velocity, "m/s", any(), "of b in the frame of a, instead of move")
         .number("angular_velocity", &MotorDef::angular_velocity, "rad/s", any(),
                 "of b relative to a, instead of turn")
-        .number("rate", &MotorDef::rate, "1/s", above(0),
-                "how fast it comes to its pose: what is left fades at this rate")
+        .number("rate", &MotorDef::rate, "1/s", above(0), "rate at which the remaining error decays")
         .number("max_force", &MotorDef::max_force, "N", at_least(0), "limit of the force")
         .number("max_torque", &MotorDef::max_torque, "N m", at_least(0), "limit of the torque");
     return table.build();

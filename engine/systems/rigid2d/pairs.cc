@@ -19,7 +19,7 @@ bool moves(const double* v, double w) {
 }
 
 /// Contacts are speculative for as far as a body moves in a step, but not for more than half its thickness: a
-/// contact plane extends beyond the surface it stands for.
+/// contact plane extends beyond the surface that it stands for.
 Vec2 foreseen(Vec2 shift, double inner) {
   const double length = flat::norm(shift), most = 0.5 * inner;
   return length > most ? (most / length) * shift : shift;
@@ -79,8 +79,8 @@ void match(const Model& model, const State& s, Pairs& p, std::span<const BodyPai
   if (p.contacts.size() < count) p.contacts.resize(count);
 }
 
-/// True where the contact passes a one-way platform: it holds a body that comes from outside moving towards
-/// it, and goes on holding that body.
+/// True where the contact passes a one-way platform: it holds a body that comes from outside and moves
+/// towards it, and keeps holding that body.
 bool passes(const Model& model, const State& s, const Hit& h, const flat::Contact& contact) {
   if (!(model.light[h.body_a].one_way || model.light[h.body_b].one_way) || h.old != kNoPoint) return false;
   const Body &a = model.bodies[h.body_a], &b = model.bodies[h.body_b];
@@ -96,9 +96,9 @@ bool passes(const Model& model, const State& s, const Hit& h, const flat::Contac
   return b.one_way && through(b, h.body_b, h.body_a, -contact.normal, pose_of(s, h.body_b));
 }
 
-/// Where a shape is seen by the other of a pair, `apart2` m^2 from it. Nothing says where shapes at exactly
-/// one place could part: they are seen a millionth of their size apart, in a direction of the pair's own.
-/// With one direction for all, many bodies would form a line that hardly parts.
+/// Pose of b in the frame of a for the narrow phase, `apart2` m^2 from it. Shapes at exactly one place have
+/// no direction to separate in: they are taken a millionth of their size apart, in a direction of the pair's
+/// own. With one direction for all, many bodies would form a line that hardly separates.
 Pose seen_apart(const Hit& h, Pose b_in_a, double apart2, double size) {
   if (apart2 > 1e-24 * size * size) return b_in_a;
   const auto u = uniform4(0, h.a, h.b);
@@ -120,8 +120,8 @@ void touch_pair(const Model& model, const State& s, const Pairs& p, Hit& h, flat
   if (!passes(model, s, h, contact)) h.what = Hit::What::touching;
 }
 
-/// Whether a hit wakes the one that sleeps. Bodies sleep apart whose distance is just above the margin; they
-/// would wake one another for ever if the least approach were enough.
+/// Whether a hit wakes the body that sleeps. Bodies just farther apart than the margin fall asleep
+/// separately; if the slightest approach were enough, they would wake one another for ever.
 bool wakes(const Model& model, const Pairs& p, size_t i) {
   const Hit& h = p.hits[i];
   const flat::Contact& contact = p.contacts[i];

@@ -23,8 +23,8 @@ class Rigid2d final : public StagedSystem {
   Ports ports() const override;
   /// What rigid2d_outputs lists.
   void observe(const State& state, double t, Observables& out) const override;
-  /// Defined without joints, user forces, moving surfaces and kinematic bodies: energy stored in joints is
-  /// not counted.
+  /// Closed unless motors, user forces, constant loads, moving surfaces or kinematic bodies do work. Includes
+  /// the springs of joints.
   std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;
   std::optional<double> limit(Limit which, const State&, double) const override {

@@ -119,8 +119,8 @@ TableOf<BodyDef>& body_rows(TableOf<BodyDef>& t) {
       .boolean("asleep", &D::asleep, "sleeps until something touches it")
       .boolean("can_sleep", &D::can_sleep, "may fall asleep")
       .vector("one_way", &D::one_way, "1", any(),
-              "bodies pass moving along this direction (in the body's frame) and are held moving "
-              "against it: up makes a platform to jump through")
+              "bodies that move along this direction (in the body's frame) pass, those that move "
+              "against it are held: up makes a platform to jump through")
       .vector("color", &D::color, "1", between(0, 1), "red, green, blue as a screen shows them")
       .integer("group", &D::group, between(-32768, 32767),
                "bodies of the same group above 0 always touch, below 0 never; 0: category and mask decide")
@@ -340,10 +340,10 @@ const DefTable& rigid2d_table() {
           .boolean("sleeping", &D::sleeping, "bodies at rest are not computed until something touches them")
           .number("sleep_speed", &D::sleep_speed, "m/s", at_least(0),
                   "bodies whose points are slower may rest if they also stay within 0.4 of this times "
-                  "sleep_time (an eighth if held by joints or contacts without friction), so that no "
-                  "higher mean speed falls asleep; those that touch nothing but hang on joints rest only "
-                  "in balance: a mean speed of an eightieth of this, an acceleration of a thousandth of it "
-                  "per sleep_time")
+                  "sleep_time (an eighth if held by joints or contacts without friction), which bounds "
+                  "their mean speed; those that touch nothing and hang on joints rest only in balance: at "
+                  "a mean speed of an eightieth of this and an acceleration of a thousandth of it per "
+                  "sleep_time")
           .number("sleep_time", &D::sleep_time, "s", at_least(0),
                   "time at rest before sleep; freely floating bodies do not sleep")
           .vector("color", &D::color, "1", between(0, 1),

@@ -19,7 +19,7 @@ void Rigid2d::contact_forces(const State& s, std::span<double> out) const {
     if (p[0] == 0 && p[1] == 0) continue;
     const Shape &a = model_.shapes[keys[k] >> 32], &b = model_.shapes[static_cast<uint32_t>(keys[k])];
     const Pose at = pose_of(s, a.body);
-    // What pushed one another in the last small step is not farther apart than a body's size.
+    // Bodies that pushed one another in the last small step are at most a body's size apart.
     if (!flat::touch(a.outline, b.outline, at.to(pose_of(s, b.body)), model_.size, seen)) continue;
     // On b: along the normal from a to b, and along the tangent, the normal turned left.
     const Vec2 n = at.q * seen.normal;

@@ -13,7 +13,7 @@ const Outputs& rigid2d_outputs() {
                  {"angular_velocity", "rad/s", 1, ""},
                  {"asleep", "1", 1, "1 while the body sleeps and is not computed"},
                  {"contact_force", "N", 3, "sum of the forces of its contacts, friction included"},
-                 {"contact_load", "N", 1, "sum of the sizes of their normal forces: what squeezes the body"},
+                 {"contact_load", "N", 1, "summed magnitude of their normal forces: what squeezes the body"},
                  {"joint_force", "N", 3, "sum of the forces of its joints"},
                  {"joint_torque", "N m", 1, "sum of the torques of its joints"},
                  {"orientation", "1", 4, "rotation about z as unit quaternion w x y z"},

@@ -23,7 +23,7 @@ struct BodyKind {
   double reach = 0, inner = 0;  ///< m, radii of the bounding ball and of the inscribed ball
   double friction = 0, restitution = 0, rolling = 0;
   std::optional<double> spinning;  ///< m, if given
-  Vec3 surface_velocity;           ///< m/s, in the body's axes, past its material
+  Vec3 surface_velocity;           ///< m/s, in the body's axes, relative to its material
   Vec3 one_way_direction;          ///< unit, in the body's axes
   double patch = 0;                ///< m, radius of the contact patch of a round body
   double linear_damping = 0, angular_damping = 0, gravity_scale = 1;

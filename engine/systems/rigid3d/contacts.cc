@@ -21,13 +21,13 @@ bool touch_allowed(const BodyKind& a, const BodyKind& b) {
   return filter_allows(a, b) && (a.moved_by_forces() || b.moved_by_forces());
 }
 
-/// Nothing then says where they could part.
+/// There is then no direction in which to separate them.
 bool balls_at_one_place(const Solid& a, const Transform& at_a, const Solid& b, const Transform& at_b) {
   return a.kind == SolidKind::sphere && b.kind == SolidKind::sphere &&
          norm(at_b.position - at_a.position) <= 1e-12 * b.size.x;
 }
 
-/// A direction of its own for every pair: along one for all, many balls would form a line that hardly parts.
+/// A direction of its own for every pair: with one for all, many balls form a line that hardly separates.
 void part_anywhere(const Vec3& place, Contact& c) {
   const auto u = uniform4(0, c.a, c.b);
   const Vec3 d{u[0] - 0.5, u[1] - 0.5, u[2] - 0.5};
@@ -57,7 +57,7 @@ void ContactList::update_bounds(const State& s, std::span<const BodyKind> kinds,
     BodyNow& b = bodies_[i];
     b.at = transform_of({load3(x, i), load_quat(q, i)});
     const Vec3 velocity = load3(v, i), turn = load3(w, i);
-    // A belt keeps its load awake, as what moves does.
+    // A belt keeps its load awake, as a moving body does.
     const bool moves = velocity != Vec3{} || turn != Vec3{} || k.conveys();
     b.part = k.moved_by_forces() ? (asleep[i] ? Part::resting : Part::active)
              : moves             ? Part::kinematic
@@ -173,7 +173,7 @@ void ContactList::find_joined(const State& s, std::span<const Joint> joints) {
     const auto [low, high] = std::minmax(held[2 * k], held[2 * k + 1]);
     joined_now_.push_back(uint64_t{low} << 32 | high);
   }
-  // Mostly they are those of the last step.
+  // Usually the same as in the last step.
   if (joined_now_ == joined_before_) return;
   joined_ = joined_now_, joined_before_.swap(joined_now_);
   std::sort(joined_.begin(), joined_.end());

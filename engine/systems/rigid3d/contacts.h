@@ -31,15 +31,15 @@ struct BodyNow {
   Transform at;
   double margin = 0;      ///< m, distance at which contacts of a slow body begin
   double turn_speed = 0;  ///< m/s of its outermost point due to rotation
-  bool moves = false;     ///< by more than what single precision leaves of rest
+  bool moves = false;     ///< by more than single precision leaves of rest
   enum class Part : uint8_t { fixed, kinematic, resting, active } part = Part::fixed;
 };
 
 class ContactList {
  public:
   /// Finds all contacts of moving bodies and wakes what they touch. Points count if they are at most a step's
-  /// motion apart. Bodies held together by a joint do not touch unless the joint says so. What bears is found
-  /// as it will be `ahead` (s) later.
+  /// motion apart. Bodies held together by a joint do not touch unless the joint says so. Loaded contacts are
+  /// found as they will be `ahead` (s) later.
   void find(State& s, std::span<const BodyKind> kinds, std::span<const Joint> joints, const StepInput& in,
             double ahead);
   /// Ascending by bodies.
@@ -59,8 +59,8 @@ class ContactList {
   void find_joined(const State& s, std::span<const Joint> joints);
   void update_bounds(const State& s, std::span<const BodyKind> kinds, const StepInput& in, double ahead);
   void narrow_phase(const State& s, std::span<const BodyKind> kinds, const StepInput& in, double ahead);
-  /// True where the contact passes a one-way platform: it holds a body that comes from outside moving towards
-  /// it, and goes on holding that body. `margin`: m, of bodies that do not move.
+  /// True where the contact passes a one-way platform: it holds a body that comes from outside and moves
+  /// towards it, and keeps holding that body. `margin`: m, of bodies that do not move.
   bool passes(const State& s, std::span<const BodyKind> kinds, const BodyPair& pair, const Manifold& found,
               double margin) const;
   /// Marks the pairs that move and bore a load in the last step.
@@ -93,7 +93,7 @@ class ContactList {
   std::vector<Box> boxes_;
   std::vector<Mobility> mobility_;
   std::vector<BodyPair> pairs_;
-  /// rad, or sizes of the smaller body, by which contacts are found ahead: less motion than that is what
+  /// rad, or sizes of the smaller body, from which on contacts are found ahead: less motion than that is what
   /// single precision leaves of rest.
   static constexpr double kSeenMotion = 1e-6;
   std::vector<uint8_t> bears_;    // per pair; empty if nothing moves

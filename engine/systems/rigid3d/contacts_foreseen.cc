@@ -1,4 +1,4 @@
-// Contacts that bear, found where their bodies will be half-way through the substeps (foreseen_manifold.h).
+// Loaded contacts, found where their bodies will be halfway through the substeps (foreseen_manifold.h).
 #include <algorithm>
 #include <cmath>
 

@@ -293,7 +293,7 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
       const Contact* c = contact_of(i, j);
       if (!c) {
         hit = time_of_impact(k.solid, own, o.solid, other, 0.25 * now[i].margin);
-        // What is in a one-way body already passes it, as does what comes from its open side.
+        // A body inside a one-way body already passes it, as does one that comes from its open side.
         const Vec3 up = o.one_way ? now[j].at.direction(o.one_way_direction) : Vec3{};
         if (o.one_way &&
             (!hit || hit->t == 0 || !one_way_holds(-dot(hit->normal, up), dot(own.move - other.move, up)))) {
@@ -302,8 +302,8 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
       }
       if (!hit || hit->t == 0) hit = time_of_impact(core, own, o.solid, other, 0.1 * k.inner);
       // Overlapping cores may separate, and a body close to a wall may leave it, as may one whose core is cut
-      // by the wall while its centre is in front of it: pressed that deep it would be held there for ever. A
-      // centre inside a wall has no side to return to.
+      // by the wall while its centre is in front of it: pressed that deep, it would otherwise be held there
+      // for ever. A centre inside a wall has no side to return to.
       const bool parting = c && dot(c->manifold.normal, moved(c->b) - moved(c->a)) > 0;
       if (hit && hit->t == 0 && o.moved_by_forces() && parting) continue;
       const double in_front = is_convex_or_plane(o.solid.kind) ? -kCentreInFront * kToiCore * k.inner : 0;

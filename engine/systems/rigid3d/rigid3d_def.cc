@@ -86,7 +86,7 @@ TableOf<D>& add_common(TableOf<D>& t) {
       .number("angular_damping", angular, "1/s", at_least(0), "rate at which its angular velocity decays")
       .number("gravity_scale", gravity, "1", any(), "factor on the gravity that acts on it")
       .number("friction", friction, "1", at_least(0),
-              "Coulomb's coefficient; of a contact: sqrt(a b) of both bodies")
+              "Coulomb coefficient; of a contact: the square root of the product for both bodies")
       .number("restitution", restitution, "1", between(0, 1),
               "fraction of the normal speed kept; of a contact: the larger of both values")
       .number("rolling_resistance", rolling, "m", at_least(0),
@@ -94,10 +94,9 @@ TableOf<D>& add_common(TableOf<D>& t) {
       .number("spinning_resistance", spinning, "m", at_least(0),
               "torque against spinning on the spot per normal force; absent: from friction under a patch of "
               "a hundredth of a ball's or capsule's radius; of a contact: the larger of both values")
-      .vector(
-          "surface_velocity", surface_velocity, "m/s", any(),
-          "of its surface past its material, in its axes, like a belt's: friction carries what touches it "
-          "along the part of this in the plane of contact")
+      .vector("surface_velocity", surface_velocity, "m/s", any(),
+              "of its surface relative to its material, in its axes, like a belt's: friction carries along "
+              "what touches it, by the component in the plane of contact")
       .integer("group", group, between(-32768, 32767),
                "bodies of the same group above 0 always touch, below 0 never; 0: category and mask decide")
       .integer("category", category, between(0, 0xffffffff), "bits for the categories that it belongs to")
@@ -107,8 +106,8 @@ TableOf<D>& add_common(TableOf<D>& t) {
       .boolean("asleep", asleep, "sleeps until something touches it")
       .boolean("can_sleep", can_sleep, "may fall asleep")
       .vector("one_way", one_way, "1", any(),
-              "bodies pass moving along this direction (in the body's frame) and are held moving "
-              "against it: up makes a platform to jump through")
+              "bodies that move along this direction (in the body's frame) pass, those that move "
+              "against it are held: up makes a platform to jump through")
       .vector("color", color, "1", between(0, 1), "red, green, blue")
       .object("copies", copies, copies_table(), "many bodies like this one");
 }
@@ -360,10 +359,10 @@ const DefTable& rigid3d_table() {
           .boolean("sleeping", &D::sleeping, "bodies at rest are not computed until something touches them")
           .number("sleep_speed", &D::sleep_speed, "m/s", above(0),
                   "bodies whose points are slower may rest if they also stay within 0.4 of this times "
-                  "sleep_time (an eighth if held by joints or contacts without friction), so that no "
-                  "higher mean speed falls asleep; those that touch nothing but hang on joints rest only "
-                  "in balance: a mean speed of an eightieth of this, an acceleration of a thousandth of it "
-                  "per sleep_time")
+                  "sleep_time (an eighth if held by joints or contacts without friction), which bounds "
+                  "their mean speed; those that touch nothing and hang on joints rest only in balance: at "
+                  "a mean speed of an eightieth of this and an acceleration of a thousandth of it per "
+                  "sleep_time")
           .number("sleep_time", &D::sleep_time, "s", at_least(0),
                   "time at rest before sleep; freely floating bodies do not sleep")
           .check([](const D& d, const DefTable::Report& report) {

@@ -15,7 +15,7 @@ const Outputs& rigid3d_outputs() {
                  {"shape", "1", 1, "index of its shape"},
                  {"size", "m", 3, "radius, half extents or half length of its shape"},
                  {"contact_force", "N", 3, "sum of the forces of its contacts, friction included"},
-                 {"contact_load", "N", 1, "sum of the sizes of their normal forces: what squeezes the body"},
+                 {"contact_load", "N", 1, "summed magnitude of their normal forces: what squeezes the body"},
                  {"joint_force", "N", 3, "sum of the forces of its joints"},
                  {"joint_torque", "N m", 3, "sum of the torques of its joints"},
                  {"joints.force", "N", 3, "in part joints, a row per joint: force on its second body"},

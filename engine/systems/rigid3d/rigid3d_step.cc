@@ -1,8 +1,8 @@
 // A step where most awake bodies touch and rotate fast: contact points and normals from the start of the step
 // are stale after a rotation of a few tenths of a radian (a spinning box would stand on corners that have
 // moved on). The stages then run once per substep, with enough substeps to keep each below a fifth of a
-// radian: a flat box on corners that were a third of a radian old sank into the ground and went away. Bodies
-// that roll or spin among many that do not rotate are left to the normal step, because the search for
+// radian: a flat box on corners that were a third of a radian old sank into the ground and drifted off.
+// Bodies that roll or spin among many that do not rotate are left to the normal step, because the search for
 // contacts is a large part of its cost. Steps are not divided for new contacts either.
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
-// What is around a cell: the slots that its particles' neighbours are among, as loops that make lists take
-// them.
+// The surroundings of a cell: the slots among which its particles' neighbours lie, in the form that the loops
+// which build lists take them.
 #pragma once
 #include <algorithm>
 
@@ -8,7 +8,7 @@
 
 namespace truestep::sph {
 
-/// What lists hold besides gradients: slopes, also weights, also distances.
+/// What a list stores besides gradients: slopes; slopes and weights; or those and distances.
 enum class Extras : uint8_t { none, slopes, weights, distances };
 
 /// A cell's particles, up to the slot `stop`; the box around them; the slots in the cells around.
@@ -51,7 +51,7 @@ inline Around<D, T> look_around(const Fluid<D, T>& f, size_t i, size_t high, Chu
   return out;
 }
 
-/// Collects those within the kernel's radius of the box, whose square is `limit` (m^2).
+/// Collects the slots within the kernel's radius (its square: `limit`, m^2) of the box.
 template <int D, class T>
 inline void keep_near(const Fluid<D, T>& f, size_t i, const Around<D, T>& cell, T limit, Chunk<T>& chunk) {
   chunk.around_count = 0;
@@ -65,7 +65,7 @@ inline void keep_near(const Fluid<D, T>& f, size_t i, const Around<D, T>& cell, 
   chunk.template end_around<D>();
 }
 
-/// The same cell for loops for wider registers, whose scratch is the chunk's; `unit` (1/m) of gradients.
+/// The same cell as input of the wide-register loops, with the chunk's scratch; `unit` (1/m) of gradients.
 template <int D>
 inline ListInput wide_input(const Fluid<D, float>& f, const Around<D, float>& cell, Chunk<float>& chunk,
                             const Setting& set, double unit) {

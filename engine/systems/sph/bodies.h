@@ -1,6 +1,6 @@
-// Rigid bodies in the fluid: moving walls, each treated as flat over a kernel's radius, that their effect on
-// the particles moves in turn. In the solves a body responds to every pressure at once, so body and water
-// form one system of equations. Without bodies all of this is empty.
+// Rigid bodies in the fluid: moving walls, each treated as flat over a kernel's radius, that recoil from the
+// particles which they push. In the solves a body responds to every pressure at once, so body and water form
+// one system of equations. Without bodies all of this is empty.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -38,8 +38,8 @@ class BodiesIn {
       out = std::max(out, norm(b.velocity) + norm(b.spin) * bounding_radius(*b.solid));
     return out;
   }
-  /// Accelerates the bodies by everything but the fluid for h s: by their weight where that is unknown or a
-  /// blow.
+  /// Accelerates the bodies for h s by everything but the fluid; by their weight alone where the rest is
+  /// unknown or an impact.
   void pull(Fluid<D, T>& f, const Vec3& gravity, double h) {
     for (size_t k = 0; k < bodies_.size(); ++k) {
       ImmersedBody& b = bodies_[k];
@@ -60,7 +60,7 @@ class BodiesIn {
     for (ImmersedBody& b : bodies_) b.advance(h);
   }
 
-  /// Finds the particles near bodies and adds the bodies to their walls; the walls' shares must be there.
+  /// Finds the particles near bodies and adds the bodies to their walls, whose shares must be set.
   void touch(Fluid<D, T>& f, const ThreadArena& arena) {
     for (const Touch& t : touches_) slot_of(recoil_, t) = 0, slot_of(give_, t) = 0;
     recoil_.resize(f.n), give_.resize(f.n);
@@ -138,10 +138,10 @@ class BodiesIn {
  private:
   struct Touch {
     uint32_t slot, body;
-    double share, distance, part;  ///< part: of the share of all walls, the body's
+    double share, distance, part;  ///< part: that of the body in the share of all walls
     Vec3 slope, arm, normal;       ///< slope: 1/m, into the body
   };
-  /// In squares of gravity: a stronger acceleration is a blow and does not last.
+  /// In units of squared gravity: a stronger acceleration is an impact and does not last.
   static constexpr double kSteady = 2;
 
   static T& slot_of(Aligned<T>& a, const Touch& t) { return a[t.slot]; }
@@ -210,7 +210,7 @@ class BodiesIn {
     }
   }
 
-  /// Shares combine as in walls.h; every slope is left as it counts with all other walls present.
+  /// Combines shares as in walls.h and scales each slope by what all other walls leave of the kernel.
   void merge(Fluid<D, T>& f) {
     for (const Touch& t : touches_) slot_of(recoil_, t) += static_cast<T>(t.share);
     for (Touch& t : touches_)
@@ -236,8 +236,8 @@ class BodiesIn {
     }
   }
 
-  /// Bounds the eigenvalues: for each touch of a body, the sum of the strengths with which it and all others
-  /// couple.
+  /// Bounds the eigenvalues by row sums: for each touch of a body, the strengths with which it couples to
+  /// itself and to all others.
   void weigh() {
     push_.resize(bodies_.size()), about_.resize(bodies_.size());
     image_.assign(bodies_.size(), 0), image_arm_.assign(bodies_.size(), Vec3{});
@@ -261,7 +261,7 @@ class BodiesIn {
     }
   }
 
-  /// Rates of density after a change in a body's velocities.
+  /// Changes the rates of density after a change of a body's velocity.
   void carry(Fluid<D, T>& f, size_t k, const ImmersedBody::Answer& by) const {
     for (const Touch& t : touching_from(k)) f.drive[t.slot] -= static_cast<T>(dot(t.slope, by.at(t.arm)));
   }
@@ -283,7 +283,7 @@ class BodiesIn {
   std::vector<Touch> touches_;                ///< of all bodies, in their order
   std::vector<double> image_;                 ///< kg, of the fluid's image in a body
   std::vector<Vec3> image_arm_;               ///< kg m, image times its arm
-  std::vector<Vec3> push_, about_;            ///< N and N m, of the last answer
+  std::vector<Vec3> push_, about_;            ///< N and N m, of the last response
   std::vector<ImmersedBody::Answer> answer_;
   Aligned<T> recoil_, give_;  ///< by slot; zero where no body is near
 };

@@ -92,7 +92,7 @@ struct Fluid {
   Cells<D> cells;
   std::vector<uint32_t> row, cell_of, cursor;
   Aligned<T> x[3];           ///< m, kLanes more than rows
-  Aligned<T> place;          ///< m, four a row, for lists that are renewed: the same
+  Aligned<T> place;          ///< m, four a row: positions again, for lists that are renewed
   Aligned<T> v, a;           ///< m/s and m/s^2, four numbers a row
   Aligned<T> delta;          ///< 1, density over the rest density
   Aligned<T> push, flow;     ///< m^2/s^2 and m^2/s, solutions of the two solves
@@ -128,7 +128,7 @@ struct Fluid {
   }
 
   size_t chunks_in_use() const { return (n + kChunk - 1) / kChunk; }
-  /// Room for this many rows and neighbours: what a growing fluid would otherwise allocate as it runs.
+  /// Room for this many rows and neighbours: a growing fluid would otherwise allocate it as it runs.
   void reserve(size_t rows, double neighbours, size_t extras) {
     if (!chunks.empty()) return;
     resize(rows);

@@ -19,7 +19,7 @@ Box wet_part(const SphDef& d, const Box& mesh, const Pose& start, const ShapeMot
     const Vec3 corner{k & 1 ? d.high.x : d.low.x, k & 2 ? d.high.y : d.low.y, k & 4 ? d.high.z : d.low.z};
     liquid.cover(frame.inverse_point(corner));
   }
-  // What a kernel at the border reaches.
+  // Up to where a kernel at the liquid's border reaches.
   liquid = liquid.grown((d.support + 2) * d.spacing);
   const auto within = [](double low, double high, double from, double to, double* out) {
     out[0] = std::min(std::max(low, from), to), out[1] = std::max(std::min(high, to), out[0]);
@@ -31,7 +31,7 @@ Box wet_part(const SphDef& d, const Box& mesh, const Pose& start, const ShapeMot
   return {{x[0], y[0], z[0]}, {x[1], y[1], z[1]}};
 }
 
-/// Of a mesh, or without one of ground, which may be anywhere in the box.
+/// For a mesh, or without one for ground, which may be anywhere in the box.
 double least_nodes(const SphDef& d, const MeshColliderDef* mesh) {
   Box region = Box{d.low, d.high}.grown((d.support + 2) * d.spacing);
   if (mesh) {
@@ -43,8 +43,8 @@ double least_nodes(const SphDef& d, const MeshColliderDef* mesh) {
   return VolumeMap::least_nodes(region, kernel_of(d));
 }
 
-/// Whether points far from a mesh are behind it: as the last one was, if near that; one after another, row
-/// after row.
+/// Whether points far from a mesh are behind it, asked for row after row: a point close to the one before is
+/// on the same side.
 class FarSide {
  public:
   explicit FarSide(const MeshWall& wall, double support)
@@ -117,7 +117,7 @@ std::optional<MeshWall::At> MeshWall::at(const Vec3& x, double t, const HalfSpac
 std::vector<MeshWall> build_mesh_walls(const SphDef& d) {
   std::vector<MeshWall> out;
   const double support = d.support * d.spacing;
-  // Ground must go on beyond all that is in the box.
+  // Ground must extend beyond everything in the box.
   const double around = norm(d.high - d.low) + 4 * support;
   for (SolidCollider& c : build_solid_colliders(d.colliders, around)) {
     const Box box = bounds(c.solid, Transform{rotation(Quat{}), {}});
@@ -145,7 +145,7 @@ void check_mesh_walls(const SphDef& d, const DefTable::Report& report) {
 }
 
 double bytes_of_mesh_walls(const SphDef& d) {
-  // A node's number, while the map is made two more, and of a quarter of the nodes what they hold.
+  // Bytes: a node's slot, two more numbers while the map is built, and for a quarter of the nodes their data.
   constexpr double kPerNode = 12 + 11.0;
   double out = 0;
   for (const AnyColliderDef& c : d.colliders) {

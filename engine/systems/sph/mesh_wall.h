@@ -1,4 +1,4 @@
-// A collider of triangles as a wall of the liquid: its distance is exact, the part of a kernel behind it
+// A collider of triangles as a wall for the liquid: its distance is exact, the share of a kernel behind it
 // comes from a map (volume_map.h).
 #pragma once
 #include <memory>
@@ -20,7 +20,7 @@ struct MeshWall {
     double distance = 0;  ///< m, negative behind the surface
     Vec3 normal;          ///< into the liquid
   };
-  /// The nearest surface at time t; empty farther than `in_front` (m) in front of it and than `behind`, at
+  /// The nearest surface at time t; empty beyond `in_front` (m) in front of it, and beyond `behind` (m), at
   /// most the kernel's radius, behind it.
   std::optional<Surface> surface(const Vec3& x, double t, double in_front, double behind) const;
 
@@ -41,11 +41,11 @@ struct MeshWall {
 
 /// The walls of the colliders that are meshes or height fields.
 std::vector<MeshWall> build_mesh_walls(const SphDef& def);
-/// What is wrong with such colliders: in the plane, or too large for a map.
+/// Reports such colliders in plane systems, and those that are too large for a map.
 void check_mesh_walls(const SphDef& def, const DefTable::Report& report);
 /// Bytes of their maps, at most.
 double bytes_of_mesh_walls(const SphDef& def);
-/// Leaves out the places that are behind a wall: as much liquid starts in front of it as there is room.
+/// Removes the places that are behind a wall: as much liquid starts in front of it as there is room.
 void leave_dry(const SphDef& def, const std::vector<MeshWall>& walls, std::vector<Vec3>& places);
 
 }  // namespace truestep::sph

@@ -28,7 +28,7 @@ class Neighbours {
   /// 1/m, of the gradients in lists.
   T unit() const { return static_cast<T>(unit_); }
   Extras extras() const { return extras_; }
-  /// Whether loops for wider registers make the lists.
+  /// Whether the wide-register loops make the lists.
   bool wide() const { return wide_ != nullptr; }
   void leave_out_wide() { wide_ = nullptr; }
 
@@ -37,7 +37,7 @@ class Neighbours {
     Cells<D>& cells = f.cells;
     if (cells.start.empty()) cells.set(set_.def, set_.support);
     const size_t n = f.n, all = cells.start.size() - 1;
-    // Rows are counted and put by parts, each of which has a cursor of its own in every cell.
+    // Rows are counted and scattered in parts, each with cursors of its own in every cell.
     const size_t parts = std::max(n, set_.capacity) >= kParts * kBlockRows ? kParts : 1;
     const size_t part = std::max((n + parts - 1) / parts, size_t{1});
     f.cursor.resize(parts * all);
@@ -72,7 +72,7 @@ class Neighbours {
     }
   }
 
-  /// Updates the same lists for the current positions.
+  /// Recomputes the entries of the same lists for the current positions.
   void renew(Fluid<D, T>& f, const ThreadArena& arena) const {
     const Scales scales(*this, f);
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
@@ -101,15 +101,15 @@ class Neighbours {
     });
   }
 
-  /// Lists of all particles; from them and the walls' share, which must be there (walls.h), density,
-  /// stiffness and pull.
+  /// Makes the lists of all particles; from them and the walls' shares, which must already be set (walls.h),
+  /// density, stiffness and pull.
   void list(Fluid<D, T>& f, const ThreadArena& arena) const {
     with_kernel([&](auto kernel) { list_with<decltype(kernel)::value>(f, arena); });
   }
 
  private:
   static constexpr size_t kAhead = 16;  ///< groups
-  static constexpr size_t kParts = 4;   ///< of the rows that are sorted, whatever the number of threads
+  static constexpr size_t kParts = 4;   ///< in which rows are sorted, whatever the number of threads
   struct Scales {
     Scales(const Neighbours& of, const Fluid<D, T>& f)
         : far(W::all(static_cast<T>(of.set_.support * of.set_.support))),
@@ -124,7 +124,7 @@ class Neighbours {
     Extras extras;
     bool weighted;
   };
-  /// What a list sums up: values, squares of gradients and gradients.
+  /// Sums over a list: values, squares of gradients and gradients.
   struct Sums {
     W density = W::zero(), squares = W::zero(), pull[3] = {W::zero(), W::zero(), W::zero()};
   };
@@ -167,19 +167,19 @@ class Neighbours {
       }
     });
   }
-  /// Lists of the particles from i to `stop`, of one cell.
+  /// Makes the lists of the particles from i to `stop`, all of one cell.
   template <Smoothing K, bool InOrder>
   size_t lists_of(Fluid<D, T>& f, size_t i, size_t stop, size_t low, Chunk<T>& chunk, size_t used,
                   const Scales& scales) const {
     for (; i < stop; ++i) {
-      // Room as if all around were neighbours, so that it seldom grows after the first step.
+      // Room for every candidate to be a neighbour, so that it seldom grows after the first step.
       chunk.need(used + chunk.around_seen + kLanes, static_cast<size_t>(scales.extras));
       used = list_of<K, InOrder>(f, i, chunk, used, find(f, i, chunk), scales);
       chunk.first[i - low + 1] = static_cast<uint32_t>(used);
     }
     return used;
   }
-  /// The same by loops for wider registers.
+  /// The same by the wide-register loops.
   template <Smoothing K>
   size_t wide_lists_of(Fluid<D, T>& f, size_t i, const Around<D, T>& cell, size_t low, Chunk<T>& chunk,
                        size_t used) const {
@@ -212,8 +212,8 @@ class Neighbours {
     uint32_t* const near = chunk.near.data();
     const size_t own = chunk.own + i, count = chunk.around_count;
     size_t found = 0;
-    // Each group is stored, with or without neighbours: that costs less than a branch that is not foreseen,
-    // and so does leaving out the particle itself in every group.
+    // Each group is stored, with or without neighbours, and the particle itself is left out of every group:
+    // both cost less than a mispredicted branch.
     for (size_t k = 0; k < count; k += kLanes) {
       W square = W::zero();
       for (size_t a = 0; a < D; ++a) {
@@ -229,8 +229,8 @@ class Neighbours {
     return found;
   }
 
-  /// Appends the list of the `count` neighbours of particle i in chunk.near behind `used` entries; returns
-  /// the end, of whole groups.
+  /// Appends the list of the `count` neighbours of particle i in chunk.near after the first `used` entries;
+  /// returns its end, a multiple of the group size.
   template <Smoothing K, bool InOrder>
   [[gnu::always_inline]] size_t list_of(Fluid<D, T>& f, size_t i, Chunk<T>& chunk, size_t used, size_t count,
                                         const Scales& scales) const {
@@ -246,12 +246,12 @@ class Neighbours {
       W there[4], way[3], square = W::zero();
       const auto taken = chunk.template take<InOrder>(at, count, there);
       rows.base[used / kLanes] = taken.base;
-      // Lists are written to memory that is seldom in a cache.
+      // Lists are written to memory that is seldom cached.
       __builtin_prefetch(rows.groups + used / kLanes + kAhead, 1);
       for (size_t a = 0; a < D; ++a) {
         way[a] = here[a] - there[a];
         square = madd(way[a], way[a], square);
-        // Rounded, gradients at the kernel's radius are 0 in any case.
+        // Rounded gradients are 0 at the kernel's radius in any case.
         if constexpr (!kRounded<T>) way[a] = select(taken.inside, way[a], W::zero());
       }
       square = select(taken.inside, square, scales.far);
@@ -311,7 +311,7 @@ class Neighbours {
     if (scales.extras == Extras::distances) store(rows.q + k, q);
   }
 
-  /// Density, pull and stiffness of particle i from what its list sums up.
+  /// Density, pull and stiffness of particle i from the sums over its list.
   template <Smoothing K>
   void finish(Fluid<D, T>& f, size_t i, const Sums& sums) const {
     const SmoothingValue<T> self = smoothing<K, T>(W::zero());

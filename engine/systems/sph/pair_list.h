@@ -1,9 +1,9 @@
 // Neighbour lists as the passes read them: each entry a slot and the gradient of the kernel there times a
 // particle's volume, in groups of as many entries as Wide has lanes. Passes are bound by memory, so entries
 // are small: slots are stored as 16-bit offsets from the first of their group, and float gradients as 16-bit
-// multiples of a unit, the steepest gradient over 32,700. Rounding is odd, so two neighbours have exactly
-// opposite gradients and momentum is conserved; a list's sums (density's gradient, stiffness) use the rounded
-// ones. A partial group is padded with its first slot and gradients of 0.
+// multiples of a unit, the steepest gradient over 32,700. Rounding is an odd function, so two neighbours have
+// exactly opposite gradients and momentum is conserved; a list's sums (density's gradient, stiffness) use the
+// rounded ones. A partial group is padded with its first slot and gradients of 0.
 #pragma once
 #include <algorithm>
 #include <type_traits>
@@ -36,7 +36,7 @@ struct Group {
   uint16_t slots[kLanes];  ///< offsets from the first entry's
 
   uint16_t above(size_t lane) const { return slots[lane]; }
-  /// Gradients, the first three of each row, and slots over the first one.
+  /// Stores gradients, the first three numbers of each row, and slots relative to the first one.
   void set(const Wide<T> gradient[3], const typename Wide<T>::Mask& over) {
     store_rows3(g, gradient);
     for (size_t k = 0; k < kLanes; ++k) slots[k] = static_cast<uint16_t>(over[k]), g[k][3] = 0;
@@ -79,16 +79,16 @@ struct Chunk {
   Aligned<T> q;                ///< 1, distance over the kernel's radius
   uint32_t first[kChunk + 1];
   /// The cells around the current one: positions (m), padded to whole groups with points far from everything,
-  /// slots, and rows of both (the fourth number has the slot's bits; loops for wider registers have other
-  /// uses for the rows). Slot i of the current cell is at i + own.
+  /// slots, and rows of both (the fourth number has the slot's bits; the wide-register loops use the rows for
+  /// other things). Slot i of the current cell is at i + own.
   Aligned<T> around[3], around_rows;
   std::vector<uint32_t> around_slots;
-  Aligned<uint32_t> near;  ///< of the list that is being made: which of those around
+  Aligned<uint32_t> near;  ///< of the list being made: indices of its neighbours among those around
   size_t around_count = 0, around_seen = 0, own = 0;
-  /// Whether slots of those around ascend and span at most 2^16, so that none is too far from the one before.
+  /// Whether slots of those around ascend and span at most 2^16, so that their offsets fit into 16 bits.
   bool around_in_order = false;
 
-  /// Where lists are: for loops that would otherwise look it up again after every store.
+  /// Addresses of lists, for loops that would otherwise load them again after every store.
   struct Rows {
     Group<T>* groups;
     uint32_t* base;
@@ -127,8 +127,8 @@ struct Chunk {
     }));
   }
 
-  /// Room for `seen` slots around a cell, whatever is left out of them, so that it does not grow with what a
-  /// step happens to keep.
+  /// Room for `seen` slots around a cell, before any are left out, so that it does not depend on what a step
+  /// happens to keep.
   void need_around(size_t seen) {
     around_seen = seen;
     const size_t room = seen + 2 * kLanes;
@@ -159,7 +159,7 @@ struct Chunk {
       }
       uint32_t bits = bits_below(square, limit);
       if (end - k < kLanes) bits &= (1u << (end - k)) - 1;
-      // What is in the box is near it, so that slots from `first` on stay side by side.
+      // The cell's own particles are in the box and all kept, so slots from `first` on stay consecutive.
       if (first - k < kLanes) {
         at = count - first + static_cast<size_t>(__builtin_popcount(bits & ((1u << (first - k)) - 1)));
       }
@@ -169,7 +169,7 @@ struct Chunk {
     }
     around_count = count, own = at;
   }
-  /// Fills what is around up to a whole group, and makes rows of it.
+  /// Pads the candidates to a whole group and copies them into rows.
   template <size_t D>
   void end_around() {
     const size_t end = (around_count + kLanes - 1) / kLanes * kLanes;
@@ -185,8 +185,8 @@ struct Chunk {
     around_count = end;
   }
 
-  /// Rows of positions of the neighbours in `near`, from `at` of `count`, that a group takes: with slots in
-  /// order as many as there are, otherwise it ends where a slot is below its first one or too far above it.
+  /// Positions of the neighbours in `near`, from `at` of `count`, that fit into one group: with slots in
+  /// order one per lane, otherwise it ends before a slot that is below its first one or too far above it.
   struct Taken {
     size_t count;                    ///< of neighbours
     uint32_t base;                   ///< slot of the first
@@ -223,8 +223,8 @@ struct Chunk {
  private:
   static constexpr T kFar = T(1e18);                       ///< m
   static constexpr size_t kScratch = kRounded<T> ? 8 : 4;  ///< columns, two lists' for wider registers
-  /// Sums of entries times factor(slot of the first, offsets): four of them, so no product waits for the one
-  /// before.
+  /// Sums of entries times factor(slot of the first, offsets): four partial sums, so that no multiply-add
+  /// waits for the one before.
   template <class Factor>
   W over(size_t begin, size_t end, const Factor& factor) const {
     // Lists are larger than the caches: a group fetched this far ahead has arrived when it is needed.

@@ -14,7 +14,7 @@ namespace truestep::sph {
 namespace {
 
 /// Sums over a lattice of unit volume about one of its points: of the kernel, and of the derivative that its
-/// slopes give for a field that grows by 1 along an axis. Both are nearly 1.
+/// slopes give for a field with slope 1 along an axis. Both are nearly 1.
 struct LatticeSums {
   double values, slopes;
 };

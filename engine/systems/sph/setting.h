@@ -55,10 +55,10 @@ struct Setting {
   double ratio_of(const State& s, size_t row) const {
     return ratio ? RealColumn<const double>(s, ratio).at(row) : 1;
   }
-  /// m/s, at which wcsph compresses by less than 1 % under this gravity (m/s^2): ten times the speeds to
-  /// come.
+  /// m/s, speed at which wcsph compresses by less than 1 % under this gravity (m/s^2): ten times the expected
+  /// speed.
   double sound_for(const Vec3& gravity) const;
-  bool closed = false;         ///< whether the liquid fills a box without sides: it cannot part
+  bool closed = false;         ///< whether the liquid fills a box without sides: it cannot separate
   double shifting = 0;         ///< 1, strength (shifting.h)
   PlaceTexts initial = {};     ///< m/s
   double fastest_initial = 0;  ///< m/s, of the particles at the start

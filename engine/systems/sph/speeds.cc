@@ -107,7 +107,7 @@ double fastest_wall(const SphDef& d, const ColliderSet& colliders, std::span<con
   const auto count = [&](const Mover& c) {
     if (c.motion.at_rest()) return;
     const double speed = fastest_point(d, c);
-    // One that has left the box, or is not there yet, moves nothing.
+    // A collider that has left the box, or has not come in yet, moves nothing.
     const double margin = c.radius + speed * h + d.support * d.spacing;
     const Vec3 p = moved(c.start, c.motion, t).position;
     const auto off = [&](double x, double low, double high) { return x < low - margin || x > high + margin; };

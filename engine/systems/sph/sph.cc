@@ -165,7 +165,7 @@ State Sph::initial_state() const {
 
 Ports Sph::ports() const {
   const SphDef& d = setting_->def;
-  // The effect of bodies on the liquid is written for one density, and for drag that is not solved for.
+  // The coupling with bodies assumes a single density, and drag that is not part of a solve.
   if (d.layered() || (d.solves_viscosity() && d.walls == Walls::no_slip)) return {};
   return {.medium = MediumPort{d.dimension, columns::position, d.spacing, columns::gravity}};
 }
@@ -193,7 +193,7 @@ FieldView Sph::field(const State& s, size_t, size_t which, std::vector<double>& 
 void Sph::check(StateCheck& check, double t) const {
   const Setting& set = *setting_;
   if (!set.counts) return;
-  constexpr uint64_t kMostBehind = 1000;  // layers; a run leaves none behind, but times are rounded
+  constexpr uint64_t kMostBehind = 1000;  // layers overdue: in a run there are none, but times are rounded
   const State& s = check.state();
   check.together(columns::position, columns::per_particle_end, set.capacity);
   if (set.ratio) check.together({columns::position, set.ratio}, set.capacity);

@@ -64,9 +64,9 @@ Vec3 reach_of(const BodyDef& b) {
 }
 
 /// Points along each axis of the lattice that fills a body; 1 across the plane. The lattice is no denser than
-/// the liquid, which would burst from it: of the axes along which the nearest whole number of points is
-/// closer together than `spacing`, as many have one fewer as that takes, those closest together first; of a
-/// ball all.
+/// the liquid, or the liquid would burst: each axis gets the nearest whole number of points, and while that
+/// makes the lattice too dense, one point is removed along the axis where they are closest together (of a
+/// ball, one along every axis).
 std::array<double, 3> lattice_of(const SphDef& d, const BodyDef& b) {
   constexpr double kRounding = 1e-9;
   const size_t axes = d.dimension == 2 ? 2 : 3;
@@ -139,8 +139,8 @@ void check_def(const SphDef& d, const DefTable::Report& report) {
   const bool plane = d.dimension == 2;
   const double reach = d.support * d.spacing;
   const double least = plane ? std::min(size.x, size.y) : std::min({size.x, size.y, size.z});
-  // With a wider support the density that this pair sums up is not the one its slopes correct, and the solve
-  // shakes the water.
+  // With a wider support the density summed by this pair is not the one that its slopes correct, and the
+  // solve shakes the water.
   if (d.kernel == Smoothing::poly6_spiky && d.solver == Method::dfsph && d.support > 2) {
     report("/support",
            "at most 2 for poly6_spiky with dfsph: with a wider kernel its slopes do not correct its density");
@@ -269,7 +269,7 @@ const DefTable& sph_table() {
                 "dfsph: pressure solved for constant density and zero divergence; wcsph: pressure from "
                 "density by Tait's equation; pbf: positions corrected to constant density")
         .choice("kernel", &D::kernel, {"cubic", "wendland_c2", "wendland_c4", "poly6_spiky"},
-                "smoothing kernel; poly6_spiky: the first for density, the second for pressure")
+                "smoothing kernel; poly6_spiky: poly6 for density, spiky for pressure")
         .number("support", &D::support, "1", between(1.5, 4), "radius of the kernel in spacings")
         .number("density", &D::density, "kg/m^3", above(0), "at rest")
         .number("viscosity", &D::viscosity, "m^2/s", at_least(0), "kinematic")
@@ -284,8 +284,8 @@ const DefTable& sph_table() {
         .number("artificial_viscosity", &D::artificial_viscosity, "1", between(0, 1),
                 "Monaghan's alpha, of solver wcsph")
         .number("xsph", &D::xsph, "1", between(0, 1),
-                "share of the neighbours' mean velocity mixed into a particle's own every 1/60 s: a "
-                "viscosity that keeps particles in order; 0 if `viscosity` is resolved")
+                "fraction of the neighbours' mean velocity mixed into a particle's own every 1/60 s: a "
+                "viscosity that keeps particles in order; use 0 if `viscosity` is resolved")
         .number("vorticity", &D::vorticity, "1", between(0, 10), "strength of vorticity confinement")
         .number(
             "shifting", &D::shifting, "1", between(0, 4),
@@ -299,13 +299,13 @@ const DefTable& sph_table() {
         .number(
             "sound_speed", &D::sound_speed, "m/s", at_least(0),
             "of wcsph, in liquid of this density; 0: ten times the largest speed that the start, emitters, "
-            "moving colliders and the fall from there can lead to, and for denser liquids as many times "
-            "more as their compression needs")
+            "moving colliders and the fall from there can lead to, and as much more for denser liquids "
+            "as their compression needs")
         .number("density_diffusion", &D::density_diffusion, "1", between(0, 0.5),
                 "delta of delta-SPH, of solver wcsph")
         .integer("pbf_iterations", &D::pbf_iterations, between(1, 1000), "per substep, of solver pbf")
         .number("artificial_pressure", &D::artificial_pressure, "1", between(0, 1),
-                "of solver pbf, between particles that come too close; in relative density")
+                "of solver pbf, between particles that come too close, in units of relative density")
         .number("courant", &D::courant, "1", {.min = 0.01, .max = 0.8},
                 "spacings that a particle, or with wcsph a sound wave, may cross per substep")
         .integer("max_substeps", &D::max_substeps, between(1, 1e6), "of a step; a step that needs more fails")
@@ -354,7 +354,7 @@ Cost sph_cost(const void* def) {
   const Vec3 size = d.high - d.low;
   const double reach = d.support * d.spacing;
   const double cells = size.x * size.y * (plane ? 1 : size.z) / (reach * reach * (plane ? 1 : reach));
-  // Where cells begin, and cursors of each part of the rows that is sorted at once (neighbours.h).
+  // Starts of cells, and their cursors for each part of the rows that are sorted in parallel (neighbours.h).
   constexpr double kSortedByParts = 4.0 * kBlockRows;
   const double substeps = d.solver == Method::wcsph ? 10 : 2, passes = d.solver == Method::wcsph ? 3 : 30;
   return {.state_bytes = n * scalar * 10,

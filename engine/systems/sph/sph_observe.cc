@@ -72,8 +72,8 @@ void Sph::observe(const State& s, double, Observables& out) const {
   out.add("refused", static_cast<double>(c[counts::refused]), "1");
 }
 
-// A mean density error above 1 %: more than weakly compressible flow should have (Monaghan 1994), and more
-// than solves are run with. The number of spacings crossed needs no check: long steps are divided.
+// A mean density error above 1 %: more than weakly compressible flow should have (Monaghan 1994), and above
+// the usual tolerances of solves. The number of spacings crossed needs no check: long steps are divided.
 /// Whether anything but the liquid's own weight can do work on it.
 bool Sph::driven(const Vec3& gravity) const {
   const SphDef& d = setting_->def;
@@ -106,7 +106,7 @@ std::optional<Energy> Sph::energy(const State& s, double, Workspace&, const Thre
   }
   const double mass = setting_->mass, shift = kShift * d.spacing / dt_;
   e.kinetic *= mass, e.potential *= mass;
-  // A surface's energy is not counted: at most that of single particles.
+  // Surface energy is not counted: it is at most that of single particles.
   const double surface = d.dimension == 2 ? 4 * d.spacing : 6 * d.spacing * d.spacing;
   e.slack = mass * ratios * (0.5 * shift * shift + norm(g) * d.spacing) +
             d.surface_tension * surface * static_cast<double>(n);
@@ -123,13 +123,13 @@ void Sph::warn(const State& s, double h, std::vector<Warning>& out) const {
   Warning w{.quantity = "density.mean_error", .value = value, .limit = limit};
   w.detail = "density is " + short_number(100 * value, 2) + " % off on average: ";
   if (d.solver == Method::wcsph) {
-    // At the same pressures, sound sqrt(k) times as fast gives a k-th of the error; but a liquid that has
-    // collapsed shows only a part of its pressure.
+    // At the same pressures, a speed of sound sqrt(k) times as large gives a k-th of the error; but a liquid
+    // that has collapsed shows only a part of its pressure.
     const double more = kSpare * setting_->sound * std::sqrt(value / limit);
     const double enough = setting_->sound_for(load3(s.f64(columns::gravity).data(), 0));
     w.detail += "a sound_speed of " + short_number(std::max(more, enough), 2) + " m/s would do";
   } else {
-    // A substep's compression grows with its square.
+    // Compression per substep grows with the square of its length.
     w.suggested_dt = h / std::max(1.0, r[report::substeps]) * std::sqrt(limit / value) / kSpare;
     w.detail += "dt " + short_number(w.suggested_dt, 2) + " s, or more " +
                 (d.solver == Method::pbf ? "pbf_iterations" : "max_iterations") + " would do";
@@ -145,9 +145,9 @@ const Outputs& sph_outputs() {
                  {"velocity", "m/s", 3, ""},
                  {"density", "kg/m^3", 1, "from the kernel; with wcsph from continuity"},
                  {"pressure", "Pa", 1,
-                  "the stress that the liquid transmits through an area there, mean over directions, "
-                  "including surface "
-                  "tension; near walls, bodies and the surface the solver's own pressure"},
+                  "the stress that the liquid transmits through an area there, averaged over directions, "
+                  "including surface tension; near walls, bodies and the surface the solver's own "
+                  "pressure"},
                  {"speed", "m/s", 1, ""}},
       .observables = {
           {"energy.kinetic", "J", "of the particles' velocities"},
@@ -173,28 +173,26 @@ const Outputs& sph_outputs() {
           {"high.z", "m", ""},
           {"mass", "kg", "of all particles"},
           {"pressure.mean", "Pa",
-           "mean over the particles of the solver's own pressure, which disorder makes 1 to 3 % larger than "
-           "what "
-           "the field says"},
+           "mean over the particles of the solver's own pressure, which is 1 to 3 % above the field "
+           "where particles are disordered"},
           {"speed.max", "m/s", "of the fastest particle"},
           {"density.mean_error", "1",
-           "mean relative excess over the rest density that the last substep met, of pbf left; with wcsph "
-           "mean "
-           "deviation of density"},
+           "mean relative excess over the rest density found by the last substep (pbf: left by it; "
+           "wcsph: mean deviation)"},
           {"density.max_error", "1", "the largest"},
           {"compression.mean", "1",
            "mean relative excess over the rest density at the start of the last substep"},
           {"compression.max", "1", "the largest"},
           {"divergence.max", "1/s", "largest divergence of the velocity at a particle, from the kernel"},
-          {"courant", "1", "largest number of spacings crossed in a substep by what limits it"},
+          {"courant", "1", "spacings crossed in a substep by whatever limits it"},
           {"substeps", "1", "of the last step"},
-          {"iterations.density", "1", "per substep, for constant density"},
-          {"iterations.divergence", "1", "per substep, for zero divergence"},
-          {"iterations.viscosity", "1", "per substep, if viscosity is solved for"},
-          {"count", "1", "present particles, if they come or go"},
-          {"emitted", "1", "particles born from nozzles"},
+          {"iterations.density", "1", "per substep, of the solve for constant density"},
+          {"iterations.divergence", "1", "per substep, of the solve for zero divergence"},
+          {"iterations.viscosity", "1", "per substep, of the solve for viscosity, if there is one"},
+          {"count", "1", "particles present, if they come or go"},
+          {"emitted", "1", "particles emitted by nozzles"},
           {"killed", "1", "particles removed by kill regions"},
-          {"refused", "1", "births refused because max_particles was reached"}}};
+          {"refused", "1", "particles refused because max_particles was reached"}}};
   return kOutputs;
 }
 

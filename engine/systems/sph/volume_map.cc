@@ -122,7 +122,7 @@ void VolumeMap::fill(const Solid& solid, const Kernel& kernel, PointSide side, b
       for (n[1] = 0; n[1] < count_[1]; ++n[1])
         for (n[0] = 0; n[0] < count_[0]; ++n[0]) body(n);
   };
-  // A distance changes by no more than the way from the node before.
+  // The distance changes by at most the step from the previous node.
   const double farthest = 2 * support + 2 * width_;
   std::optional<double> before;
   each([&](const Count& n) {
@@ -136,7 +136,7 @@ void VolumeMap::fill(const Solid& solid, const Kernel& kernel, PointSide side, b
   slot_.assign(all, 0);
   nodes_.assign(1, Node{1, 0, 0, 0});
   if (wall) leans_.assign(1, {}), distances_.assign(1, 0);
-  // Of a container, everything beyond the grid is wall.
+  // For a container, everything beyond the grid is wall.
   const double around = side == PointSide::outside ? 0 : 1;
   each([&](const Count& n) {
     const double d = distance[index(n)];

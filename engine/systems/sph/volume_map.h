@@ -24,8 +24,8 @@ class VolumeMap {
   };
   /// The surroundings of a body.
   VolumeMap(const Solid& solid, const Kernel& kernel);
-  /// Those of a mesh that encloses a volume, in which (`inside`: outside of which) the wall is, as far as
-  /// they lie in `region`.
+  /// The surroundings, within `region`, of a mesh that encloses a volume: the wall is in that volume
+  /// (`inside`: outside of it).
   VolumeMap(const Solid& mesh, const Kernel& kernel, const Box& region, PointSide side);
 
   /// Nodes of the coarsest map of a region; a map of more than kMostNodes cannot be made.
@@ -39,7 +39,7 @@ class VolumeMap {
   /// At a point in the solid's frame; `normal` is the outward normal of the nearest surface.
   At at(const Vec3& p, const Vec3& normal) const;
   /// m, of a wall: integral over it of the kernel's gradient times the offset, less the share, in the unit of
-  /// `slope`: at a flat face the distance times n n^T. Times the weight it is what the solves leave out
+  /// `slope`: at a flat face the distance times n n^T. Times gravity it is the term that the solves leave out
   /// (walls.h).
   Symmetric3 lean_at(const Vec3& p) const;
   /// m, of a wall: bounds on the distance of p, negative behind it; empty beyond the kernel's reach.

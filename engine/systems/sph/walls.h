@@ -1,8 +1,8 @@
 // Contributions of the box's sides and the colliders to the sums of particles, and keeping particles off
 // them. Shares of several walls combine as if the kernel were a product over directions, so that an edge is
-// not counted twice: 1 - share = product of (1 - share of each). Walls that meet a collider at another angle
-// than a right one combine as half spaces do under a Gaussian: of the slope of a wall that part counts which
-// lies, on its plane, outside of the others.
+// not counted twice: 1 - share = product of (1 - share of each). Walls that meet a collider at other than
+// right angles combine as half spaces do under a Gaussian: of a wall's slope, the part counts that lies, in
+// its plane, outside the others.
 #pragma once
 #include "engine/collision/points/near_surfaces.h"
 #include "engine/math/trig.h"
@@ -40,8 +40,8 @@ class BoxWalls {
     static constexpr size_t kSides = 6, kColliders = 8;
     size_t count = 0, sides = 0;
     Wall wall[kSides + kColliders];
-    /// Whether two of them meet at another angle than a right one, or face each other, and one of them is a
-    /// collider.
+    /// Whether two of them, at least one of which is a collider, meet at other than a right angle or face
+    /// each other.
     bool skew() const {
       for (size_t k = sides; k < count; ++k) {
         for (size_t j = 0; j < k; ++j) {
@@ -195,8 +195,8 @@ class BoxWalls {
   static constexpr double kRight = 1e-6;       ///< cosine, below which walls meet at right angles
   static constexpr size_t kMostCorrected = 4;  ///< colliders that a particle is moved off, one after another
 
-  /// 1, of the kernel's slice in the plane of wall k that lies outside of all others. Seen from the foot on
-  /// that plane, the border of wall j is (d_j - c d_k) / sqrt(1 - c^2) away, c the cosine of their normals.
+  /// 1, fraction of the kernel's slice in the plane of wall k that lies outside all others. Seen from the
+  /// foot there, the border of wall j is (d_j - c d_k) / sqrt(1 - c^2) away, c the cosine of their normals.
   double beside(const Walls& w, size_t k) const {
     double out = 1;
     for (size_t j = 0; j < w.count; ++j) {
@@ -209,9 +209,9 @@ class BoxWalls {
     }
     return out;
   }
-  /// 1, of the kernel outside of all walls. Of two half spaces with shares s and r that both contain half of
-  /// a Gaussian, s r + (2 asin(c) / pi) (min(s, r) - s r) overlaps; for opposite ones max(0, s + r - 1) takes
-  /// the minimum's place.
+  /// 1, fraction of the kernel outside all walls. Of two half spaces with shares s and r that both contain
+  /// half of a Gaussian, s r + (2 asin(c) / pi) (min(s, r) - s r) overlaps; for opposite ones max(0, s + r -
+  /// 1) takes the minimum's place.
   double free_of(const Walls& w) const {
     constexpr double kTwoOverPi = 0.636619772367581343;
     double out = 1, most = 1;

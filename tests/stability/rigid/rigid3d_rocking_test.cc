@@ -1,6 +1,6 @@
 // What rocks in space on something round keeps its swing: nothing damps rolling, and nothing may feed it.
 // Contacts that stay as they are through n substeps lag by (n - 1) / 2 of them, which feeds a mode of
-// frequency w by w^2 dt (n - 1) / (4 n) a second (docs/standing.md, "What rolls on what rolls").
+// frequency w by w^2 dt (n - 1) / (4 n) a second (docs/standing.md, "Rolling on rolling bodies").
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -36,7 +36,7 @@ struct Floats {
   __m256 half() const {
     return _mm512_extractf32x8_ps(v, h);
   }
-  /// The nearest whole numbers, halves to even ones; below 2^22.
+  /// Rounded to the nearest integers, ties to even; below 2^22.
   Floats nearest() const {
     const Floats shift = all(0x1.8p23f);
     return (*this + shift) - shift;
@@ -81,7 +81,7 @@ size_t around(const ListInput& in) {
 /// Packs the neighbours of a particle; returns their number.
 template <int D>
 size_t find(const ListInput& in, size_t count, size_t i, const Found& out) {
-  // Copies: after every store memory could have changed.
+  // Local copies: any store might change the originals.
   const Found to = out;
   const uint32_t* const around_slots = in.around_slots;
   const float* around[D];
@@ -132,8 +132,8 @@ size_t lists_with(const ListInput& in, size_t count, size_t first, size_t stop, 
   uint32_t* const base = out.base;
   float *const slopes = out.slopes, *const weights = out.weights, *const distances = out.distances;
   size_t used = out.used, made = 0;
-  // The next particle's neighbours are found before this one's are evaluated: what has just been stored is
-  // not yet ready to be read across the borders of stores.
+  // The next particle's neighbours are found before this one's are evaluated: a load that spans several
+  // recent stores cannot be forwarded from them and would wait.
   size_t next = find<D>(in, count, first, in.found[0]);
   for (size_t i = first; i < stop && made < ListOutput::kMost; ++i, ++made) {
     if (made > 0 && used + count + kLanes > out.room) break;
@@ -168,7 +168,7 @@ size_t lists_with(const ListInput& in, size_t count, size_t first, size_t stop, 
         for (int a = 0; a < D; ++a) squares = _mm256_fmadd_ps(g[a].half<1>(), g[a].half<1>(), squares);
       }
       int16_t* const groups = all_groups + 4 * used;
-      // Lists are written to memory that is seldom in a cache.
+      // Lists are written to memory that is seldom cached.
       __builtin_prefetch(groups + 32 * kAhead, 1), __builtin_prefetch(groups + 32 * (kAhead + 1), 1);
       store_groups(groups, g, above);
       base[used / 8] = near.slots[at], base[used / 8 + 1] = near.slots[at + 8];

@@ -9,7 +9,7 @@
 
 namespace truestep::sph {
 
-/// Slots side by side, and what brings them next to a cell.
+/// Consecutive slots, and the shift that brings them next to a cell.
 struct SlotRun {
   size_t begin, end;
   double shift[3];  ///< m
@@ -21,7 +21,7 @@ struct Found {
   uint32_t* slots;
 };
 
-/// What lists are made from. Scratch has room for the slots of all runs and sixteen more.
+/// Input of the loops. Scratch has room for the slots of all runs and sixteen more.
 struct ListInput {
   const float* x[3];    ///< m, of all particles
   const float* light;   ///< 1, of all particles; nullptr: 1 everywhere
@@ -36,12 +36,12 @@ struct ListInput {
   Found found[2];
 };
 
-/// What a list sums up, in eight lanes.
+/// Sums over a list, in eight lanes.
 struct ListSums {
   float density[8], squares[8], pull[3][8];
 };
 
-/// Where lists go. Entries are groups of eight rows of four: gradient and slot over the group's first.
+/// Output of the loops. Entries are groups of eight rows of four: gradient and slot over the group's first.
 struct ListOutput {
   static constexpr size_t kMost = 16;  ///< lists that one call makes
   int16_t* groups;
@@ -53,8 +53,8 @@ struct ListOutput {
 };
 
 struct CellLoops {
-  /// Collects what is within the kernel's radius of the box, in ascending order, and far points up to a whole
-  /// sixteen; returns how many there are without these.
+  /// Collects the slots within the kernel's radius of the box, in ascending order, padded with far points to
+  /// a multiple of sixteen; returns their number without padding.
   size_t (*around)(const ListInput&);
   /// Appends the lists of the particles from `first` to `stop`, at least one and as long as there is room for
   /// `count` entries and sixteen more; returns how many.

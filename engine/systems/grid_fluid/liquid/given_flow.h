@@ -1,6 +1,6 @@
-// Where liquid comes into the box, and with which velocity: sides of kind inflow, and nozzles. Faces on such
-// sides and within a nozzle are closed to the pressure and hold the given velocity. What a nozzle presses out
-// appears in the cells in its rear half, as a source of as much volume per second as its particles have.
+// Where liquid enters the box, and with which velocity: sides of kind inflow, and nozzles. Faces on such
+// sides and within a nozzle are closed to the pressure and hold the given velocity. What a nozzle emits
+// appears in the cells of its rear half, as a source of the same volume per second as that of its particles.
 // Scratch of one thread's run.
 #pragma once
 #include <span>
@@ -19,7 +19,7 @@ class GivenFlow {
   enum class Room : uint8_t { left, none };
   void place(double t, Room room);
   bool any() const { return !inlets_.empty() || !sides_.empty(); }
-  /// Component c of the given velocities, and zero weights of those faces.
+  /// Sets component c of the given velocities, and the weights of those faces to zero.
   void hold(size_t c, double* u) const;
   void mark(size_t c, uint8_t* known) const;
   void shut(size_t c, double* factor) const;

@@ -1,6 +1,6 @@
 // A liquid with a surface in a box (liquid_flow.h); its only part is its particles. A step is divided into as
-// many equal substeps as its fastest particle requires. Particles come through nozzles and sides of kind
-// inflow, and go through open sides and in kill regions (liquid_come_and_go.cc). Commands: impulse on a
+// many equal substeps as its fastest particle requires. Particles enter through nozzles and sides of kind
+// inflow, and leave through open sides and in kill regions (liquid_come_and_go.cc). Commands: impulse on a
 // particle.
 #pragma once
 #include "engine/core/system.h"
@@ -31,7 +31,7 @@ class Liquid final : public StagedSystem {
   size_t rows(const State& state) const { return state.rows(kPosition); }
   void add_columns(const std::vector<StartingPlace>& places);
   void set_fields();
-  // Particles that come and go within a substep of h that starts at t (s).
+  // Adds and removes particles within a substep of h that starts at t (s).
   void come_and_go(State& state, const StepInput& in, const GivenFlow& given, double t, double h) const;
   void remove_gone(State& state, const StepInput& in) const;
   void feed(State& state, Workspace& workspace, const GivenFlow& given, double t, double h) const;

@@ -116,7 +116,7 @@ void Liquid::remove_gone(State& s, const StepInput& in) const {
 
 void Liquid::check(StateCheck& check, double t) const {
   if (!counts_) return;
-  constexpr uint64_t kMostBehind = 1000;  // layers; a run leaves none behind, but times are rounded
+  constexpr uint64_t kMostBehind = 1000;  // layers overdue: in a run there are none, but times are rounded
   const State& s = check.state();
   for_particle_columns([&](State::Column c) { check.together({kPosition, c}, capacity_); });
   if (phase_) {

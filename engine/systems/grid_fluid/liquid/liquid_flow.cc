@@ -36,7 +36,7 @@ void LiquidFlow::bind(const FlowModel& m, std::span<const LiquidInlet> inlets, s
     const auto mirrors = m.mirrors(c);
     for (size_t a = 0; a < 3; ++a) {
       for (size_t end = 0; end < 2; ++end) {
-        // Faces on sides keep their values, and what flows in slides along its side.
+        // Faces on sides keep their values, and inflow has no friction along its side.
         const bool even = mirrors[a][end] == mac::Mirror::given &&
                           (a == c || (a < d && m.kinds[a][end] == SideKind::inflow));
         sides_[c][a][end].mirror = even ? mac::Mirror::even : mirrors[a][end];
@@ -63,10 +63,10 @@ void LiquidFlow::bind(const FlowModel& m, std::span<const LiquidInlet> inlets, s
 }
 
 // Beside a wall that holds the liquid the parabola of kernels/mac/ghosts.h continues the velocity to the
-// wall. Where the wall's layer is thinner than a cell there is no such profile: affine particles would find a
-// slope of twice the velocity per half cell, carry it inwards, and spread it there as velocity. The layer
-// that grows along a cell of wall is 5 / sqrt(|u| dx / viscosity) cells thick (Blasius 1908); beyond one cell
-// the parabola counts in proportion to what is left of it.
+// wall. Where the boundary layer is thinner than a cell there is no such profile: affine particles would find
+// a slope of twice the velocity per half cell, carry it inwards, and spread it there as velocity. The
+// boundary layer that grows along a cell of wall is 5 / sqrt(|u| dx / viscosity) cells thick (Blasius 1908);
+// where that is less than one, the parabola counts by its square.
 void LiquidFlow::fill_velocity(size_t c, double* u) {
   fill_sides(c, u);
   const mac::MacGrid& g = model_->grid;

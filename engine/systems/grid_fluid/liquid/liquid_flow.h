@@ -68,7 +68,7 @@ class LiquidFlow {
   void place_obstacles(double t);
   void fill_velocity(size_t c, double* u);
   void fill_sides(size_t c, double* u) { mac::fill_ghosts(model_->grid, c, sides_[c], u, *arena_); }
-  /// Keeps a particle (in cells) in the box, around periodic axes; `leave`: unless a side lets it out.
+  /// Keeps a particle (in cells) in the box, wrapping periodic axes; `leave`: unless a side lets it out.
   enum class Beyond : uint8_t { stay, leave };
   template <size_t D>
   void hold(double* x, Beyond beyond) const;

@@ -187,7 +187,7 @@ void LiquidFlow::take_back_compression(LiquidFields& f, LiquidReport& report) {
       psi[i] = !liquid_[i] ? 0 : -std::clamp(excess, inside ? -kMost : 0, kMost);
     }
   });
-  // Every row's sum, then theirs, in their order.
+  // Sums of rows, then their sum, in a fixed order.
   const size_t rows = g.cells[1] * g.cells[2];
   mac::for_rows(g, kCentre, *arena_, [&](size_t at, size_t j, size_t k, size_t n) {
     Excess& row = excess_[j + g.cells[1] * k];

@@ -19,7 +19,7 @@ class Room {
   void bind(const mac::MacGrid& grid, size_t per_axis, const ThreadArena& arena);
   /// `solids` are `obstacles`, as they are placed; without any the room is that of the box.
   void measure(const Solids& solids, std::span<const ObstacleDef> obstacles, const ThreadArena& arena);
-  /// Says that there is room beyond a side: cells there are as empty as they look.
+  /// Gives the cells beyond an open side full room, so that they count as empty.
   void open(size_t axis, size_t end, const ThreadArena& arena);
   /// Of each cell, in the grid's own array; 0 beyond closed sides of the box.
   const double* data() const { return room_.data(); }

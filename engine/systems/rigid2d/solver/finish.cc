@@ -18,7 +18,7 @@ using flat::Sweep;
 constexpr double kCoreGap = 0.25;
 /// Part of a shape's inner radius by which it may move into a surface that it slides along.
 constexpr double kShallow = 0.25;
-/// .. by which it may be in a polygon before that; what is higher is a step.
+/// .. by which it may overlap a polygon before that; a higher edge is a step.
 constexpr double kLevel = 0.05;
 /// rad, by which a body with corners may turn in a step and still slide.
 constexpr double kHardlyTurns = 0.02;
@@ -39,13 +39,13 @@ Box swept_box(const Outline& s, const Sweep& sweep, double reach) {
   return b;
 }
 
-/// True where the motion of b relative to a hardly leads through the line of a chain's link, or through that
-/// of an edge of a polygon on whose outside it begins: it slides on, from piece to piece. The end of the next
-/// piece would stop it at every corner, however straight the surface.
+/// True where the motion of b relative to a hardly crosses the line of a chain's link, or of an edge of a
+/// polygon on whose outside it begins: it slides on, from piece to piece. Otherwise the end of the next piece
+/// would stop it at every corner, however straight the surface.
 bool slides_along(const Outline& piece, const Sweep& a, const Outline& shape, const Sweep& b, double inner) {
   const auto into = [&](Vec2 n) { return -flat::dot(a.from.q * n, b.shift - a.shift); };
   if (piece.is_link()) return std::abs(into(piece.normal[0])) < kShallow * inner;
-  // What turns far sweeps its corners into what its middle passes.
+  // A body that turns far sweeps its corners into surfaces that its middle passes.
   const bool turns = shape.corners > 1 && std::abs(b.angle) > kHardlyTurns;
   if (a.angle != 0 || turns || piece.corners < 3) return false;
   const Outline there = flat::moved(shape, a.from.to(b.from));
@@ -91,7 +91,7 @@ double first_stop(const Model& model, const State& s, const Pairs& pairs, const 
       const Pose seen = theirs.from.to(mine.from);
       const bool separate = !slides_along(wall, theirs, shape, mine, flat::inner_radius(shape)) &&
                             flat::distance(wall, shape, seen).distance > 2 * gap;
-      // What is in a one-way body already passes it; what touches it is left to the solver.
+      // A body inside a one-way body already passes it; one that touches it is left to the solver.
       if (obstacle.one_way && !separate) return;
       const auto hit = flat::time_of_impact(wall, theirs, separate ? shape : core, mine,
                                             separate ? gap : kCoreGap * core.radius);
@@ -191,7 +191,7 @@ double longest_rest(const Model& model, State& s, const Pairs& pairs, const Slee
     if (holds.empty()) find_holds(model, s, pairs, holds);
     return holds[i] == kRollsOnContacts ? of_rolling : holds[i] == kHangsOnJoints ? of_hanging : rule;
   };
-  // Up to this distance the rules agree until the time is over.
+  // Up to this distance both rules agree until the time is over.
   const double near = model.joints.empty() ? rule.drift() : of_hanging.drift();
   const auto status = s.span<uint32_t>(columns::status);
   const auto rest = s.f64(columns::sleep_timer), w = s.f64(columns::angular_velocity),

@@ -10,7 +10,7 @@ namespace {
 
 /// Columns buckle only where a contact carries more bodies than this.
 constexpr double kTallLoad = 10;
-/// Below the first quotient small steps are added until it reaches the second; above the third fewer are
+/// Below the first quotient small steps are added until it reaches the second; above the third, fewer are
 /// tried.
 constexpr double kTooSoft = 1.1, kStiff = 1.4, kMoreThanStiff = 2.2;
 /// Load of a light body, in multiples of its own weight, up to which the usual small steps suffice.

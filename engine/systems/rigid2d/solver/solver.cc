@@ -12,9 +12,9 @@ namespace {
 
 /// Maximum rounds of impacts passed on between bodies in one small step; the rest does not bounce.
 constexpr int kImpactRounds = 64;
-/// Share of the thinner body's inner radius beyond which one of a pair is inside the other; a body inside
-/// this many is in a crowd. Those in its middle move only when those around them have been pushed on: pushes
-/// of a crowd take several sweeps. With one, thirty disks at one place are as deep as a radius after two
+/// Fraction of the thinner body's inner radius beyond which one of a pair is inside the other; a body inside
+/// this many others is in a crowd. Bodies in its middle move only once those around them have been pushed
+/// away: a crowd takes several sweeps. With one, thirty disks at one place are as deep as a radius after two
 /// seconds.
 constexpr double kInside = 0.25;
 constexpr uint8_t kCrowdAround = 3;

@@ -1,8 +1,8 @@
 // One step of the velocity solver: small steps with soft constraints (TGS-soft: Macklin et al. 2019, "Small
 // steps in physics simulation"; Catto 2024, "Solver2D"). Per small step h:
 //   v += h (g + F/m);  warm start;  solve with bias;  x += h v;  solve without bias;  bounces at the end.
-// What no impulse and no joint acts on moves by the mean of its velocities before and after: along its
-// parabola.
+// A body on which no impulse and no joint acts moves by the mean of its velocities before and after: along
+// its parabola.
 // Bodies are rows of eight numbers (v, w, 1/m, dx, dangle, 1/I) relative to the start of the step;
 // constraints are packed by colour, one per SIMD lane. Poses outside of the solver stay f64.
 #pragma once

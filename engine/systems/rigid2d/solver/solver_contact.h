@@ -80,9 +80,9 @@ void separations(const ContactPack<T>& c, const Ends<T>& e, Wide<T> out[2]) {
 /// of it: walls and towers lean where positions are corrected separately from velocities.
 inline constexpr double kGentlePush = 1.0 / 32;
 
-/// Share of a depth that a small step recovers, at least, where its push is taken back: 12/s with the
+/// Fraction of a depth that a small step recovers, at least, where its push is taken back: 12/s with the
 /// defaults, as in space. The softness of a body with many contacts, which keeps heaps at rest, leaves a
-/// quarter of that, and what had fallen into a heap stayed in it for seconds.
+/// quarter of that, and bodies that had fallen into a heap stayed in it for seconds.
 inline constexpr double kPartingShare = 0.05;
 
 /// Negative in lanes that overlap so deeply that a push would be faster than this, and not because of their
@@ -157,7 +157,7 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
     rate = select(c.before.taken > zero, max(rate, W::all(T(kPartingShare) * inverse_h)), rate);
   }
 
-  // Friction first: the normals have the last word. The tangent is the normal turned left.
+  // Friction first, so that normals are solved last. The tangent is the normal turned left.
   W load = zero;
   for (auto& p : c.point) {
     e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);

@@ -31,7 +31,7 @@ bool hit(const ContactPack<T>& c, const ImpactRows<T>& bodies, T h, T threshold)
   Ends<T> e(bodies.rows, c.a, c.b);
   W u[2], closes[2], separation[2], vx, vy, due = zero, wait = W::all(T(1e30));
   separations(c, e, separation);
-  // Bodies that have hit already are on new lines, which would have begun elsewhere.
+  // Bodies that have already hit move along new lines, which would have begun elsewhere.
   Ends<T> correction(bodies.toi_correction, c.a, c.b);
   // A small step that ends within rounding of a hit includes the hit: in the next one it would already have
   // been stopped.

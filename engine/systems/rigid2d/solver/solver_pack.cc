@@ -11,10 +11,10 @@ namespace truestep::rigid2d {
 namespace {
 
 constexpr size_t kPacksAhead = 2;
-/// rad, or typical sizes: less motion than that within half a step is left alone, it is what single precision
-/// leaves of rest.
+/// rad, or typical sizes: smaller motion within half a step is ignored: it is what single precision leaves of
+/// rest.
 constexpr double kSeenMotion = 1e-6;
-/// rad, or typical sizes: farther than that the motion tells little of where a load will act.
+/// rad, or typical sizes: larger motion tells little of where a load will act.
 constexpr double kMostMotion = 0.05;
 
 /// First pack of `lanes` of each colour, and the end; remainders become packs of one.
@@ -54,7 +54,7 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
     c.a[k] = slot_[hit.body_a], c.b[k] = slot_[hit.body_b];
     Vec2 apart = pairs.pose[hit.body_b].p - pairs.pose[hit.body_a].p;
     const float* old = hit.old == kNoPoint ? nullptr : impulses.data() + 5 * static_cast<size_t>(hit.old);
-    // What bears goes on bearing: its load acts where it will be, on the small steps' average.
+    // A loaded contact stays loaded: its load acts where it will be, averaged over the small steps.
     if (old && old[0] + old[1] > 0) {
       const auto motion = [&](uint32_t row) {
         const T* r = rows_.data() + 8 * static_cast<size_t>(row);

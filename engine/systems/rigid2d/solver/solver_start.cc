@@ -24,13 +24,13 @@ constexpr double kCarries = 0.3;
 /// Offsets of two equally loaded points are merged where they differ by no more than this fraction: those of
 /// a tower whose boxes stand in line to a thousandth.
 constexpr double kAlike = 1e-3;
-/// Most sweeps for loads that are not passed down, the number of packs that they may process in all, and
-/// sweeps between two looks at what is left.
+/// Maximum numbers of sweeps for loads that are not passed down and of packs that they may process in all,
+/// and the sweeps between two checks of the residual.
 constexpr size_t kLoadSweeps = 2000, kLoadPacks = 200'000, kSweepsPerLook = 50;
-/// Fraction of the velocity that forces add in a small step that may be left in a supported body, and the
+/// Fraction of the velocity that forces add in a small step that may remain in a supported body, and the
 /// multiple at which the body may already move.
 constexpr double kHeld = 0.01, kStill = 2;
-/// Sweeps end where this fraction is left, or where a look finds the squares of what is left hardly smaller.
+/// Sweeps end where this fraction remains, or where a check finds the sum of squares hardly smaller.
 constexpr double kBalanced = 1e-4, kHardly = 0.995;
 /// Largest offset of an island held by sweeps, as a fraction of the smaller body's inner radius: loaded
 /// springs store energy.

@@ -11,15 +11,15 @@
 namespace truestep::rigid2d {
 namespace {
 
-/// Share of the smaller body's inner radius up to which offsets grow; those of the start may be thicker.
-/// Of 24 heaps of 40 layers, that yield where grains are strained by some percent, 21 sleep within 10 s of
-/// rest so, 13 with a hundredth and none without a bound.
+/// Fraction of the smaller body's inner radius up to which offsets grow; initial ones may be thicker. Of 24
+/// heaps of 40 layers, which yield once grains are strained by some percent, 21 sleep within 10 s of coming
+/// to rest with this bound, 13 with a hundredth and none without a bound.
 constexpr double kThickestLearnt = 1.0 / 400;
 
 }  // namespace
 
 // The flight of a whole step (free_flight.h). Bodies with joints stay where these have put them: a pull that
-// has not reached one of them yet must not part it from its neighbour.
+// has not reached one of them yet must not separate it from its neighbour.
 template <class T>
 void Solver<T>::end_free_flights(const Model& model, const State& state, const SolverSettings& settings,
                                  const ThreadArena& arena) {

@@ -162,7 +162,7 @@ const DefTable& cylindrical_table() {
 const DefTable& plane_table() {
   static const DefTable t = [] {
     using D = PlaneJointDef;
-    TableOf<D> table("a point of b stays in a plane of a; b turns about the plane's axis");
+    TableOf<D> table("a point of b stays in a plane of a; b turns about the plane's normal");
     add_common(table)
         .vector("axis", &D::axis, "1", any(), "normal of the plane at t = 0; any length")
         .check([](const D& d, const DefTable::Report& report) { check_axis(d.axis, "/axis", report); });
@@ -297,8 +297,7 @@ const DefTable& motor_table() {
         .vector("velocity", &D::velocity, "m/s", any(), "of b relative to a, instead of move")
         .vector("angular_velocity", &D::angular_velocity, "rad/s", any(),
                 "of b relative to a, instead of turn")
-        .number("rate", &D::rate, "1/s", above(0),
-                "how fast it comes to its pose: what is left fades at this rate")
+        .number("rate", &D::rate, "1/s", above(0), "rate at which the remaining error decays")
         .number("max_force", &D::max_force, "N", at_least(0), "limit of the force")
         .number("max_torque", &D::max_torque, "N m", at_least(0), "limit of the torque")
         .check([](const D& d, const DefTable::Report& report) {

@@ -31,7 +31,7 @@ class ContactSolver {
              std::span<Contact* const> contacts, std::span<const BodyNow> now, const ForceChange& change,
              const SolverSettings& settings, const StepInput& in);
   /// Gives the contacts of a first step, in settings.substeps, the impulses of the loads that are passed
-  /// down: close enough for their number, and without the sweeps, which take as long as a hundred steps.
+  /// down: close enough to choose their number, without sweeps (as slow as a hundred steps).
   void find_first_loads(const State& s, std::span<const BodyKind> kinds, const JointList& joints,
                         std::span<Contact* const> contacts, std::span<const BodyNow> now,
                         const ForceChange& change, const SolverSettings& settings, const StepInput& in);

@@ -14,7 +14,7 @@ Vec3 get3(const Wide<T> in[3], int lane) {
   return {in[0][lane], in[1][lane], in[2][lane]};
 }
 
-/// The pose at x that a contact found ahead (s) has seen.
+/// The pose at x for which a contact was found `ahead` (s).
 Transform turned(const BodyKind& kind, const Rotation& now, const Vec3& spin, double ahead, const Vec3& x) {
   if (!(ahead > 0)) return {now, x};
   return place_after({now, x}, {{}, seen_spin(kind, now, spin)}, ahead);

@@ -15,8 +15,8 @@ class Allowed {
   explicit Allowed(const Setting& set)
       : set_(set), viscous_(set.def.viscosity > 0 && !set.def.solves_viscosity()) {}
 
-  /// s: the longest substep, and the longest if viscosity did not count, in which the flow moves by what a
-  /// substep may.
+  /// s: the longest substep, and the longest without the limit of viscosity, in which the flow moves as far
+  /// as a substep may.
   struct Lengths {
     double substep, flow;
   };
@@ -95,15 +95,15 @@ class Allowed {
   /// Fraction of the period of the shortest wave of surface tension: sqrt(rho s^3 / (2 pi sigma)) over 2.5.
   static constexpr double kCapillary = 0.16;
   static constexpr double kFall = 0.09;  ///< of the time in which a particle falls half a spacing
-  /// For pbf, the largest g H (h / s)^2 per iteration of a substep at which the compression of a pool H deep
-  /// stays in order: at twice as much, corrections shoot particles out. A single iteration, which no second
-  /// one corrects, overshoots much earlier.
+  /// For pbf, the largest g H (h / s)^2 per iteration of a substep at which a pool H deep keeps its order
+  /// under compression: at twice as much, corrections shoot particles out. A single iteration, with no second
+  /// one to correct it, overshoots much earlier.
   static constexpr double kCarried = 0.09, kCarriedByOne = 0.012;
   /// The same between liquids of different density, by the load on the lightest (layer_load.h): at 0.2 two of
   /// 100:1 burst, at 0.02 the first corrections add 2 % of energy.
   static constexpr double kCarriedLayers = 0.04;
   /// For dfsph between such liquids, the largest h sqrt(p / rho) / s, p and rho of a particle: at 1.3 the
-  /// light liquid collapses. What separates an overlap counts up to so many weights.
+  /// light liquid collapses. Pressures that separate an overlap count up to so many times the weight.
   static constexpr double kHeld = 0.6, kMostOverWeight = 4;
   static constexpr double kDiffusion = 0.03;  ///< of the squared kernel radius: Morris, Fox & Zhu 1997
 

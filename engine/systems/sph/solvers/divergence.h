@@ -1,4 +1,4 @@
-// How far a velocity field of particles is from free of divergence, as it is read from a state: the trace of
+// How far a velocity field of particles is from divergence-free, as read from a state: the trace of
 //   grad u_i = (sum_j V (u_j - u_i) grad W_ij) (sum_j V (x_j - x_i) grad W_ij)^-1,
 // exact for fields that are linear, also beside walls and at the surface, where neighbours are missing
 // (Bonet, Lok 1999, "Variational and momentum preservation aspects of SPH", section 4). Walls and bodies are

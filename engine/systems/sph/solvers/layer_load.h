@@ -1,7 +1,7 @@
 // The depth of a liquid, and how hard the weight of denser liquid presses on lighter liquid below it:
 // pressure p on particles of density rho holds a lattice of them in place like springs of frequency sqrt(p /
-// rho) / spacing, which substeps must resolve. In one liquid p / rho is g times the depth; under another it
-// is as many times more as that is denser.
+// rho) / spacing, which substeps must resolve. In a single liquid p / rho is g times the depth; under a
+// denser one it is larger by the ratio of the densities.
 #pragma once
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@ namespace truestep::sph {
 
 /// How a wall responds to a particle: as a region at rest without pressure, so that the force is that of the
 /// constraint on the density the kernel sums up; or as the particle's mirror image, with its pressure and the
-/// opposite velocity. Both do exactly the work that goes into the density.
+/// opposite velocity. In both, the force does exactly the work that changes the density.
 enum class Answer : uint8_t { rest, mirror };
 
 /// f.a (m/s^2) = effect of all particles' pressures q = (p / rho0) / (rho / rho0)^2 (m^2/s^2), with
@@ -28,8 +28,8 @@ template <Answer A, int D, class T>
 inline void push_by(Fluid<D, T>& f, const Aligned<T>& q, const ThreadArena& arena) {
   push_with(f, q, arena, [&q](size_t i) { return A == Answer::mirror ? q[i] : T{0}; });
 }
-/// The joint effect of pressures `mirrored`, to which walls respond as mirror images, and `rests`, to which
-/// they respond at rest; leaves their sum in `both`.
+/// The combined effect of pressures `mirrored`, to which walls respond as mirror images, and `rests`, to
+/// which they respond at rest; leaves their sum in `both`.
 template <int D, class T>
 inline void push_by_both(Fluid<D, T>& f, const Aligned<T>& mirrored, const Aligned<T>& rests,
                          Aligned<T>& both, const ThreadArena& arena) {
@@ -54,8 +54,8 @@ inline T compression(const Fluid<D, T>& f, const Aligned<T>& u, size_t i, const 
 }
 
 /// Particle i's factor on the velocity change that two particles of different density give each other,
-/// relative to a pair alike: 2 rho_j / (rho_i + rho_j), so momentum is conserved. 0 for a particle that
-/// nothing moves.
+/// relative to a pair of equal densities: 2 rho_j / (rho_i + rho_j), so momentum is conserved. 0 for a
+/// particle that nothing moves.
 template <int D, class T>
 inline Wide<T> part_of_pair(const Fluid<D, T>& f, size_t i, const Chunk<T>& c, size_t k) {
   const Wide<T> own = Wide<T>::all(f.light[i]), other = c.of(f.light, k);

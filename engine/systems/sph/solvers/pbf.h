@@ -29,7 +29,7 @@ class Pbf {
       if (k > 0) renew(f, bodies, t, arena);
       arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i) {
-          // Among others that nothing moves it has no stiffness either.
+          // Among neighbours that nothing moves either, it would have no stiffness.
           if (f.fixed(i)) {
             f.push[i] = 0;
             continue;

@@ -88,7 +88,7 @@ class SolverOf final : public Solver {
   }
 
  private:
-  /// The places of a state with the lists of their neighbours.
+  /// The positions of a state with their neighbour lists.
   Fluid<D, T> listed(const State& s, const ThreadArena& alone) const {
     Fluid<D, T> f;
     f.unit = neighbours_.unit(), f.resize(s.rows(columns::position));
@@ -133,7 +133,7 @@ class SolverOf final : public Solver {
     if (viscous_ && d.walls == Walls::no_slip) bodies.hold(f, h);
     if (d.solver == Method::wcsph) wcsph_.advance(f, bodies, gravity, h, in.arena);
     if (d.solver == Method::dfsph) {
-      // Substeps that a load makes short must not separate an overlap of the start as much faster.
+      // Substeps that a load shortens must not separate an initial overlap as much faster.
       const double g = norm(gravity), longest = g > 0 ? allowed_.by_fall(g) : h;
       const double share = set_.ratio && t < kSettling * longest ? std::min(h / longest, 1.0) : 1;
       const auto [flow, push] = dfsph_.solve(f, bodies, {.h = h, .share = share, .part = now.part}, in.arena);
@@ -325,7 +325,7 @@ class SolverOf final : public Solver {
   }
 
   static constexpr double kLeastPart = 1e-4;  ///< of a flow that does not move
-  static constexpr double kSettling = 20;  ///< longest substeps, in which an overlap of the start separates
+  static constexpr double kSettling = 20;     ///< longest substeps, in which an initial overlap separates
 
   const Setting& set_;
   Allowed<D, T> allowed_;

@@ -10,7 +10,7 @@
 
 namespace truestep::sph {
 
-/// Offsets to neighbours: gradients, divided by whose size they are directions (g / size), and distances in
+/// Offsets to neighbours: gradients g with their sizes, so that g / size is the direction, and distances in
 /// kernel radii. Padding has direction 0 and distance 1.
 template <int D, class T>
 struct Ways {
@@ -51,7 +51,7 @@ inline void draw_together(Fluid<D, T>& f, T strength, T support, const ThreadAre
   });
 }
 
-/// Of particle i the sum over its pairs of what draw_together() adds times the way from the neighbour
+/// Sum over the pairs of particle i of what draw_together() adds, times the offset from the neighbour
 /// (m^2/s^2).
 template <int D, class T>
 inline T work_of_drawing(const Chunk<T>& c, size_t begin, size_t end, T strength, T support) {
@@ -64,7 +64,7 @@ inline T work_of_drawing(const Chunk<T>& c, size_t begin, size_t end, T strength
   return strength * support * sum(out);
 }
 
-/// Where the interface is: its normals and what is missing there, into f.normal.
+/// Finds the interface: its normals and what the kernel sum lacks there, into f.normal.
 template <int D, class T>
 inline void find_interface(Fluid<D, T>& f, const PlaneInterface& plane, T support, const ThreadArena& arena) {
   using W = Wide<T>;
@@ -89,8 +89,8 @@ inline void find_interface(Fluid<D, T>& f, const PlaneInterface& plane, T suppor
   });
 }
 
-/// What neighbours do to particle i by the energy of the interface: p^2 other + by g, of which the part
-/// along the way to them is `along`.
+/// Effect of neighbours on particle i by the energy of the interface: p^2 other + by g, whose component along
+/// the offset to them is `along`.
 template <int D, class T>
 struct InterfacePair {
   Wide<T> other[4], p, by, along;
@@ -113,7 +113,7 @@ struct InterfacePair {
   }
 };
 
-/// Adds what the energy of the interface does, over `strength` = e / (H m) (m/s^2), to f.a.
+/// Adds the forces of the interface's energy to f.a; `strength` = e / (H m) (m/s^2).
 template <int D, class T>
 inline void shrink_interface(Fluid<D, T>& f, T strength, const PlaneInterface& plane, T support,
                              const ThreadArena& arena) {
@@ -133,7 +133,7 @@ inline void shrink_interface(Fluid<D, T>& f, T strength, const PlaneInterface& p
   });
 }
 
-/// As work_of_drawing(), of shrink_interface(); needs find_interface().
+/// Like work_of_drawing(), for shrink_interface(); call find_interface() first.
 template <int D, class T>
 inline T work_of_shrinking(const Fluid<D, T>& f, size_t i, const Chunk<T>& c, size_t begin, size_t end,
                            T strength, const PlaneInterface& plane, T support) {

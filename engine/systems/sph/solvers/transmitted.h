@@ -1,8 +1,8 @@
 // The pressure that is read: what the liquid transmits through an area beside each particle, which is what
-// walls, bodies and the weight above answer to. A solve's own numbers p_i differ from it as the neighbours'
-// order does: sums of gradients over a lattice are 1.2 % too large, over what has settled 1.6 % too small,
-// and a particle whose sums are small has a larger p for the same force. Of pairs (Irving & Kirkwood 1950;
-// mean over directions), with the densities over that at rest d and counted here n = sum V W:
+// walls, bodies and the weight above respond to. A solve's own numbers p_i also depend on how the neighbours
+// are arranged: sums of gradients are 1.2 % too large over a lattice, over settled liquid 1.6 % too small,
+// and a particle whose sums are small has a larger p for the same force. A sum over pairs (Irving & Kirkwood
+// 1950; mean over directions), d the relative density, n = sum V W:
 //   P_i = n_i sum (q_i + q_j) / 2 (-V dW/dr r) / dimension,  q = p / d^2.
 // Where neighbours are missing (n < 0.9: walls, bodies, the surface) the particle's own q is put in their
 // place. What surface tension transmits (attraction: less pressure) is added in the same way; what viscosity
@@ -21,7 +21,7 @@ template <int D, class T, class Attraction>
 void transmitted_pressures(Fluid<D, T>& f, const T* pressure, const T* density, const ThreadArena& arena,
                            double* out, const Attraction& attraction) {
   using W = Wide<T>;
-  constexpr T kMissing = T(0.1);  // of n: all of these sums is then the particle's own
+  constexpr T kMissing = T(0.1);  // of n: where as much is missing, all of these sums is the particle's own
   for (size_t k = 0; k < f.n; ++k) {
     const T d = std::max(density[f.row[k]], static_cast<T>(1e-3));
     f.push[k] = pressure[f.row[k]] / (d * d);

@@ -1,5 +1,5 @@
 // Vorticity confinement (Fedkiw, Stam & Jensen 2001, for particles as by Macklin & Mueller 2013): eddies that
-// are damped by averaging over particles are driven on, along N x omega with N towards larger vorticity.
+// averaging over particles damps are driven, along N x omega with N towards larger vorticity.
 #pragma once
 #include <cmath>
 
