@@ -213,7 +213,7 @@ std::optional<VolumeMap::Bounds> VolumeMap::distance_at(const Vec3& p) const {
   Count n{};
   for (size_t a = 0; a < 3; ++a) {
     if (!(at[a] >= 0 && at[a] <= count_[a] - 1)) return std::nullopt;
-    n[a] = static_cast<int>(at[a] + 0.5);
+    n[a] = static_cast<int>(std::floor(at[a] + 0.5));
   }
   const uint32_t slot = slot_[index(n)];
   if (slot == 0) return std::nullopt;
