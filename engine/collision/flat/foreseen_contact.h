@@ -1,10 +1,10 @@
 // Where a contact lies a little later. Contacts are found once a step and stay as they are through its n
-// small steps: normals and arms lag behind the bodies by (n - 1) / 2 of them on average, and so does the
+// substeps: normals and arms lag behind the bodies by (n - 1) / 2 of them on average, and so does the
 // force of loads that follow bodies as they roll on one another. With a frequency w of such a mode the map of
 // a step dt has the determinant 1 + (w dt)^2 (n - 1) / (2 n): the mode grows by w^2 dt (n - 1) / (4 n) a
 // second, for nothing damps rolling. With the contact as it will be (n - 1) / (2 n) of the step later, as far
 // as the bodies' velocities tell, the determinant is 1 (the step is symplectic, as with contacts found in
-// every small step).
+// every substep).
 #pragma once
 #include <algorithm>
 #include <cmath>

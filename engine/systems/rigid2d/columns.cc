@@ -21,7 +21,7 @@ State state_at_start(const Model& model, const Vec3& gravity) {
   s.add({"contact.penetration_offset", "m", S::f32, 2}, 0);
   s.add({"joint.impulse", "N s", S::f64, 6}, model.joints.size());
   s.add({"joint.broken", "1", S::u32, 1}, model.joints.size());
-  s.add({"small_steps", "1", S::u32, 1}, 1);
+  s.add({"small_steps", "1", S::u32, 1}, 1);  // as stored states call it
   s.add({"parameters", "m/s^2", S::f64, 3}, 1);
   s.add({"push.body", "1", S::u32, 1}, 0);
   s.add({"push.force", "N", S::f64, 3}, 0);

@@ -24,7 +24,7 @@ enum : State::Column {
   contact_offset,    // f32 x 2, m, yield of each point under its load
   joint_impulse,     // f64 x 6, see solver_joint.h
   joint_broken,      // u32
-  small_steps,       // u32 x 1, small steps of the last step; 0 before the first
+  substeps,          // u32 x 1, substeps of the last step; 0 before the first
   parameters,        // f64 x 3: gravity
   push_body,         // u32
   push_force,        // f64 x 3, N

@@ -1,5 +1,5 @@
 // What the joints of a rigid2d state do: their coordinates, and the loads that they pass on, from the
-// impulses of the last small step.
+// impulses of the last substep.
 #pragma once
 #include <span>
 
@@ -22,12 +22,12 @@ struct JointLoad {
   Vec2 force;
   double torque = 0;
 };
-/// h: s, the small step that the impulses belong to. A broken joint has none.
+/// h: s, the substep that the impulses belong to. A broken joint has none.
 JointLoad joint_load(const Model& model, const State& state, size_t joint, double h);
 /// Force (N) on its first body when its second has this load: the opposite, but for a pulley.
 Vec2 force_on_first(const Model& model, const Joint& joint, const State& state, const JointLoad& load);
 
-/// Sizes of the force and torque times the small step (N s, N m s) for the impulses of a joint
+/// Sizes of the force and torque times the substep (N s, N m s) for the impulses of a joint
 /// (columns::joint_impulse).
 struct JointImpulse {
   double force = 0, torque = 0;

@@ -6,7 +6,7 @@
 
 #include "engine/kernels/rigid/impact_limits.h"
 #include "engine/systems/rigid2d/solver/finish.h"
-#include "engine/systems/rigid2d/solver/small_steps.h"
+#include "engine/systems/rigid2d/solver/substeps.h"
 
 namespace truestep::rigid2d {
 
@@ -18,21 +18,21 @@ struct Rigid2d::Scratch {
   Hands hands;
   std::vector<Travel> travels;
   Sleepers sleepers;
-  SmallSteps small_steps;
+  Substeps substeps;
   bool idle = false;
 };
 
 namespace {
 
 constexpr std::string_view kScratch = "rigid2d";
-// Fraction of the rate of small steps, for a body with two contacts. Two sweeps per small step are themselves
+// Fraction of the rate of substeps, for a body with two contacts. Two sweeps per substep are themselves
 // a spring with (w h)^2 = 2: stiffer contacts feed every slow mode of a pile, softer ones let towers buckle
 // (docs/standing.md).
 constexpr double kContactHertz = 0.21;
 /// Sweeps that separate deep overlaps where heavy bodies touch light ones. With one sweep, bodies that had
 /// fallen into a pile stayed inside others by a quarter of their size; with four, some did.
 constexpr int kUnevenSweeps = 8;
-/// Steps between checks for columns that need more small steps, and for loads that need fewer.
+/// Steps between checks for columns that need more substeps, and for loads that need fewer.
 constexpr uint64_t kStepsPerColumnLook = 4, kStepsPerLook = 16;
 
 }  // namespace
@@ -59,12 +59,12 @@ void Rigid2d::add_stages() {
             [this, scratch](State& s, const StepInput& in) {
               if (!scratch(in).idle) find_contacts(model_, s, in.h, scratch(in).pairs, in.arena);
             });
-  add_stage("small steps", "more for tall columns and for heavy bodies on light ones",
+  add_stage("substeps", "more for tall columns and for heavy bodies on light ones",
             [this, scratch](State& s, const StepInput& in) {
-              if (!scratch(in).idle) choose_small_steps(s, in);
+              if (!scratch(in).idle) choose_substeps(s, in);
             });
   add_stage("solve",
-            std::to_string(settings_.substeps) + " small steps of " +
+            std::to_string(settings_.substeps) + " substeps of " +
                 (settings_.precision == Precision::f32 ? "f32" : "f64") + " constraints; " +
                 says_slowest_bounce(restitution_speed(flat::norm(flat::flatten(gravity_)), dt_)),
             [this, scratch](State& s, const StepInput& in) {
@@ -101,25 +101,25 @@ double Rigid2d::restitution_speed(double gravity, double dt) const {
   return settings_.restitution_speed.value_or(slowest_bounce(gravity, dt));
 }
 
-int Rigid2d::small_steps(const State& s) const {
-  const uint32_t now = s.span<uint32_t>(columns::small_steps)[0];
+int Rigid2d::substeps(const State& s) const {
+  const uint32_t now = s.span<uint32_t>(columns::substeps)[0];
   return now > 0 ? static_cast<int>(now) : static_cast<int>(settings_.substeps);
 }
 
-void Rigid2d::choose_small_steps(State& s, const StepInput& in) const {
-  const int least = static_cast<int>(settings_.substeps), now = small_steps(s);
+void Rigid2d::choose_substeps(State& s, const StepInput& in) const {
+  const int least = static_cast<int>(settings_.substeps), now = substeps(s);
   const double h = in.h / now;
   // Contacts with a given frequency keep it.
   const double rate = settings_.contact_hertz ? 0 : 2 * std::numbers::pi * kContactHertz / h;
   Scratch& w = in.workspace.object<Scratch>(kScratch);
   const int wanted =
-      w.small_steps.wanted(model_, s, w.pairs, {least, now, h, rate, in.step % kStepsPerColumnLook == 1});
-  // A check removes half of the surplus, or one small step where another impact may follow soon.
-  const int less = w.small_steps.uneven() ? 1 : (now - wanted + 1) / 2;
+      w.substeps.wanted(model_, s, w.pairs, {least, now, h, rate, in.step % kStepsPerColumnLook == 1});
+  // A check removes half of the surplus, or one substep where another impact may follow soon.
+  const int less = w.substeps.uneven() ? 1 : (now - wanted + 1) / 2;
   const int next = wanted < now ? now - (in.step % kStepsPerLook == 1 ? less : 0) : wanted;
-  s.span<uint32_t>(columns::small_steps)[0] = static_cast<uint32_t>(next);
+  s.span<uint32_t>(columns::substeps)[0] = static_cast<uint32_t>(next);
   if (next == now) return;
-  // Impulses are those of one small step.
+  // Impulses are those of one substep.
   const double share = static_cast<double>(now) / next;
   for (float& p : s.span<float>(columns::contact_impulse)) p *= static_cast<float>(share);
   for (const auto c : {columns::joint_impulse, columns::drag_impulse}) {
@@ -203,9 +203,9 @@ void Rigid2d::solve(State& s, const StepInput& in) const {
     solver = &w.f64;
   }
   const auto g = s.f64(columns::parameters);
-  SolverSettings settings = settings_for(in.h, small_steps(s));
+  SolverSettings settings = settings_for(in.h, substeps(s));
   settings.restitution_speed = restitution_speed(flat::norm(Vec2{g[0], g[1]}), in.h);
-  if (w.small_steps.uneven()) settings.push_sweeps = kUnevenSweeps;
+  if (w.substeps.uneven()) settings.push_sweeps = kUnevenSweeps;
   solver->solve(model_, s, w.pairs, w.hands, settings, in.arena);
   solver->store_contacts(model_, w.pairs, settings.padding, s);
   const auto impulse = s.f64(columns::drag_impulse);
@@ -249,7 +249,7 @@ std::unique_ptr<const System> build_rigid2d(const void* def, const BuildContext&
 Cost rigid2d_cost(const void* def) {
   const auto& d = *static_cast<const Rigid2dDef*>(def);
   const Counts n = counts(d);
-  // Measured on a pyramid of 5,050 boxes and a grid of 19,800 joints with four small steps.
+  // Measured on a pyramid of 5,050 boxes and a grid of 19,800 joints with four substeps.
   const double steps = static_cast<double>(d.substeps) / 4;
   const double wide = d.precision == Precision::f64 ? 1.5 : 1;
   // A rotating kinematic body keeps a heap moving: new pairs in every step, and fast ones.

@@ -1,6 +1,6 @@
 // The system type "rigid2d": rigid bodies in the plane x, y with contacts, dry friction and joints,
 //   M dv/dt = f + J^T lambda,   gap >= 0, lambda_n >= 0, |lambda_t| <= mu lambda_n,
-// solved for impulses in small steps with soft constraints (solver.h). The rows of its fields are the bodies
+// solved for impulses in substeps with soft constraints (solver.h). The rows of its fields are the bodies
 // (centres of mass). Commands: push, impulse, drag (all three at any point of the body), release, pin, unpin,
 // remove, set_parameter (gravity, velocities of bodies, motors of joints).
 #pragma once
@@ -52,9 +52,9 @@ class Rigid2d final : public StagedSystem {
   void solve(State& s, const StepInput& in) const;
   void end_step(State& s, const StepInput& in) const;
   SolverSettings settings_for(double dt, int steps) const;
-  /// Number of small steps for which the impulses of this state were computed.
-  int small_steps(const State& s) const;
-  void choose_small_steps(State& s, const StepInput& in) const;
+  /// Number of substeps for which the impulses of this state were computed.
+  int substeps(const State& s) const;
+  void choose_substeps(State& s, const StepInput& in) const;
   /// m/s, as given or derived from gravity (m/s^2).
   double restitution_speed(double gravity, double dt) const;
   void wake(State& s, uint32_t body) const;

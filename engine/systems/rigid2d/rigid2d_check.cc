@@ -1,7 +1,7 @@
 // Checks of a state from outside: contacts between existing shapes, user forces on existing bodies.
 #include "engine/systems/rigid2d/columns.h"
 #include "engine/systems/rigid2d/rigid2d.h"
-#include "engine/systems/rigid2d/solver/small_steps.h"
+#include "engine/systems/rigid2d/solver/substeps.h"
 
 namespace truestep::rigid2d {
 
@@ -24,8 +24,8 @@ void Rigid2d::check(StateCheck& check, double) const {
     for (const uint32_t body : s.span<uint32_t>(column))
       check.require(body < model_.count(), "the body of a push or drag");
   }
-  const auto most = static_cast<uint32_t>(SmallSteps::kMostTimes * settings_.substeps);
-  check.require(s.span<uint32_t>(columns::small_steps)[0] <= most, "small_steps");
+  const auto most = static_cast<uint32_t>(Substeps::kMostTimes * settings_.substeps);
+  check.require(s.span<uint32_t>(columns::substeps)[0] <= most, "substeps");
   for (const uint32_t status : s.span<uint32_t>(columns::status))
     check.require(status <= (kAwake | kPinned | kRemoved), "status");
 }

@@ -159,7 +159,7 @@ std::vector<ContactMark> Rigid2d::contact_marks(const State& s) const {
   const auto keys = s.span<uint64_t>(columns::contact_key);
   const auto ids = s.span<uint32_t>(columns::contact_id);
   const auto impulse = s.span<float>(columns::contact_impulse);
-  const double h = settings_for(dt_, small_steps(s)).h, front = 0.5 * kDepth * model_.size;
+  const double h = settings_for(dt_, substeps(s)).h, front = 0.5 * kDepth * model_.size;
   flat::Contact c;
   for (size_t k = 0; k < keys.size(); ++k) {
     const Shape &a = model_.shapes[keys[k] >> 32], &b = model_.shapes[static_cast<uint32_t>(keys[k])];

@@ -12,7 +12,7 @@ namespace truestep::rigid2d {
 void Rigid2d::observe_joints(const State& s, Observables& out) const {
   const auto broken = s.span<uint32_t>(columns::joint_broken);
   const double* impulses = s.f64(columns::joint_impulse).data();
-  const double h = settings_for(dt_, small_steps(s)).h;
+  const double h = settings_for(dt_, substeps(s)).h;
   const auto load = [&](size_t k) {
     const JointImpulse p = joint_impulse(model_.joints[k], std::span<const double, 6>(impulses + 6 * k, 6));
     return JointImpulse{p.force / h, p.torque / h};
@@ -50,7 +50,7 @@ void Rigid2d::observe_joints(const State& s, Observables& out) const {
 
 FieldView Rigid2d::joint_field(const State& s, size_t which, std::vector<double>& scratch) const {
   const size_t n = model_.joints.size();
-  const double h = settings_for(dt_, small_steps(s)).h;
+  const double h = settings_for(dt_, substeps(s)).h;
   const uint32_t width = which == 0 ? 3 : 1;
   scratch.assign(n * width, 0);
   for (size_t k = 0; k < n; ++k) {
@@ -66,7 +66,7 @@ FieldView Rigid2d::joint_field(const State& s, size_t which, std::vector<double>
 
 void Rigid2d::joint_forces(const State& s, std::span<double> out) const {
   std::fill(out.begin(), out.end(), 0.0);
-  const double h = settings_for(dt_, small_steps(s)).h;
+  const double h = settings_for(dt_, substeps(s)).h;
   const auto add = [&](uint32_t body, Vec2 force) {
     if (body < model_.count()) out[3 * body] += force.x, out[3 * body + 1] += force.y;
   };
@@ -80,7 +80,7 @@ void Rigid2d::joint_forces(const State& s, std::span<double> out) const {
 
 void Rigid2d::joint_torques(const State& s, std::span<double> out) const {
   std::fill(out.begin(), out.end(), 0.0);
-  const double h = settings_for(dt_, small_steps(s)).h;
+  const double h = settings_for(dt_, substeps(s)).h;
   for (size_t k = 0; k < model_.joints.size(); ++k) {
     const Joint& j = model_.joints[k];
     if (j.kind == JointKind::gear) continue;

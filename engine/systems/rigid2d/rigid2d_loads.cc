@@ -1,4 +1,4 @@
-// Forces of contacts on the bodies of a rigid2d state. The state holds the impulses of the last small step;
+// Forces of contacts on the bodies of a rigid2d state. The state holds the impulses of the last substep;
 // the directions of normals are computed again from the poses, after the step: they differ from those that
 // the solver used by the rotation in a step.
 #include <algorithm>
@@ -12,14 +12,14 @@ void Rigid2d::contact_forces(const State& s, std::span<double> out) const {
   std::fill(out.begin(), out.end(), 0.0);
   const auto keys = s.span<uint64_t>(columns::contact_key);
   const auto impulse = s.span<float>(columns::contact_impulse);
-  const double h = settings_for(dt_, small_steps(s)).h;
+  const double h = settings_for(dt_, substeps(s)).h;
   flat::Contact seen;
   for (size_t k = 0; k < keys.size(); ++k) {
     const float* p = impulse.data() + 5 * k;
     if (p[0] == 0 && p[1] == 0) continue;
     const Shape &a = model_.shapes[keys[k] >> 32], &b = model_.shapes[static_cast<uint32_t>(keys[k])];
     const Pose at = pose_of(s, a.body);
-    // Bodies that pushed one another in the last small step are at most a body's size apart.
+    // Bodies that pushed one another in the last substep are at most a body's size apart.
     if (!flat::touch(a.outline, b.outline, at.to(pose_of(s, b.body)), model_.size, seen)) continue;
     // On b: along the normal from a to b, and along the tangent, the normal turned left.
     const Vec2 n = at.q * seen.normal;
@@ -34,7 +34,7 @@ void Rigid2d::contact_loads(const State& s, std::span<double> out) const {
   std::fill(out.begin(), out.end(), 0.0);
   const auto keys = s.span<uint64_t>(columns::contact_key);
   const auto impulse = s.span<float>(columns::contact_impulse);
-  const double h = settings_for(dt_, small_steps(s)).h;
+  const double h = settings_for(dt_, substeps(s)).h;
   for (size_t k = 0; k < keys.size(); ++k) {
     const double load = (double(impulse[5 * k]) + impulse[5 * k + 1]) / h;
     out[model_.shapes[keys[k] >> 32].body] += load;

@@ -209,9 +209,9 @@ SpaceScene space_stack(int boxes, int steps) {
 }
 
 std::vector<SpaceScene> space_scenes() {
-  // As few small steps as lose no more than Rapier does.
+  // As few substeps as lose no more than Rapier does.
   SpaceScene fewer = pyramid(15);
-  fewer.name = "pyramid in 4 small steps", fewer.substeps = 4;
+  fewer.name = "pyramid in 4 substeps", fewer.substeps = 4;
   return {pyramid(15),          pile(20, 10),         wall(40), joint_grid(45),
           space_stack(10, 600), space_stack(20, 600), top(),    fewer};
 }

@@ -56,7 +56,7 @@ TEST(Rigid2dBurden, WhatIsHeavyRestsOnWhatIsLight) {
 
 // A drum on its axle is heavy, but nothing carries it: the boxes that it turns over need no more substeps.
 TEST(Rigid2dBurden, ADrumOnItsAxleIsNoBurden) {
-  const auto most_small_steps = [](const char* joints) {
+  const auto most_substeps = [](const char* joints) {
     std::string scene = R"("sleeping": false, "bodies": [{"position": [0, 10, 0], "shapes": [
       {"type": "box", "half_extents": [0.2, 4, 0], "center": [4, 0, 0]}, {"type": "box", "half_extents": [0.2, 4, 0], "center": [-4, 0, 0]},
       {"type": "box", "half_extents": [4, 0.2, 0], "center": [0, 4, 0]}, {"type": "box", "half_extents": [4, 0.2, 0], "center": [0, -4, 0]}]})";
@@ -78,10 +78,10 @@ TEST(Rigid2dBurden, ADrumOnItsAxleIsNoBurden) {
     }
     return most;
   };
-  EXPECT_EQ(most_small_steps(R"(, "joints": [{"type": "revolute", "a": -1, "b": 0, "anchor": [0, 10, 0],
+  EXPECT_EQ(most_substeps(R"(, "joints": [{"type": "revolute", "a": -1, "b": 0, "anchor": [0, 10, 0],
                                  "motor_speed": 0.5, "max_motor": 1e8}])"),
             4u);
-  EXPECT_GT(most_small_steps(""), 8u) << "control: the drum falls on two boxes";
+  EXPECT_GT(most_substeps(""), 8u) << "control: the drum falls on two boxes";
 }
 
 // A pendulum of 1 degree turns back slowly, but it does not rest.

@@ -71,7 +71,7 @@ TEST(Rigid3dSpinning, SlidesOn) {
 // As tall as wide, on a face, by 0.054 rad a step: friction of the spin slips, and full friction at a centre
 // of pressure off the axis on top of it tipped the cylinder and threw it up by half its height (spin_3d of
 // the campaign).
-TEST(Rigid3dSpinning, ATallCylinderStaysOnItsFaceInSmallSteps) {
+TEST(Rigid3dSpinning, ATallCylinderStaysOnItsFaceInSubsteps) {
   constexpr double kRadius = 0.427, kHalf = 0.405;
   const std::string body = R"({"type": "cylinder", "angular_velocity": [0, 54, 0], "position": [0, 0.405, 0],
       "radius": 0.427, "half_length": 0.405})";

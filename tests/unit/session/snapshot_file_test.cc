@@ -75,7 +75,7 @@ TEST(SnapshotFile, HostileStatesAreRefusedOrCanBeStepped) {
 }
 
 // Both solvers keep in the state the number of substeps into which they divided the last step.
-TEST(SnapshotFile, NoStateAsksForMoreSmallStepsThanTheSolverWouldTake) {
+TEST(SnapshotFile, NoStateAsksForMoreSubstepsThanTheSolverWouldTake) {
   const auto plane = std::make_shared<const World>(parse_scene(R"({"systems": [{"type": "rigid2d", "bodies": [
     {"motion": "fixed", "shapes": [{"type": "box", "half_extents": [5, 0.1, 0]}]}, {"position": [0, 0.5, 0], "shapes": [{"type": "box"}]}]}]})"));
   WorldState state = plane->initial_state();

@@ -1,4 +1,4 @@
-// What flies freely in the plane follows its parabola: small steps that move bodies by the velocity at their
+// What flies freely in the plane follows its parabola: substeps that move bodies by the velocity at their
 // ends fall too fast by g h t / 2 (4 cm after two seconds), and a ball that bounces without loss lay still
 // after a minute.
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ TEST(Rigid2dFreeFlight, FollowsItsParabola) {
       testing::FlatTrial t(gravity(precision) + R"("bodies": [{"velocity": [3, 10, 0], )" + kDisk + "}]", dt);
       const int steps = static_cast<int>(2 / dt + 0.5);
       t.steps(steps);
-      // Single precision: each of 480 small steps rounds a velocity of 10 m/s.
+      // Single precision: each of 480 substeps rounds a velocity of 10 m/s.
       const double rounding = precision == std::string("f64") ? 1e-12 : 1e-4;
       EXPECT_NEAR(t.position(0).x, 6, rounding);
       EXPECT_NEAR(t.position(0).y, 10 * 2 - 0.5 * 9.81 * 2 * 2, rounding) << precision << ' ' << dt;
@@ -40,7 +40,7 @@ TEST(Rigid2dFreeFlight, AConstantTorqueTurnsByHalfItsRateTimesTimeSquared) {
   EXPECT_NEAR(t.angle(0), 0.5 * 0.1 / inertia, 1e-12);
 }
 
-// The control: what something holds is moved by its small steps alone. A pendulum keeps its energy by them.
+// The control: what something holds is moved by its substeps alone. A pendulum keeps its energy by them.
 TEST(Rigid2dFreeFlight, WhatAJointHoldsIsNotInFreeFlight) {
   testing::FlatTrial t(gravity("f64") + R"("bodies": [{"position": [1, 0, 0], )" + kDisk + "}]," +
                        R"("joints": [{"type": "revolute", "a": -1, "b": 0, "anchor": [0, 0, 0]}])");
@@ -50,25 +50,25 @@ TEST(Rigid2dFreeFlight, WhatAJointHoldsIsNotInFreeFlight) {
     t.steps(1);
     most = std::max(most, t.observed("energy.total")), least = std::min(least, t.observed("energy.total"));
   }
-  // Velocities half a small step later than the positions: m g v h / 2 to either side at 4.4 m/s.
+  // Velocities half a substep later than the positions: m g v h / 2 to either side at 4.4 m/s.
   EXPECT_LT(most - least, 2.5 * 0.5 * 9.81 * 4.4 / 240);
 }
 
 // A pull that has not reached a body yet does not part it from its neighbour: bodies with joints are all
-// moved by their small steps. The 19,800 joints of the benchmark's grid gaped by 1.01 m instead of 0.49 m.
+// moved by their substeps. The 19,800 joints of the benchmark's grid gaped by 1.01 m instead of 0.49 m.
 TEST(Rigid2dFreeFlight, WhatIsJoinedFallsAlike) {
   testing::FlatTrial t(gravity("f64") + R"("bodies": [{)" + kDisk + R"(}, {"position": [1, 0, 0], )" + kDisk +
                        R"(}, {"position": [9, 0, 0], )" + kDisk + "}]," +
                        R"("joints": [{"type": "revolute", "a": 0, "b": 1, "anchor": [0.5, 0, 0]}])");
   t.steps(1);
-  const double h = 1.0 / 240, small_steps = 1 + 2 + 3 + 4;
-  EXPECT_NEAR(t.position(0).y, -9.81 * h * h * small_steps, 1e-12);
-  EXPECT_NEAR(t.position(1).y, -9.81 * h * h * small_steps, 1e-12);
+  const double h = 1.0 / 240, substeps = 1 + 2 + 3 + 4;
+  EXPECT_NEAR(t.position(0).y, -9.81 * h * h * substeps, 1e-12);
+  EXPECT_NEAR(t.position(1).y, -9.81 * h * h * substeps, 1e-12);
   // The control flies freely.
   EXPECT_NEAR(t.position(2).y, -9.81 * h * h * 8, 1e-12);
 }
 
-// In the small step h of a bounce itself the ball still moves by the velocity at its end, which costs
+// In the substep h of a bounce itself the ball still moves by the velocity at its end, which costs
 // m (g h)^2 / 2: 0.0085 % of m g h.
 TEST(Rigid2dFreeFlight, AnElasticBallBouncesForAMinute) {
   for (const double height : {1.0, 0.7123, 2.3}) {

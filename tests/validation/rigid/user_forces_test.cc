@@ -79,7 +79,7 @@ TEST(UserForces, APushAtAnEdgeTurns) {
     const double torque = -0.5 * kForce / kMoment;
     const double spin = torque * (1 - std::exp(-kDamping * kDuration)) / kDamping;
     EXPECT_NEAR(hand.value("velocity", 0), kForce * kDuration / kMass, 1e-12);
-    // Damping in small steps of 2.5 ms is of first order: 0.25 %.
+    // Damping in substeps of 2.5 ms is of first order: 0.25 %.
     EXPECT_NEAR(hand.spin(), spin, 0.003 * std::abs(spin)) << body;
     const double reached = hand.value("velocity", 0);
     hand.steps(10);

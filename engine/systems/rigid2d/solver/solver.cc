@@ -10,7 +10,7 @@
 namespace truestep::rigid2d {
 namespace {
 
-/// Maximum rounds of impacts passed on between bodies in one small step; the rest does not bounce.
+/// Maximum rounds of impacts passed on between bodies in one substep; the rest does not bounce.
 constexpr int kImpactRounds = 64;
 /// Fraction of the thinner body's inner radius beyond which one of a pair is inside the other; a body inside
 /// this many others is in a crowd. Bodies in its middle move only once those around them have been pushed
@@ -223,7 +223,7 @@ void Solver<T>::start_parting(const Model& model, T push_out_speed) {
 }
 
 template <class T>
-void Solver<T>::small_step(const Model& model, const SolverSettings& settings, const ThreadArena& arena) {
+void Solver<T>::substep(const Model& model, const SolverSettings& settings, const ThreadArena& arena) {
   const T h = static_cast<T>(settings.h), inverse_h = static_cast<T>(1 / settings.h);
   const T push_out_speed = static_cast<T>(settings.push_out_speed);
   const SoftConstraint<T> soft{static_cast<T>(settings.joint.bias_rate),
@@ -257,7 +257,7 @@ void Solver<T>::small_step(const Model& model, const SolverSettings& settings, c
   }
   each_colour(arena, hinges_, hinge_colours_,
               [&](HingePack<T>& p) { solve_hinges<Pass::bias>(p, rows, moved, soft, h); });
-  // Pushes that are taken back begin anew in every small step: what must lift a heavy body through a light
+  // Pushes that are taken back begin anew in every substep: what must lift a heavy body through a light
   // one, or make room in a crowd, needs several sweeps.
   const int all = parts ? settings.push_sweeps : 1, sweeps = crowded_ ? std::max(all, kCrowdSweeps) : all;
   for (int i = 0; i < sweeps; ++i) {
@@ -318,7 +318,7 @@ void Solver<T>::solve(const Model& model, State& state, const Pairs& pairs, Hand
     const Wide<T> left = depth_left(contacts_[p], separation, static_cast<T>(settings.push_out_speed));
     if (any_below(left, Wide<T>::zero())) deep_ = true;
   }
-  for (int i = 0; i < settings.steps; ++i) small_step(model, settings, arena);
+  for (int i = 0; i < settings.steps; ++i) substep(model, settings, arena);
   if (springs_) kick(JointPass::kick, h);
   if (!bounces_) end_free_flights(model, state, settings, arena);
   store_bodies(state, settings.h * settings.steps, arena);

@@ -1,5 +1,5 @@
-// One step of the velocity solver: small steps with soft constraints (TGS-soft: Macklin et al. 2019, "Small
-// steps in physics simulation"; Catto 2024, "Solver2D"). Per small step h:
+// One step of the velocity solver: substeps with soft constraints (TGS-soft: Macklin et al. 2019, "Small
+// steps in physics simulation"; Catto 2024, "Solver2D"). Per substep h:
 //   v += h (g + F/m);  warm start;  solve with bias;  x += h v;  solve without bias;  bounces at the end.
 // A body on which no impulse and no joint acts moves by the mean of its velocities before and after: along
 // its parabola.
@@ -31,13 +31,13 @@ inline constexpr size_t kCrowd = 8;
 
 struct SolverSettings {
   int steps = 4;
-  double h = 0;  ///< s, of a small step
+  double h = 0;  ///< s, of a substep
   /// Indexed by the number of contacts of the busier body.
   std::array<SoftConstraint<double>, kCrowd + 1> contact, contact_fixed;
   SoftConstraint<double> joint;
   PenetrationOffsetRule padding;
   double push_out_speed = 3, restitution_speed = 0;
-  int push_sweeps = 1;  ///< in small steps where some overlap deeply
+  int push_sweeps = 1;  ///< in substeps where some overlap deeply
 };
 
 /// User forces in a step: forces on bodies, and springs from points to targets.
@@ -74,7 +74,7 @@ struct ContactPack {
   W held;                              // the coupling, slightly reduced where K has no inverse
   Point point[2];
   uint32_t rolls, bounces, crowded;
-  // Written only in small steps with deep overlaps.
+  // Written only in substeps with deep overlaps.
   struct Before {
     W taken;  // 1 in lanes whose push is taken back
     W normal[2], tangent[2], rolling;
@@ -98,7 +98,7 @@ using Aligned = std::vector<T, CacheLineAllocator<T>>;
 template <class T>
 class Solver {
  public:
-  /// Moves the bodies of `state` by a step of `settings.steps` small steps and stores the impulses of joints
+  /// Moves the bodies of `state` by a step of `settings.steps` substeps and stores the impulses of joints
   /// and drags; contact impulses are stored by store_contacts.
   void solve(const Model& model, State& state, const Pairs& pairs, Hands& hands,
              const SolverSettings& settings, const ThreadArena& arena);
@@ -139,17 +139,17 @@ class Solver {
   /// Adds the loads of arches, wedges and leaning bodies to those that find_balance passed down. Marks in
   /// parts_ the bodies of islands that were not held without them and are now; others keep their loads.
   void sweep_loads(const SolverSettings& settings, const ThreadArena& arena);
-  /// Marks the rows of islands in which the velocities in start_, what contacts leave of a small step's
+  /// Marks the rows of islands in which the velocities in start_, what contacts leave of a substep's
   /// forces, are small; returns the sum of their squares over the bodies on which contacts act, as a fraction
   /// of what forces add.
   double find_held(std::vector<uint8_t>& held);
-  /// m by which a point yields under an impulse per small step.
+  /// m by which a point yields under an impulse per substep.
   double yields(const ContactPack<T>& c, int lane, int point, double load) const;
   /// Adds penetration offsets (m) to the points of a contact.
   void begin_with(uint32_t pack, int lane, const double offset[2]);
-  /// Applies bounces to contacts that close within a small step.
+  /// Applies bounces to contacts that close within a substep.
   void hit_contacts(const SolverSettings& settings, const ThreadArena& arena);
-  /// Bodies on which only springs act begin and end a step with half of the spring impulse of a small step
+  /// Bodies on which only springs act begin and end a step with half of the spring impulse of a substep
   /// (oscillator_step).
   void choose_sprung(const Pairs& pairs, double h);
   void kick(JointPass pass, T h);
@@ -157,8 +157,8 @@ class Solver {
   /// Marks the lanes of islands with a deep contact, finds crowds, and stores impulses and
   /// velocities.
   void start_parting(const Model& model, T push_out_speed);
-  void small_step(const Model& model, const SolverSettings& settings, const ThreadArena& arena);
-  /// Forces and damping of a small step on a velocity vx vy w.
+  void substep(const Model& model, const SolverSettings& settings, const ThreadArena& arena);
+  /// Forces and damping of a substep on a velocity vx vy w.
   static void act(const T* push, T* v) {
     v[0] = (v[0] + push[0]) * push[3], v[1] = (v[1] + push[1]) * push[3], v[2] = (v[2] + push[2]) * push[4];
   }
@@ -172,8 +172,8 @@ class Solver {
   std::vector<uint32_t> movers_;  // body of row i, the dynamic ones first, then kinematic ones
   uint32_t moved_ = 0;            // rows below it take impulses
   Aligned<T> rows_;
-  Aligned<T> push_;            // per row: change of vx vy w per small step, damping factors
-  Aligned<T> toi_correction_;  // per row: shift, angle and time of bodies that hit within the small step
+  Aligned<T> push_;            // per row: change of vx vy w per substep, damping factors
+  Aligned<T> toi_correction_;  // per row: shift, angle and time of bodies that hit within the substep
   Aligned<T> flight_;          // per row, where some bounce: vx vy w as forces leave them, and before
   bool bounces_ = false;
   std::atomic<bool> deep_ = false;  // some contact overlaps deeply
@@ -201,7 +201,7 @@ class Solver {
     int lane = 0;
     double lean = 0, height = 0;
   };
-  /// Load of a row at the start: N s of a small step with its moment about the centre along the horizontal,
+  /// Load of a row at the start: N s of a substep with its moment about the centre along the horizontal,
   /// the horizontal range in which it is supported, and the sum of cos^2 over its supports.
   struct Seat {
     double load = 0, moment = 0, low = HUGE_VAL, high = -HUGE_VAL, share = 0;

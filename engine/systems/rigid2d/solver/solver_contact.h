@@ -80,7 +80,7 @@ void separations(const ContactPack<T>& c, const Ends<T>& e, Wide<T> out[2]) {
 /// of it: walls and towers lean where positions are corrected separately from velocities.
 inline constexpr double kGentlePush = 1.0 / 32;
 
-/// Fraction of a depth that a small step recovers, at least, where its push is taken back: 12/s with the
+/// Fraction of a depth that a substep recovers, at least, where its push is taken back: 12/s with the
 /// defaults, as in space. The softness of a body with many contacts, which keeps heaps at rest, leaves a
 /// quarter of that, and bodies that had fallen into a heap stayed in it for seconds.
 inline constexpr double kPartingShare = 0.05;
@@ -142,7 +142,7 @@ Wide<T> push_left(const ContactPack<T>& c, const Ends<T>& e, const T* start, T p
   return max(nmadd(W::all(T(1.2)), all, W::all(push_out_speed)), W::zero());
 }
 
-/// `start`: rows before the pushes of this small step where some overlap deeply, else null. Returns true (in
+/// `start`: rows before the pushes of this substep where some overlap deeply, else null. Returns true (in
 /// a relaxation) where a contact is deep.
 template <Pass kPass, class T>
 bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T push_out_speed,
@@ -248,7 +248,7 @@ void warm_start(const HingePack<T>& c, T* rows, uint32_t moved) {
 }
 
 /// Both components at once:  K impulse = -(v + bias_rate C). The bias pass accounts for the rotation of
-/// anchors about the centres of their bodies, which leave the straight path by w^2 h^2 r / 2 in a small step
+/// anchors about the centres of their bodies, which leave the straight path by w^2 h^2 r / 2 in a substep
 /// h: with this a swing keeps its energy.
 template <Pass kPass, class T>
 void solve_hinges(HingePack<T>& c, T* rows, uint32_t moved, const SoftConstraint<T>& soft, T h) {

@@ -3,7 +3,7 @@
 // points of a contact with normal speeds u:  l >= 0, K l + u >= 0, complementary, solved exactly; then
 //   impulse = (1 + e) s l,   s = -(l . u) / (l . K l),
 // which changes the kinetic energy by -(1 - e^2) (l . u)^2 / (2 l . K l), never up. As in space, a body that
-// hits again within a small step does so from where it is then, and not before its last hit.
+// hits again within a substep does so from where it is then, and not before its last hit.
 #pragma once
 #include "engine/kernels/rigid/impact_limits.h"
 #include "engine/systems/rigid2d/solver/solver_contact.h"
@@ -14,7 +14,7 @@ namespace truestep::rigid2d {
 template <class T>
 struct ImpactRows {
   T* rows;
-  const T* push;  ///< vx vy added by forces in the small step, already in `rows`
+  const T* push;  ///< vx vy added by forces in the substep, already in `rows`
   /// Shift and angle, added to those of the bodies; s since its start, of the last impact.
   T* toi_correction;
   uint32_t moved;
@@ -33,7 +33,7 @@ bool hit(const ContactPack<T>& c, const ImpactRows<T>& bodies, T h, T threshold)
   separations(c, e, separation);
   // Bodies that have already hit move along new lines, which would have begun elsewhere.
   Ends<T> correction(bodies.toi_correction, c.a, c.b);
-  // A small step that ends within rounding of a hit includes the hit: in the next one it would already have
+  // A substep that ends within rounding of a hit includes the hit: in the next one it would already have
   // been stopped.
   W rounding = zero;
   for (int k = 0; k < 2; ++k) rounding += max(e.a[k], -e.a[k]) + max(e.b[k], -e.b[k]);

@@ -56,7 +56,7 @@ struct Acting {
     SoftConstraint<T> soft;  // for hold, lower and servo
     T least = -HUGE_VAL, most = HUGE_VAL;
   };
-  /// Springs pull before the constraints respond: a response one small step after the pull would feed
+  /// Springs pull before the constraints respond: a response one substep after the pull would feed
   /// oscillations.
   bool acts(Law law) const {
     return (law == Law::spring) ? pass != JointPass::bias : pass != JointPass::pull;
@@ -91,7 +91,7 @@ struct Acting {
     acc = next;
     return d;
   }
-  /// The same for a spring. If it used the positions after the small step, the relaxation would pull
+  /// The same for a spring. If it used the positions after the substep, the relaxation would pull
   /// differently from the pull that moved the bodies, and feed oscillations.
   T pulled(T& acc, T C, T v, T m) const {
     if (pass == JointPass::pull) j.spring.error = C;
@@ -182,7 +182,7 @@ struct Acting {
   }
 
   /// Both components of the distance between the anchors and the angle at once. One after the other, force
-  /// and torque settle in many small steps: loaded suddenly, a beam's torque was too large by a fifth.
+  /// and torque settle in many substeps: loaded suddenly, a beam's torque was too large by a fifth.
   void pose() {
     if (pass == JointPass::soften || pass == JointPass::pull) return;
     if (pass == JointPass::kick || pass == JointPass::unkick) return;

@@ -1,6 +1,6 @@
 // Joints with axes, motors, limits and springs, solved one after the other. A joint consists of scalar rows,
 //   J v + bias = 0,  impulse within bounds,
-// and of a 2x2 block for two coinciding points. In a small step springs pull as at its start (oscillator_step
+// and of a 2x2 block for two coinciding points. In a substep springs pull as at its start (oscillator_step
 // in soft_constraint.h): undamped springs keep their energy. Impulses, in the order of the state's column: x,
 // y (or across and angle), motor, lower, upper, spring.
 #pragma once
@@ -23,7 +23,7 @@ struct JointRow {
   T wanted, most;  // of the motor: speed or position, maximum force or torque
   T wx, wy;        // velocity of a motor joint, in the world at the start of the step
   struct Spring {
-    T pull = 0;   // N s/m or N m s/rad, of a small step
+    T pull = 0;   // N s/m or N m s/rad, of a substep
     T scale = 0;  // fraction of the speed removed by damping
     T error = 0;  // m or rad, at the start of the last bias pass
     T half = 0;   // half a pull without damping, where only the spring acts on its bodies
@@ -33,10 +33,10 @@ struct JointRow {
 };
 
 /// soften: spring coefficients for the current masses; unkick, kick: removes half a pull before the first
-/// small step of a step, adds it after the last; pull: only springs, bias: all but springs.
+/// substep of a step, adds it after the last; pull: only springs, bias: all but springs.
 enum class JointPass : uint8_t { soften, unkick, warm, pull, bias, relax, kick };
 
-/// Coefficients of the joint's spring for small steps of h (s), with the inverse mass of its row that it
+/// Coefficients of the joint's spring for substeps of h (s), with the inverse mass of its row that it
 /// holds; most2: see oscillator_step.
 template <class T>
 void soften_spring(JointRow<T>& j, T h, double most2) {

@@ -1,4 +1,4 @@
-// Initial impulses of a scene. Small steps carry loads on from the previous one; the first has none, and a
+// Initial impulses of a scene. Substeps carry loads on from the previous one; the first has none, and a
 // sweep passes a load on by only a row or two: a tall pile would sink before its lowest contacts felt its
 // top. Where no contact continues another, loads are passed down once, from the highest body to the lowest:
 // the load and weight of a body are shared by the contacts below it as  N_c = load cos_c / sum cos^2  (cos
@@ -27,7 +27,7 @@ constexpr double kAlike = 1e-3;
 /// Maximum numbers of sweeps for loads that are not passed down and of packs that they may process in all,
 /// and the sweeps between two checks of the residual.
 constexpr size_t kLoadSweeps = 2000, kLoadPacks = 200'000, kSweepsPerLook = 50;
-/// Fraction of the velocity that forces add in a small step that may remain in a supported body, and the
+/// Fraction of the velocity that forces add in a substep that may remain in a supported body, and the
 /// multiple at which the body may already move.
 constexpr double kHeld = 0.01, kStill = 2;
 /// Sweeps end where this fraction remains, or where a check finds the sum of squares hardly smaller.
@@ -51,7 +51,7 @@ void Solver<T>::list_bearings(const Pairs& pairs, double h) {
   for (uint32_t p = 0; p < contact_colours_.back(); ++p) {
     const ContactPack<T>& c = contacts_[p];
     for (int k = 0; k < Wide<T>::kLanes; ++k) {
-      // Separated by more than the fall of one small step, or about to hit: not a bearing.
+      // Separated by more than the fall of one substep, or about to hit: not a bearing.
       if (!(c.point[0].normal_mass[k] > 0) || c.point[0].separation[k] > h * speed) continue;
       const T *a = rows_.data() + 8 * static_cast<size_t>(c.a[k]),
               *b = rows_.data() + 8 * static_cast<size_t>(c.b[k]);
@@ -168,7 +168,7 @@ double Solver<T>::find_held(std::vector<uint8_t>& held) {
 template <class T>
 void Solver<T>::sweep_loads(const SolverSettings& settings, const ThreadArena& arena) {
   const uint32_t packs = contact_colours_.back();
-  // As if everything were at rest: velocities are what forces add in a small step and contacts remove.
+  // As if everything were at rest: velocities are what forces add in a substep and contacts remove.
   std::copy(rows_.begin(), rows_.end(), start_.begin());
   for (size_t r = 0; r < movers_.size(); ++r) {
     for (size_t k = 0; k < 3; ++k) start_[8 * r + k] = r < moved_ ? push_[8 * r + k] : T(0);

@@ -57,7 +57,7 @@ TEST(Rigid2dHeapSleeps, WithinTenSecondsOfRest) {
 
 // A board that rocks on a round log (R above half its thickness h) swings at w^2 = g (R - h) / (k^2 + h^2), k
 // its radius of gyration: at 1.5 Hz here, and nothing damps rolling. Contacts that stayed as they are through
-// four small steps fed that by up to w^2 dt 3 / 16 = 0.29/s: a box between two disks swung under a heap for
+// four substeps fed that by up to w^2 dt 3 / 16 = 0.29/s: a box between two disks swung under a heap for
 // ever. Between the first and the last two of ten seconds the swing grew eightfold; what rounding and the
 // contact's spring change is below 2 %.
 TEST(Rigid2dHeapSleeps, NothingFeedsWhatRocks) {

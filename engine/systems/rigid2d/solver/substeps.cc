@@ -1,4 +1,4 @@
-#include "engine/systems/rigid2d/solver/small_steps.h"
+#include "engine/systems/rigid2d/solver/substeps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,12 +10,12 @@ namespace {
 
 /// Columns buckle only where a contact carries more bodies than this.
 constexpr double kTallLoad = 10;
-/// Below the first quotient small steps are added until it reaches the second; above the third, fewer are
+/// Below the first quotient substeps are added until it reaches the second; above the third, fewer are
 /// tried.
 constexpr double kTooSoft = 1.1, kStiff = 1.4, kMoreThanStiff = 2.2;
-/// Load of a light body, in multiples of its own weight, up to which the usual small steps suffice.
+/// Load of a light body, in multiples of its own weight, up to which the usual substeps suffice.
 constexpr double kEasyBurden = 3;
-/// An approach speed counts as an impact above this many small steps of free fall.
+/// An approach speed counts as an impact above this many substeps of free fall.
 constexpr double kHits = 30;
 
 /// integral_0^s of (t (2 - t))^2.
@@ -35,7 +35,7 @@ bool moves(const Model& model, std::span<const uint32_t> status, uint32_t i) {
 
 }  // namespace
 
-void SmallSteps::find_islands(const Model& model, const State& s, const Pairs& pairs) {
+void Substeps::find_islands(const Model& model, const State& s, const Pairs& pairs) {
   const auto status = s.span<uint32_t>(columns::status);
   const auto g = s.f64(columns::parameters);
   const double *x = s.f64(columns::position).data(), weight = gravity_of(s);
@@ -55,7 +55,7 @@ void SmallSteps::find_islands(const Model& model, const State& s, const Pairs& p
   }
 }
 
-double SmallSteps::largest_burden(const Model& model, const State& s, const Pairs& pairs, double h) {
+double Substeps::largest_burden(const Model& model, const State& s, const Pairs& pairs, double h) {
   const auto keys = s.span<uint64_t>(columns::contact_key);
   const auto status = s.span<uint32_t>(columns::status);
   const auto impulse = s.span<float>(columns::contact_impulse);
@@ -93,7 +93,7 @@ double SmallSteps::largest_burden(const Model& model, const State& s, const Pair
   return most;
 }
 
-double SmallSteps::least_quotient(const Model& model, const State& s, double rate) {
+double Substeps::least_quotient(const Model& model, const State& s, double rate) {
   const auto keys = s.span<uint64_t>(columns::contact_key);
   const auto ids = s.span<uint32_t>(columns::contact_id), status = s.span<uint32_t>(columns::status);
   const auto impulse = s.span<float>(columns::contact_impulse);
@@ -131,7 +131,7 @@ double SmallSteps::least_quotient(const Model& model, const State& s, double rat
   return least;
 }
 
-int SmallSteps::wanted(const Model& model, const State& s, const Pairs& pairs, const Usual& usual) {
+int Substeps::wanted(const Model& model, const State& s, const Pairs& pairs, const Usual& usual) {
   const double weight = gravity_of(s);
   uneven_ = false;
   if (!(weight > 0)) return usual.least;
@@ -166,7 +166,7 @@ int SmallSteps::wanted(const Model& model, const State& s, const Pairs& pairs, c
     more = std::max(more, holds ? usual.now : usual.now * std::sqrt(kStiff / std::max(quotient, 1e-6)));
   }
   return std::clamp(static_cast<int>(std::ceil(std::min(more, 1e6))), usual.least,
-                    SmallSteps::kMostTimes * usual.least);
+                    Substeps::kMostTimes * usual.least);
 }
 
 }  // namespace truestep::rigid2d

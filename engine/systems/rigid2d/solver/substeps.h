@@ -1,12 +1,12 @@
-// Number of small steps that the loads of a scene need. Contacts resist tilting like springs whose rate w is
-// limited by the small steps, and a column above some length buckles under its own weight (Greenhill 1881).
+// Number of substeps that the loads of a scene need. Contacts resist tilting like springs whose rate w is
+// limited by the substeps, and a column above some length buckles under its own weight (Greenhill 1881).
 // With the trial shape theta(s) = s (2 - s), s = z / height, for the tilts of an island
 //   Q = sum over contacts of k (theta_b - theta_a)^2 / sum over bodies of m g integral_0^z theta^2
 // is the Rayleigh quotient of stiffness and load: below 1 it buckles. k is the tilting stiffness of two
-// points at arms r about their middle, and grows with the square of the small steps. Only islands in which
+// points at arms r about their middle, and grows with the square of the substeps. Only islands in which
 // every body stands on one other count: overlapping courses hold one another upright, and falling bodies do
 // not buckle. Heavy bodies on much lighter ones are carried through these: a sweep passes on a load in
-// fractions of m_light / m_heavy and needs more small steps, too. A light body is judged by the load that it
+// fractions of m_light / m_heavy and needs more substeps, too. A light body is judged by the load that it
 // carries in multiples of its own weight, as far as one body of its island is that much heavier; on impact
 // and at the start, before any load is known, by the mass ratio alone. A body held by a joint, such as a drum
 // on its axle, does not rest on another.
@@ -19,13 +19,13 @@
 
 namespace truestep::rigid2d {
 
-/// Chooses the small steps of a step from the loads of the last one and from imminent impacts.
-class SmallSteps {
+/// Chooses the substeps of a step from the loads of the last one and from imminent impacts.
+class Substeps {
  public:
   static constexpr int kMostTimes = 6;
   struct Usual {
     int least, now;  ///< the scene's minimum, and the number in the last step
-    double h;        ///< s, length of the last small step
+    double h;        ///< s, length of the last substep
     double rate;     ///< 1/s, angular frequency of contacts in them; 0: independent of them
     bool looks;      ///< checks columns, whose modes are slow: not in every step
   };
