@@ -16,7 +16,7 @@ struct Piece {
 
 double share_of(std::span<const ObstacleDef> obstacles, size_t dimensions, const Piece& p, int divisions) {
   const double distance = distance_to(obstacles, p.middle, dimensions);
-  const double reach = dimensions == 3 ? norm(p.half) : std::hypot(p.half.x, p.half.y);
+  const double reach = dimensions == 3 ? norm(p.half) : norm(Vec3{p.half.x, p.half.y, 0});
   if (std::abs(distance) >= reach) return distance > 0 ? 1 : 0;
   if (divisions == 0) return std::clamp(0.5 + distance / (2 * std::min(p.half.x, p.half.y)), 0.0, 1.0);
   const size_t corners = size_t{1} << dimensions;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/collision/flat/seam.h"
+#include "engine/math/trig.h"
 
 namespace truestep::rigid2d {
 namespace {
@@ -23,7 +24,8 @@ bool has_seams(const Model& model) {
   for (uint32_t i = 0; i < model.shapes.size(); ++i) {
     const Body& b = model.bodies[model.shapes[i].body];
     if (!is_ground(model, i)) continue;
-    const Pose at{b.position, {std::cos(b.angle), std::sin(b.angle)}};
+    const trig::SinCos turn = trig::sincos(b.angle);
+    const Pose at{b.position, {turn.cos, turn.sin}};
     boxes.push_back(flat::bounds(model.shapes[i].outline, at).grown(flush(model)));
   }
   std::sort(boxes.begin(), boxes.end(), [](const Box& a, const Box& b) { return a.low.x < b.low.x; });
