@@ -37,7 +37,8 @@ class Memory(unittest.TestCase):
         for s in sessions:
             service.post(s["links"]["step"], {"steps": 600})
         with_past = self.leased(service)
-        self.assertGreater(with_past, alone + 5 * MB, "the control: pasts are kept and counted")
+        # A state of each at least: how many more depends on how long their steps take.
+        self.assertGreater(with_past, alone + 3 * MB, "the control: pasts are kept and counted")
         self.assertLessEqual(with_past, 150 * MB)
         self.assertLess(self.resident(service) - start, 1.1 * 150 * MB)
         # However few snapshots are left, every step of the past can be gone back to.
