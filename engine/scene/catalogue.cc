@@ -44,7 +44,10 @@ std::span<const CatalogueRow> catalogue() {
         "expressions cannot loop, allocate without bound or access the machine"},
        "tsit5",
        &ode::ode_outputs(),
-       1e13},
+       1e13,
+       nullptr,
+       {},
+       CatalogueRow::Equations::rates},
       {"oscillator",
        "equations",
        "a damped, driven mass on a spring with its exact solution",
@@ -74,7 +77,9 @@ std::span<const CatalogueRow> catalogue() {
        "rk4",
        &heat::heat_outputs(),
        1e13,
-       &lattice::resolution<heat::HeatDef>()},
+       &lattice::resolution<heat::HeatDef>(),
+       {},
+       CatalogueRow::Equations::first_order},
       {"wave",
        "fields",
        "waves in a box of one to three dimensions: strings, membranes, ponds, sound",
@@ -86,7 +91,9 @@ std::span<const CatalogueRow> catalogue() {
        "leapfrog",
        &wave::wave_outputs(),
        1e13,
-       &lattice::resolution<wave::WaveDef>()},
+       &lattice::resolution<wave::WaveDef>(),
+       {},
+       CatalogueRow::Equations::rates},
       {"grid_fluid",
        "fluids",
        "an incompressible fluid in a box on a staggered grid: walls, inflow, outflow, obstacles, smoke",
@@ -340,6 +347,18 @@ std::span<const CatalogueRow> catalogue() {
        1e13},
   };
   return kRows;
+}
+
+bool serves(const Integrator& method, const CatalogueRow& row) {
+  switch (row.equations) {
+    case CatalogueRow::Equations::forces:
+      return true;
+    case CatalogueRow::Equations::rates:
+      return method.advance != nullptr;
+    case CatalogueRow::Equations::first_order:
+      break;
+  }
+  return method.advance && method.equations == Integrator::Equations::any;
 }
 
 const CatalogueRow* find_system_type(std::string_view type) {

@@ -1,6 +1,7 @@
 // The explicit table of everything a scene can contain: one row per system type. No plug-ins, no registration
 // at start-up: a new system is a folder and one line in catalogue.cc.
 #pragma once
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
@@ -11,6 +12,7 @@
 #include "engine/core/def/build.h"
 #include "engine/core/def/def.h"
 #include "engine/core/def/resolution.h"
+#include "engine/core/equations/integrator.h"
 #include "engine/core/outputs.h"
 #include "engine/core/system.h"
 
@@ -32,10 +34,16 @@ struct CatalogueRow {
   const Resolution* resolution = nullptr;    ///< null: it has no resolution parameter
   std::vector<std::string_view> own_integrators = {};  ///< methods outside the table that serve only this
                                                        ///< type
+  /// What the methods of the table are given to integrate: accelerations by forces, rates y' = f(t, y), or
+  /// rates that never are of second order.
+  enum class Equations : uint8_t { forces, rates, first_order } equations = Equations::forces;
 };
 
 std::span<const CatalogueRow> catalogue();
 /// The row with that type, or null.
 const CatalogueRow* find_system_type(std::string_view type);
+/// Whether some scene of that type can be integrated by the method: GET /v1/systems lists those. A scene may
+/// have forces that a method refuses all the same.
+bool serves(const Integrator& method, const CatalogueRow& row);
 
 }  // namespace truestep

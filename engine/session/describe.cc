@@ -55,7 +55,9 @@ json::object describe_system(const CatalogueRow& row) {
   }
   for (const std::string_view g : row.guarantees) guarantees.emplace_back(g);
   if (!row.default_integrator.empty()) {
-    for (const Integrator& m : integrators()) methods.push_back(describe_integrator(m));
+    for (const Integrator& m : integrators()) {
+      if (serves(m, row)) methods.push_back(describe_integrator(m));
+    }
   }
   return {{"type", row.type},
           {"group", row.group},
