@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <functional>
 
+#include "server/net/http/characters.h"
+
 namespace truestep::net {
 
 namespace http = boost::beast::http;
@@ -10,43 +12,35 @@ namespace http = boost::beast::http;
 namespace {
 
 constexpr size_t kMaxFields = 100;
-constexpr std::string_view kDigits = "0123456789";
+constexpr Characters kDigits("0123456789"), kBlanks(": \t"), kTarget = Characters::printable_but("\"<>\\^`#");
 // The shortest end of a chunked body, "0" CR LF CR LF. Beast asserts that this much is there when it looks at
 // a last chunk again, and no chunked body can end earlier.
 constexpr size_t kLastChunk = 5;
-
-bool consists_of(std::string_view text, std::string_view characters) {
-  return text.find_first_not_of(characters) == std::string_view::npos;
-}
 
 // Whether the line before the first CR LF is well-formed except for an unsupported version.
 bool asks_other_version(std::string_view head) {
   const std::string_view line = head.substr(0, head.find('\r'));
   if (line.size() < 9 || std::count(line.begin(), line.end(), ' ') != 2) return false;
   const std::string_view v = line.substr(line.size() - 9);
-  return v.starts_with(" HTTP/") && v[7] == '.' && consists_of(v.substr(6, 1), kDigits) &&
-         consists_of(v.substr(8), kDigits);
+  return v.starts_with(" HTTP/") && v[7] == '.' && kDigits.has(v[6]) && kDigits.has(v[8]);
 }
 
 }  // namespace
 
 bool is_target(std::string_view s) {
-  return !s.empty() && std::all_of(s.begin(), s.end(), [](char c) {
-    return c > 0x20 && c < 0x7F && std::string_view("\"<>\\^`#").find(c) == std::string_view::npos;
-  });
+  return !s.empty() && kTarget.has_all_of(s);
 }
 
 bool is_authority(std::string_view s) {
-  constexpr std::string_view kAddress = "0123456789abcdefABCDEF:.";
-  constexpr std::string_view kName =
-      "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ!$%&'*+-._~";
+  static constexpr Characters kAddress("0123456789abcdefABCDEF:."),
+      kName("0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ!$%&'*+-._~");
   if (s.empty() || s.size() > 255) return false;
   const bool bracketed = s[0] == '[';
   const size_t end = bracketed ? s.find(']') : std::min(s.find(':'), s.size());
   if (end == std::string_view::npos || end == 0) return false;
   const std::string_view name = s.substr(bracketed, end - bracketed), rest = s.substr(end + bracketed);
-  if (!consists_of(name, bracketed ? kAddress : kName)) return false;
-  return rest.empty() || (rest[0] == ':' && rest.size() <= 6 && consists_of(rest.substr(1), kDigits));
+  if (!(bracketed ? kAddress : kName).has_all_of(name)) return false;
+  return rest.empty() || (rest[0] == ':' && rest.size() <= 6 && kDigits.has_all_of(rest.substr(1)));
 }
 
 RequestParser::RequestParser(Request& request, size_t head_limit)
@@ -116,7 +110,7 @@ void RequestParser::on_field_impl(Name name, text name_text, text value, error_c
   const char* end = input_.data() + input_.size();
   const std::less<const char*> before;
   if (before(value.data(), input_.data()) || before(end, value.data()) ||
-      !consists_of({name_text.end(), static_cast<size_t>(value.data() - name_text.end())}, ": \t")) {
+      !kBlanks.has_all_of({name_text.end(), static_cast<size_t>(value.data() - name_text.end())})) {
     refuse(400, "folded header lines are not accepted");
   } else if (!head_done_) {
     if (request_.ends_.size() > 2 * kMaxFields) refuse(431, "too many headers");
@@ -172,7 +166,7 @@ void RequestParser::check_field(Name name, std::string_view value) {
       break;
     case Name::content_length:
       // Exactly one header, digits only: lists and repetitions enable request smuggling.
-      if (has_length_ || !consists_of(value, kDigits)) refuse(400, "Content-Length must be one number");
+      if (has_length_ || !kDigits.has_all_of(value)) refuse(400, "Content-Length must be one number");
       has_length_ = true;
       break;
     case Name::transfer_encoding:

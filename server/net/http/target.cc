@@ -1,6 +1,7 @@
 // Path and query of a request target, RFC 3986 sections 2.1, 3.3 and 3.4; query as HTML forms send it ('+' is
 // a space). A path is split before it is decoded, so an encoded slash is data and never a separator.
 #include "engine/base/text/utf8.h"
+#include "server/net/http/characters.h"
 #include "server/net/http/request_parser.h"
 
 namespace truestep::net {
@@ -17,7 +18,8 @@ enum class Plus { keep, space };
 // Decodes into `store` (whose capacity never moves) when needed; false on a bad escape or a control
 // character.
 bool decode(std::string_view in, std::string& store, std::string_view& out, Plus plus) {
-  if (in.find_first_of("%+") == std::string_view::npos) {
+  static constexpr Characters kCoded("%+");
+  if (!kCoded.has_any_of(in)) {
     out = in;
     return true;
   }
