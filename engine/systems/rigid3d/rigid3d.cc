@@ -50,7 +50,7 @@ Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
   // A sleeping scene skips the work of the stages, not the stages themselves: a command may wake it.
   const auto awake = [this](void (Rigid3d::*run)(State&, const StepInput&) const) {
     return [this, run](State& s, const StepInput& in) {
-      if (!all_asleep(s)) (this->*run)(s, in);
+      if (!scratch(in).still && !all_asleep(s)) (this->*run)(s, in);
     };
   };
   add_stage("forces", "gravity and pushes", awake(&Rigid3d::apply_forces));

@@ -55,9 +55,11 @@ int Rigid3d::substeps_of_turns(const State& s, double h) const {
 }
 
 void Rigid3d::step(State& s, const StepInput& in) const {
-  int& parts = scratch(in).parts;
+  Scratch& scratch = this->scratch(in);
+  int& parts = scratch.parts;
   parts = 1;
-  if (s.f64(columns::substep)[0] > 0 && contacts_turn_fast(s, in.h)) {
+  scratch.still = all_asleep(s);
+  if (!scratch.still && s.f64(columns::substep)[0] > 0 && contacts_turn_fast(s, in.h)) {
     parts = substeps(s, in.h);
     const int wanted = substeps_of_turns(s, in.h);
     if (wanted > parts) change_substeps(s, in.h, parts, wanted), parts = wanted;
