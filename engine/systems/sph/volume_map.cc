@@ -46,27 +46,36 @@ double inside(double distance, double width) {
   return std::clamp(0.5 - distance / width, 0.0, 1.0);
 }
 
-/// Share and slope of a half space by the same sums.
+/// What the same sums make of a half space: share, slope, and by how much its leans along and across the
+/// normal fall short of d times the slope and of 0 (d: distance from the face, which the sums blur).
 struct Flat {
   static constexpr int kIntervals = 256;
+  struct At {
+    double share = 0, slope = 0, along = 0, across = 0;
+  };
   double from, per_metre;
-  std::array<double, kIntervals + 1> share{}, slope{};
+  std::array<At, kIntervals + 1> table{};
 
   Flat(const Stencil& stencil, double support, double width)
       : from(-support), per_metre(kIntervals / (2 * support)) {
     for (int k = 0; k <= kIntervals; ++k) {
       const double d = from + k / per_metre;
+      At& t = table[static_cast<size_t>(k)];
       for (const Stencil::Entry& e : stencil.entries) {
         const double in = inside(d + e.y * width, width);
-        share[static_cast<size_t>(k)] += in * e.w, slope[static_cast<size_t>(k)] -= in * e.g.y;
+        t.share += in * e.w, t.slope -= in * e.g.y;
+        t.along -= in * e.g.y * e.y * width, t.across -= in * e.g.x * e.x * width;
       }
+      t.along += t.share + d * t.slope, t.across += t.share;
     }
   }
-  std::array<double, 2> at(double d) const {
+  At at(double d) const {
     const double place = std::clamp((d - from) * per_metre, 0.0, kIntervals - 1e-9);
     const auto k = static_cast<size_t>(place);
     const double f = place - static_cast<double>(k);
-    return {share[k] + f * (share[k + 1] - share[k]), slope[k] + f * (slope[k + 1] - slope[k])};
+    const At &a = table[k], &b = table[k + 1];
+    return {a.share + f * (b.share - a.share), a.slope + f * (b.slope - a.slope),
+            a.along + f * (b.along - a.along), a.across + f * (b.across - a.across)};
   }
 };
 
@@ -157,16 +166,20 @@ void VolumeMap::fill(const Solid& solid, const Kernel& kernel, PointSide side, b
     }
     // Where hardly any of the kernel is inside, its small contribution does not matter.
     constexpr double kLittle = 1e-3;
-    const auto [whole, steep] = flat.at(d);
-    const double per = 1 / (steep + kLittle / support);
+    const Flat::At face = flat.at(d);
+    const double per = 1 / (face.slope + kLittle / support);
     slot_[index(n)] = static_cast<uint32_t>(nodes_.size());
-    nodes_.push_back({static_cast<float>((share + kLittle) / (whole + kLittle)),
+    nodes_.push_back({static_cast<float>((share + kLittle) / (face.share + kLittle)),
                       static_cast<float>(slope.x * per), static_cast<float>(slope.y * per),
                       static_cast<float>(slope.z * per)});
     if (!wall) return;
+    // Less the share, and what the nearest face lacks.
+    const double steep = norm(slope), more = face.along - face.across, same = face.across - share;
+    const Vec3 u = steep > 0 ? slope / steep : Vec3{};
     const auto over = [&](double sum) { return static_cast<float>(sum * per); };
-    leans_.push_back({over(lean.xx - share), over(lean.yy - share), over(lean.zz - share), over(lean.xy),
-                      over(lean.xz), over(lean.yz)});
+    leans_.push_back({over(lean.xx + same + more * u.x * u.x), over(lean.yy + same + more * u.y * u.y),
+                      over(lean.zz + same + more * u.z * u.z), over(lean.xy + more * u.x * u.y),
+                      over(lean.xz + more * u.x * u.z), over(lean.yz + more * u.y * u.z)});
     distances_.push_back(static_cast<float>(d));
   });
 }
