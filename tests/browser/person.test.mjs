@@ -59,6 +59,14 @@ test("speeds go to a thousand where the step fits, and a short scene is slowed d
   await page.goto(`${url}/?gallery=heat_plate`);
   await until(page, async () => (await page.textContent("#read-frame")) !== "0", "a frame");
   assert.ok(Number(await page.inputValue("#speed")) < 0.01, await page.inputValue("#speed"));
+  // As well where a request made the session; one that a request has stepped keeps its speed.
+  for (const [steps, suits] of [[0, (speed) => speed < 0.01], [1, (speed) => speed === 1]]) {
+    const { id } = await ask(url, "/v1/sessions", { gallery: "heat_plate" });
+    if (steps) await ask(url, `/v1/sessions/${id}/step`, { steps });
+    await page.goto(`${url}/?session=${id}`);
+    await until(page, async () => (await page.textContent("#read-frame")) !== "0" || (await page.$$("#speed option")).length > 0, "its speeds");
+    await until(page, async () => suits(Number(await page.inputValue("#speed"))), `a speed after ${steps} steps`);
+  }
 });
 
 const spring = { time: { dt: 0.01, duration: 20 }, gravity: [0, 0, 0], observables: ["energy", "s.strain.max"], systems: [{ type: "mass_spring", id: "s", free: { points: [[0, 0, 0], [1.5, 0, 0]], masses: [1, 1], springs: [{ a: 0, b: 1, stiffness: 9, rest_length: 1 }] } }] };

@@ -171,7 +171,9 @@ export class App {
     this.time = Number(session.time ?? 0);
     this.ended = false;
     this.stoppedAt = undefined;
-    this.speed.offer(this.info.dt ?? session.dt, this.own ? speedAtFirst(this.info.dt, this.info.duration) : Number(session.speed ?? 1));
+    // One that was made by a request and has not run is watched for the first time, too.
+    const first = this.own || (!session.step && session.status === "paused" && Number(session.speed ?? 1) === 1);
+    this.speed.offer(this.info.dt ?? session.dt, first ? speedAtFirst(this.info.dt, this.info.duration) : Number(session.speed ?? 1));
     this.stage.clear(session.viewer ?? {}, this.info);
     this.look.following(false);
     showScale(undefined);
