@@ -222,7 +222,7 @@ class SolverOf final : public Solver {
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
         f.held[k] = nozzle_at({double{f.x[0][k]}, double{f.x[1][k]}, D == 3 ? double{f.x[2][k]} : 0}, t);
-        f.light[k] = f.held[k] ? T{0} : ratio ? 1 / ratio[f.row[k]] : T{1};
+        f.light[k] = f.held[k] ? T{0} : ratio ? 1 / ratio[f.row(k)] : T{1};
       }
     });
   }
@@ -275,7 +275,7 @@ class SolverOf final : public Solver {
     const T sound = static_cast<T>(set_.sound), per_layer = static_cast<T>(1 / (set_.def.spacing * weight));
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
-        const size_t i = f.row[k];
+        const size_t i = f.row(k);
         for (size_t a = 0; a < 3; ++a) f.v[4 * k + a] = v[3 * i + a];
         f.v[4 * k + 3] = 0;
         f.push[k] = push[i], f.flow[k] = flow[i];
@@ -299,7 +299,7 @@ class SolverOf final : public Solver {
     const T rest = static_cast<T>(set_.def.density), sound = static_cast<T>(set_.sound);
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
-        const size_t i = f.row[k];
+        const size_t i = f.row(k);
         T place[3] = {}, speed[3] = {};
         for (size_t a = 0; a < D; ++a) speed[a] = f.v[4 * k + a], place[a] = f.x[a][k] + on * speed[a];
         for (size_t a = 0; shifts && a < D; ++a) place[a] += f.shift[4 * k + a];
