@@ -48,7 +48,7 @@ inline Around<D, T> look_around(const Fluid<D, T>& f, size_t i, size_t high, Chu
     out.runs[out.run_count++] = {begin, end, {shift[0], shift[1], shift[2]}};
   });
   chunk.need_around(seen);
-  chunk.around_in_order = ascends && before <= least + 0x10000;
+  chunk.around_in_order = ascends && before <= least + kMostAbove + 1;
   return out;
 }
 

@@ -45,7 +45,8 @@ struct Fluid {
   Aligned<T> shift, inside;                  ///< m, four a row; 1: of particles that are shifted (shifting.h)
   Aligned<T> rests;  ///< 1, how nearly a particle's pressure is that of a fluid at rest
   std::vector<Chunk<T>> chunks;
-  std::vector<double> partial;  ///< by chunk or block
+  std::vector<double> partial;                                           ///< by chunk or block
+  const SumLoops* wide_sums = kRounded<T> ? wide_sum_loops() : nullptr;  ///< of this processor, if any
 
   /// Whether nothing moves a particle. It then has no pressure either: others would have to yield in its
   /// place.
@@ -96,24 +97,51 @@ struct Fluid {
       }
     });
   }
-  /// Sum and maximum of the first numbers that body(slot, chunk, begin, end) returns, none of them negative,
+  /// body(slot, sums) for every particle, in any order; sums: of gradient times numbers[slot] over its list.
+  template <class Body>
+  void each_sum(const Aligned<T>& numbers, const ThreadArena& arena, const Body& body) const {
+    arena.for_blocks(chunks_in_use(), 4, [&](size_t first, size_t last) {
+      T sums[4 * kChunk];
+      for (size_t k = first; k < last; ++k) {
+        const size_t low = k * kChunk, count = std::min(n - low, kChunk);
+        chunks[k].sum_times(numbers, count, wide_sums, sums);
+        for (size_t i = 0; i < count; ++i) body(low + i, sums + 4 * i);
+      }
+    });
+  }
+  /// Sum and maximum of the first numbers that body(slot) returns, none of them negative,
   /// and sums of the second and the third.
   struct Tally {
     double sum = 0, most = 0, second = 0, third = 0;
+    void add(const std::array<double, 3>& of) {
+      sum += of[0], second += of[1], third += of[2];
+      if (!(of[0] <= most)) most = of[0];
+    }
   };
   template <class Body>
   Tally tally(const ThreadArena& arena, const Body& body) {
+    return tally_chunks(arena, [&](size_t low, size_t high, Tally& part) {
+      for (size_t i = low; i < high; ++i) part.add(body(i));
+    });
+  }
+  /// The same of body(slot, sum), the sum of the products of gradients and rows[slot] over its list.
+  template <class Body>
+  Tally tally_dots(const Aligned<T>& rows, const ThreadArena& arena, const Body& body) {
+    return tally_chunks(arena, [&](size_t low, size_t high, Tally& part) {
+      T dots[kChunk];
+      chunks[low / kChunk].sum_dot(rows, high - low, wide_sums, dots);
+      for (size_t i = low; i < high; ++i) part.add(body(i, dots[i - low]));
+    });
+  }
+
+ private:
+  template <class Body>
+  Tally tally_chunks(const ThreadArena& arena, const Body& body) {
     partial.resize(4 * chunks_in_use());
     arena.for_blocks(chunks_in_use(), 4, [&](size_t first, size_t last) {
       for (size_t k = first; k < last; ++k) {
-        const Chunk<T>& c = chunks[k];
-        const size_t low = k * kChunk, high = std::min(n, low + kChunk);
         Tally part;
-        for (size_t i = low; i < high; ++i) {
-          const auto [value, second, third] = body(i, c, c.first[i - low], c.first[i - low + 1]);
-          part.sum += value, part.second += second, part.third += third;
-          if (!(value <= part.most)) part.most = value;
-        }
+        body(k * kChunk, std::min(n, (k + 1) * kChunk), part);
         partial[4 * k] = part.sum, partial[4 * k + 1] = part.most;
         partial[4 * k + 2] = part.second, partial[4 * k + 3] = part.third;
       }

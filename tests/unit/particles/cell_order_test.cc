@@ -75,7 +75,7 @@ void check_pairs(const bool* wraps) {
   for (size_t i = 0; i < kPoints; ++i) {
     const auto u = uniform4(5, 0, i);
     int c[3] = {};
-    for (size_t a = 0; a < 3; ++a) x[i][a] = a < D ? low[a] + u[static_cast<int>(a)] * (high[a] - low[a]) : 0;
+    for (size_t a = 0; a < 3; ++a) x[i][a] = a < D ? low[a] + u[a] * (high[a] - low[a]) : 0;
     index(i, c), cell[i] = cells.of(c);
   }
   CellOrder order;

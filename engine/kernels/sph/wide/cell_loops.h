@@ -1,6 +1,6 @@
 // Neighbour lists of one cell's particles, sixteen floats at once: loops for processors with AVX-512, chosen
 // when the program runs. They make the lists of systems/sph/neighbours.h, to the bit, where the slots around
-// a cell ascend and span at most 2^16.
+// a cell ascend and span at most 2^15.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -140,7 +140,7 @@ class SolverOf final : public Solver {
       tracks.flow += flow.iterations, tracks.density += push.iterations;
     }
     const bool both = d.solver == Method::wcsph;
-    const auto error = f.tally(in.arena, [&](size_t i, const Chunk<T>&, size_t, size_t) {
+    const auto error = f.tally(in.arena, [&](size_t i) {
       const double e = double{f.delta[i]} - 1;
       return std::array<double, 3>{both ? std::abs(e) : std::max(e, 0.0), 0, 0};
     });
@@ -156,7 +156,7 @@ class SolverOf final : public Solver {
 
   /// m/s, of any particle.
   double fastest(Fluid<D, T>& f, const ThreadArena& arena) const {
-    const auto squares = f.tally(arena, [&](size_t i, const Chunk<T>&, size_t, size_t) {
+    const auto squares = f.tally(arena, [&](size_t i) {
       const T* v = f.v.data() + 4 * i;
       return std::array<double, 3>{double{v[0] * v[0] + v[1] * v[1] + v[2] * v[2]}, 0, 0};
     });
