@@ -254,8 +254,10 @@ struct Chunk {
     if (extras > 2) q.resize(room);
   }
 
- private:
+  /// The lists as the wide-register loops take them.
   ListView view() const { return {groups[0].g[0], base.data(), first}; }
+
+ private:
   static constexpr T kFar = T(1e18);                       ///< m
   static constexpr size_t kScratch = kRounded<T> ? 8 : 4;  ///< columns, two lists' for wider registers
   /// Sums of entries times factor(slot of the first, offsets): four partial sums, so that no multiply-add

@@ -263,7 +263,46 @@ void sum_dot(const ListView& in, size_t count, const float* rows, float* out) {
       });
 }
 
-constexpr SumLoops kSumLoops{sum_times, sum_dot};
+template <bool Weights>
+void sum_differences_with(const ListView& in, size_t count, const PairFactors& by, const float* rows,
+                          size_t own, float* out) {
+  constexpr size_t kAhead = 16;
+  const int16_t* const groups = in.groups;
+  const uint32_t *const base = in.base, *const first = in.first;
+  const float *const slopes = by.slopes, *const weights = by.weights;
+  const __m256 slope = _mm256_set1_ps(by.slope), weight = _mm256_set1_ps(by.weight);
+  const __m512i fours = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3),
+                others = _mm512_add_epi32(fours, _mm512_set1_epi32(4));
+  size_t k = first[0] / 8;
+  for (size_t i = 0; i < count; ++i) {
+    const size_t end = first[i + 1] / 8;
+    const Floats self = {_mm512_broadcast_f32x4(_mm_load_ps(rows + 4 * (own + i)))};
+    // Of the first and of the last four entries of each group.
+    Floats low = Floats::zero(), high = Floats::zero();
+    for (; k != end; ++k) {
+      const int16_t* const group = groups + 32 * k;
+      __builtin_prefetch(group + 32 * kAhead), __builtin_prefetch(slopes + 8 * (k + kAhead));
+      const float* const from = rows + 4 * static_cast<size_t>(base[k]);
+      __m256 factor = _mm256_mul_ps(slope, _mm256_loadu_ps(slopes + 8 * k));
+      if constexpr (Weights) {
+        factor = _mm256_add_ps(factor, _mm256_mul_ps(weight, _mm256_loadu_ps(weights + 8 * k)));
+      }
+      const __m512 each = _mm512_castps256_ps512(factor);
+      low = madd({_mm512_permutexvar_ps(fours, each)}, rows_of(from, group) - self, low);
+      high = madd({_mm512_permutexvar_ps(others, each)}, rows_of(from, group + 16) - self, high);
+    }
+    // The order in which the plain loops add up their eight lanes.
+    const Floats both = low + high;
+    _mm_storeu_ps(out + 4 * i, sum_halves(_mm256_add_ps(both.half<0>(), both.half<1>())));
+  }
+}
+void sum_differences(const ListView& in, size_t count, const PairFactors& by, const float* rows, size_t own,
+                     float* out) {
+  by.weights ? sum_differences_with<true>(in, count, by, rows, own, out)
+             : sum_differences_with<false>(in, count, by, rows, own, out);
+}
+
+constexpr SumLoops kSumLoops{sum_times, sum_dot, sum_differences};
 
 }  // namespace
 

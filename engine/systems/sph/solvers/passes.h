@@ -59,6 +59,42 @@ inline Wide<T> part_of_pair(const Fluid<D, T>& f, size_t i, const Chunk<T>& c, s
   return (own + own) / (own + other + Wide<T>::all(static_cast<T>(1e-9)));
 }
 
+/// f.a (m/s^2) = sum over neighbours of (slope s + weight w) (v_j - v_i), s and w (0: not kept) of the lists.
+template <int D, class T>
+inline void blend_velocities(Fluid<D, T>& f, T slope, T weight, const ThreadArena& arena) {
+  using W = Wide<T>;
+  if constexpr (kRounded<T>) {
+    if (f.wide_sums && !f.weighted) {
+      arena.for_blocks(f.chunks_in_use(), 4, [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k) {
+          const Chunk<T>& c = f.chunks[k];
+          const size_t low = k * kChunk;
+          f.wide_sums->differences(c.view(), std::min(f.n - low, kChunk),
+                                   {slope, weight, c.s.data(), weight > 0 ? c.w.data() : nullptr}, f.v.data(),
+                                   low, f.a.data() + 4 * low);
+        }
+      });
+      return;
+    }
+  }
+  f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
+    const T* v = f.v.data() + 4 * i;
+    W sums[D];
+    for (auto& x : sums) x = W::zero();
+    for (size_t k = begin; k < end; k += W::kLanes) {
+      W other[4];
+      c.rows_of(f.v, k, other);
+      W share = W::all(slope) * load(c.s.data() + k);
+      if (weight > 0) share += W::all(weight) * load(c.w.data() + k);
+      if (f.weighted) share = share * part_of_pair(f, i, c, k);
+      for (size_t a = 0; a < D; ++a) sums[a] = madd(share, other[a] - W::all(v[a]), sums[a]);
+    }
+    T* out = f.a.data() + 4 * i;
+    out[2] = out[3] = 0;
+    for (size_t a = 0; a < D; ++a) out[a] = sum(sums[a]);
+  });
+}
+
 /// v += h a.
 template <int D, class T>
 inline void kick(Fluid<D, T>& f, T h, const ThreadArena& arena) {
