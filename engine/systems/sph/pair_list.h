@@ -103,7 +103,7 @@ struct Chunk {
   /// slots, and rows of both (the fourth number has the slot's bits; the wide-register loops use the rows for
   /// other things). Slot i of the current cell is at i + own.
   Aligned<T> around[3], around_rows;
-  std::vector<uint32_t> around_slots;
+  Aligned<uint32_t> around_slots;
   Aligned<uint32_t> near;  ///< of the list being made: indices of its neighbours among those around
   size_t around_count = 0, around_seen = 0, own = 0;
   /// Whether slots of those around ascend and none is more than kMostAbove above another.

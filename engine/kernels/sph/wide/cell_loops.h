@@ -21,7 +21,8 @@ struct Found {
   uint32_t* slots;
 };
 
-/// Input of the loops. Scratch has room for the slots of all runs and sixteen more.
+/// Input of the loops. Scratch has room for the slots of all runs and sixteen more, and begins with a cache
+/// line.
 struct ListInput {
   const float* x[3];    ///< m, of all particles
   const float* light;   ///< 1, of all particles; nullptr: 1 everywhere
