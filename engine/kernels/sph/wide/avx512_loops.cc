@@ -20,6 +20,8 @@ struct Floats {
   /// Lanes of the mask, 0 elsewhere: what is not in the mask is not read.
   static Floats load(__mmask16 m, const float* p) { return {_mm512_maskz_loadu_ps(m, p)}; }
   void store(float* p) const { _mm512_storeu_ps(p, v); }
+  /// Lanes of the mask side by side, then zeros.
+  void store_packed(__mmask16 m, float* p) const { _mm512_storeu_ps(p, _mm512_maskz_compress_ps(m, v)); }
   friend Floats operator+(Floats a, Floats b) { return {_mm512_add_ps(a.v, b.v)}; }
   friend Floats operator-(Floats a, Floats b) { return {_mm512_sub_ps(a.v, b.v)}; }
   friend Floats operator*(Floats a, Floats b) { return {_mm512_mul_ps(a.v, b.v)}; }
@@ -49,99 +51,60 @@ __m512i counting() {
   return _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
 }
 
-/// Appends selected lanes of columns to memory, side by side, in whole aligned vectors: a store that crosses
-/// cache lines takes much longer. `to` has room for a vector more than is appended.
-template <int Columns>
-class Packer {
- public:
-  explicit Packer(float* const* to) {
-    for (int c = 0; c < Columns; ++c) to_[c] = to[c], kept_[c] = _mm512_setzero_ps();
-  }
-  void add(__mmask16 selected, const __m512* columns) {
-    const auto held = static_cast<unsigned>(count_ % kLanes);
-    const auto more = static_cast<unsigned>(__builtin_popcount(selected));
-    // From lane `held` on, the selected lanes; what does not fit begins the next vector.
-    const __m512i from = _mm512_maskz_compress_epi32(selected, counting());
-    const __m512i joined = _mm512_mask_expand_epi32(counting(), static_cast<__mmask16>(0xffffu << held),
-                                                    _mm512_add_epi32(from, _mm512_set1_epi32(kLanes)));
-    const __m512i rest = _mm512_permutexvar_epi32(
-        _mm512_add_epi32(counting(), _mm512_set1_epi32(static_cast<int>(kLanes - held))), from);
-    const auto full = static_cast<__mmask16>(0u - ((held + more) / kLanes));
-    for (int c = 0; c < Columns; ++c) {
-      const __m512 all = _mm512_permutex2var_ps(kept_[c], joined, columns[c]);
-      _mm512_store_ps(to_[c] + (count_ - held), all);
-      kept_[c] = _mm512_mask_permutexvar_ps(all, full, rest, columns[c]);
-    }
-    count_ += more;
-  }
-  /// Stores the last, partial vector; returns how many lanes were appended.
-  size_t finish() const {
-    for (int c = 0; c < Columns; ++c) _mm512_store_ps(to_[c] + count_ / kLanes * kLanes, kept_[c]);
-    return count_;
-  }
-
- private:
-  float* to_[Columns];
-  __m512 kept_[Columns];
-  size_t count_ = 0;
-};
-
 template <int D>
 size_t around(const ListInput& in) {
   Floats low[D], top[D];
   for (int a = 0; a < D; ++a) low[a] = Floats::all(in.low[a]), top[a] = Floats::all(in.top[a]);
   const Floats limit = Floats::all(in.square);
-  float* to[D + 1];
-  for (int a = 0; a < D; ++a) to[a] = in.around[a];
-  to[D] = reinterpret_cast<float*>(in.around_slots);
-  Packer<D + 1> out(to);
+  size_t count = 0;
   for (size_t r = 0; r < in.run_count; ++r) {
     const SlotRun& run = in.runs[r];
     const size_t end = run.end;
     for (size_t k = run.begin; k < end; k += kLanes) {
       const __mmask16 there = first_lanes(end - k);
-      Floats square = Floats::zero();
-      __m512 columns[D + 1];
+      Floats place[D], square = Floats::zero();
       for (int a = 0; a < D; ++a) {
-        const Floats place = Floats::load(there, in.x[a] + k) + Floats::all(static_cast<float>(run.shift[a]));
-        const Floats beyond = max(max(low[a] - place, place - top[a]), Floats::zero());
-        square = madd(beyond, beyond, square), columns[a] = place.v;
+        place[a] = Floats::load(there, in.x[a] + k) + Floats::all(static_cast<float>(run.shift[a]));
+        const Floats beyond = max(max(low[a] - place[a], place[a] - top[a]), Floats::zero());
+        square = madd(beyond, beyond, square);
       }
-      columns[D] = _mm512_castsi512_ps(_mm512_add_epi32(_mm512_set1_epi32(static_cast<int>(k)), counting()));
-      out.add(static_cast<__mmask16>((square < limit) & there), columns);
+      const auto near = static_cast<__mmask16>((square < limit) & there);
+      for (int a = 0; a < D; ++a) place[a].store_packed(near, in.around[a] + count);
+      const __m512i slots = _mm512_add_epi32(_mm512_set1_epi32(static_cast<int>(k)), counting());
+      _mm512_storeu_si512(in.around_slots + count, _mm512_maskz_compress_epi32(near, slots));
+      count += static_cast<size_t>(__builtin_popcount(near));
     }
   }
-  const size_t count = out.finish();
   for (int a = 0; a < D; ++a) Floats::all(1e18f).store(in.around[a] + count);
   return count;
 }
 
 /// Packs the neighbours of a particle; returns their number.
 template <int D>
-size_t find(const ListInput& in, size_t count, size_t i, const Found& to) {
+size_t find(const ListInput& in, size_t count, size_t i, const Found& out) {
   // Local copies: any store might change the originals.
+  const Found to = out;
   const uint32_t* const around_slots = in.around_slots;
   const float* around[D];
   Floats here[D];
   for (int a = 0; a < D; ++a) here[a] = Floats::all(in.x[a][i]), around[a] = in.around[a];
   const Floats limit = Floats::all(in.square);
   const __m512i itself = _mm512_set1_epi32(static_cast<int>(i));
-  float* columns_to[D + 2];
-  for (int a = 0; a < D; ++a) columns_to[a] = to.way[a];
-  columns_to[D] = to.squares, columns_to[D + 1] = reinterpret_cast<float*>(to.slots);
-  Packer<D + 2> out(columns_to);
+  size_t found = 0;
   for (size_t k = 0; k < count; k += kLanes) {
-    Floats square = Floats::zero();
-    __m512 columns[D + 2];
+    Floats way[D], square = Floats::zero();
     for (int a = 0; a < D; ++a) {
-      const Floats way = here[a] - Floats::load(around[a] + k);
-      square = madd(way, way, square), columns[a] = way.v;
+      way[a] = here[a] - Floats::load(around[a] + k);
+      square = madd(way[a], way[a], square);
     }
     const __m512i slots = _mm512_loadu_si512(around_slots + k);
-    columns[D] = square.v, columns[D + 1] = _mm512_castsi512_ps(slots);
-    out.add(_mm512_mask_cmpneq_epi32_mask(square < limit, slots, itself), columns);
+    const __mmask16 near = _mm512_mask_cmpneq_epi32_mask(square < limit, slots, itself);
+    for (int a = 0; a < D; ++a) way[a].store_packed(near, to.way[a] + found);
+    square.store_packed(near, to.squares + found);
+    _mm512_storeu_si512(to.slots + found, _mm512_maskz_compress_epi32(near, slots));
+    found += static_cast<size_t>(__builtin_popcount(near));
   }
-  return out.finish();
+  return found;
 }
 
 /// Two groups of entries; `above` are slots over the first of their group.
