@@ -75,6 +75,8 @@ class Dfsph {
   /// A solve ends on the mean error; the largest may be this many times as large.
   static constexpr double kMostOverMean = 10;
   static constexpr int kLeastIterations = 2;
+  /// A solve that starts with less than this part of the mean error it may leave ends at once.
+  static constexpr double kEnough = 0.25;
   /// A density below kGap times the rest density is a gap, of which a substep may close kClosing.
   static constexpr double kGap = 0.9, kClosing = 0.1;
   /// At most this much compression is removed per substep: an overlap at the start separates calmly.
@@ -155,8 +157,9 @@ class Dfsph {
         center(f, f.iterate, arena), center(f, f.next, arena);
       }
       out.mean = left.sum / std::max(static_cast<double>(f.n), 1.0), out.most = left.most;
-      const bool good = out.iterations >= kLeastIterations && out.mean <= set_.def.density_error &&
-                        out.most <= kMostOverMean * set_.def.density_error;
+      const double part = out.iterations < kLeastIterations ? kEnough : 1;
+      const bool good =
+          out.mean <= part * set_.def.density_error && out.most <= kMostOverMean * set_.def.density_error;
       if (good || out.iterations >= set_.def.max_iterations) break;
       if (out.mean > 10 * best) relaxation *= T(0.5), best = HUGE_VAL;
       best = std::min(best, out.mean);
