@@ -115,6 +115,9 @@ void Sph::warn(const State& s, double h, std::vector<Warning>& out) const {
     const double more = kSpare * setting_->sound * std::sqrt(value / limit);
     const double enough = setting_->sound_for(load3(s.f64(columns::gravity).data(), 0));
     w.detail += "a sound_speed of " + short_number(std::max(more, enough), 2) + " m/s would do";
+  } else if (setting_->closed) {
+    // Nothing solves for the density there: particles that are shifted keep it.
+    w.detail += "a smaller spacing or more shifting would do";
   } else {
     // Compression per substep grows with the square of its length.
     w.suggested_dt = h / std::max(1.0, r[report::substeps]) * std::sqrt(limit / value) / kSpare;
