@@ -5,66 +5,69 @@
 #include <limits>
 
 namespace truestep {
+namespace {
 
-void PointGrid::build(std::span<const double> x, double reach) {
+bool is_finite(const Vec3& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+}  // namespace
+
+void PointGrid::fit_cells(std::span<const double> x, double reach, const ThreadArena& arena) {
   constexpr double kHuge = std::numeric_limits<double>::infinity();
-  constexpr uint32_t kNowhere = 0xffffffff;
   const size_t n = x.size() / 3;
-  const auto finite = [&x](size_t i) {
-    return std::isfinite(x[3 * i]) && std::isfinite(x[3 * i + 1]) && std::isfinite(x[3 * i + 2]);
+  const auto cover = [](Extent& e, const Vec3& low, const Vec3& high) {
+    e.low = {std::min(e.low.x, low.x), std::min(e.low.y, low.y), std::min(e.low.z, low.z)};
+    e.high = {std::max(e.high.x, high.x), std::max(e.high.y, high.y), std::max(e.high.z, high.z)};
   };
-
-  Vec3 low{kHuge, kHuge, kHuge}, high{-kHuge, -kHuge, -kHuge};
-  for (size_t i = 0; i < n; ++i) {
-    if (!finite(i)) continue;
-    const Vec3 p = load3(x.data(), i);
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-  }
-  if (!(low.x <= high.x)) low = high = {};
-  low_ = low;
+  constexpr Extent kNothing{{kHuge, kHuge, kHuge}, {-kHuge, -kHuge, -kHuge}};
+  extents_.assign((n + kBlockRows - 1) / kBlockRows, kNothing);
+  arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+    Extent e = kNothing;
+    for (size_t i = begin; i < end; ++i) {
+      const Vec3 p = load3(x.data(), i);
+      if (is_finite(p)) cover(e, p, p);
+    }
+    extents_[begin / kBlockRows] = e;
+  });
+  Extent all = kNothing;
+  for (const Extent& e : extents_) cover(all, e.low, e.high);
+  if (!(all.low.x <= all.high.x)) all = {};
+  const double low[3] = {all.low.x, all.low.y, all.low.z}, high[3] = {all.high.x, all.high.y, all.high.z};
   // At most a few cells per point; every attempt makes them a quarter larger.
   const auto most = static_cast<double>(most_cells(n));
-  double size = reach, wx, wy, wz;
-  // Points at opposite ends of the range of a double are farther apart than a double holds.
-  const auto apart = [](double a, double b) { return std::min(b - a, std::numeric_limits<double>::max()); };
+  double size = reach, along[3];
   for (;; size *= 1.25) {
-    wx = std::floor(apart(low.x, high.x) / size) + 1;
-    wy = std::floor(apart(low.y, high.y) / size) + 1;
-    wz = std::floor(apart(low.z, high.z) / size) + 1;
-    if (wx * wy * wz <= most) break;
-  }
-  per_cell_ = 1 / size;
-  nx_ = static_cast<long>(wx), ny_ = static_cast<long>(wy), nz_ = static_cast<long>(wz);
-
-  // Counting sort: stable, so that slots within a cell follow the points' own order.
-  // Points may spread later.
-  start_.reserve(most_cells(n) + 1);
-  start_.assign(static_cast<size_t>(nx_ * ny_ * nz_) + 1, 0);
-  cell_of_.resize(n);
-  size_t inside = 0;
-  for (size_t i = 0; i < n; ++i) {
-    if (!finite(i)) {
-      cell_of_[i] = kNowhere;
-      continue;
+    for (size_t a = 0; a < 3; ++a) {
+      // Points at opposite ends of the range of a double are farther apart than a double holds.
+      along[a] = std::floor(std::min(high[a] - low[a], std::numeric_limits<double>::max()) / size) + 1;
     }
-    const Vec3 p = load3(x.data(), i) - low_;
-    cell_of_[i] = static_cast<uint32_t>((cell(p.z, nz_) * ny_ + cell(p.y, ny_)) * nx_ + cell(p.x, nx_));
-    ++start_[cell_of_[i] + 1];
-    ++inside;
+    if (along[0] * along[1] * along[2] <= most) break;
   }
-  for (size_t c = 1; c < start_.size(); ++c) start_[c] += start_[c - 1];
-  order_.resize(inside);
-  sorted_.resize(3 * inside);
-  // Filling moves each cell's start to its end; shifting back by one cell restores the starts.
-  for (size_t i = 0; i < n; ++i) {
-    if (cell_of_[i] == kNowhere) continue;
-    const uint32_t slot = start_[cell_of_[i]]++;
-    order_[slot] = static_cast<uint32_t>(i);
-    store3(sorted_.data(), slot, load3(x.data(), i));
+  for (int a = 0; a < 3; ++a) {
+    cells_.low[a] = low[a], cells_.width[a] = high[a] - low[a];
+    cells_.per_metre[a] = 1 / size, cells_.count[a] = static_cast<int>(along[a]);
   }
-  for (size_t c = start_.size() - 1; c > 0; --c) start_[c] = start_[c - 1];
-  start_[0] = 0;
+}
+
+void PointGrid::build(std::span<const double> x, double reach, const ThreadArena& arena) {
+  fit_cells(x, reach, arena);
+  const size_t n = x.size() / 3;
+  // Points may spread later.
+  order_.reserve(n, most_cells(n));
+  order_.sort(
+      n, cells_.cells(),
+      [&](size_t i) -> size_t {
+        const Vec3 p = load3(x.data(), i);
+        if (!is_finite(p)) return CellOrder::kNone;
+        const int c[3] = {cells_.along(p.x, 0), cells_.along(p.y, 1), cells_.along(p.z, 2)};
+        return cells_.of(c);
+      },
+      arena);
+  sorted_.resize(3 * order_.size());
+  arena.for_blocks(order_.size(), kBlockRows, [&](size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k) store3(sorted_.data(), k, load3(x.data(), order_.point(k)));
+  });
 }
 
 }  // namespace truestep

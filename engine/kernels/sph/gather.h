@@ -8,11 +8,21 @@
 
 namespace truestep::sph {
 
+/// Where index i finds its row of `Width` numbers: at rows + Width index[i], or where the index itself says.
+template <size_t Width, class T, class Index>
+[[gnu::always_inline]] inline const T* place_of(const T* rows, const Index& index, size_t i) {
+  if constexpr (requires { index.template place<Width>(rows, i); }) {
+    return index.template place<Width>(rows, i);
+  } else {
+    return rows + Width * static_cast<size_t>(index[i]);
+  }
+}
+
 /// Lane i: numbers[index[i]].
 template <class T, class Index>
 inline Wide<T> gather(const T* numbers, const Index& index) {
   Wide<T> out;
-  for (int i = 0; i < Wide<T>::kLanes; ++i) out.v[i] = numbers[index[i]];
+  for (int i = 0; i < Wide<T>::kLanes; ++i) out.v[i] = *place_of<1>(numbers, index, static_cast<size_t>(i));
   return out;
 }
 
@@ -21,7 +31,7 @@ template <class T, class Index>
 inline void gather_rows4(const T* rows, const Index& index, Wide<T> out[4]) {
 #if defined(__AVX2__) && defined(__FMA__)
   using Raw = typename Wide<T>::Raw;
-  const auto row = [&](int i) { return rows + 4 * static_cast<size_t>(index[i]); };
+  const auto row = [&](int i) { return place_of<4>(rows, index, static_cast<size_t>(i)); };
   if constexpr (sizeof(T) == 4) {
     __m256 r[4];
     for (int i = 0; i < 4; ++i) {
@@ -39,8 +49,7 @@ inline void gather_rows4(const T* rows, const Index& index, Wide<T> out[4]) {
   }
 #else
   for (int i = 0; i < Wide<T>::kLanes; ++i) {
-    for (int k = 0; k < 4; ++k)
-      out[k].v[i] = rows[4 * static_cast<size_t>(index[i]) + static_cast<size_t>(k)];
+    for (int k = 0; k < 4; ++k) out[k].v[i] = place_of<4>(rows, index, static_cast<size_t>(i))[k];
   }
 #endif
 }
@@ -77,14 +86,14 @@ inline Wide<T> rows_side_by_side(const T* rows, const Index& index) {
 #if defined(__AVX2__) && defined(__FMA__)
   using Raw = typename Wide<T>::Raw;
   if constexpr (sizeof(T) == 4) {
-    return {Raw(_mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(rows + 4 * index[0])),
-                                     _mm_load_ps(rows + 4 * index[1]), 1))};
+    return {Raw(_mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(place_of<4>(rows, index, 0))),
+                                     _mm_load_ps(place_of<4>(rows, index, 1)), 1))};
   } else {
-    return {Raw(_mm256_load_pd(rows + 4 * index[0]))};
+    return {Raw(_mm256_load_pd(place_of<4>(rows, index, 0)))};
   }
 #else
   Wide<T> out;
-  for (size_t i = 0; i < Wide<T>::kLanes; ++i) out.v[i] = rows[4 * index[i / 4] + i % 4];
+  for (size_t i = 0; i < Wide<T>::kLanes; ++i) out.v[i] = place_of<4>(rows, index, i / 4)[i % 4];
   return out;
 #endif
 }
@@ -94,14 +103,14 @@ inline Wide<T> numbers_by_fours(const T* numbers, const Index& index) {
 #if defined(__AVX2__) && defined(__FMA__)
   using Raw = typename Wide<T>::Raw;
   if constexpr (sizeof(T) == 4) {
-    return {Raw(_mm256_blend_ps(_mm256_broadcast_ss(numbers + index[0]),
-                                _mm256_broadcast_ss(numbers + index[1]), 0xf0))};
+    return {Raw(_mm256_blend_ps(_mm256_broadcast_ss(place_of<1>(numbers, index, 0)),
+                                _mm256_broadcast_ss(place_of<1>(numbers, index, 1)), 0xf0))};
   } else {
-    return {Raw(_mm256_broadcast_sd(numbers + index[0]))};
+    return {Raw(_mm256_broadcast_sd(place_of<1>(numbers, index, 0)))};
   }
 #else
   Wide<T> out;
-  for (size_t i = 0; i < Wide<T>::kLanes; ++i) out.v[i] = numbers[index[i / 4]];
+  for (size_t i = 0; i < Wide<T>::kLanes; ++i) out.v[i] = *place_of<1>(numbers, index, i / 4);
   return out;
 #endif
 }

@@ -47,7 +47,7 @@ void Crowd::observe(const State& s, double, Observables& out) const {
     if (at_goal(s, i)) arrived += 1;
   }
   Sorted sorted;
-  sorted.build(s, std::max(reach_, def_.density_radius));
+  sorted.build(s, std::max(reach_, def_.density_radius), ThreadArena{});
   double smallest = HUGE_VAL, pressure = 0, density = 0;
   const double disc = def_.density_radius * def_.density_radius;
   for (size_t slot = 0; slot < n; ++slot) {
@@ -95,7 +95,7 @@ FieldView Crowd::field(const State& s, size_t part, size_t which, std::vector<do
     for (size_t i = 0; i < n; ++i) scratch[i] = norm(load3(s.f64(Columns::velocity).data(), first + i));
   } else if (def_.model == Model::social_force) {
     Sorted sorted;
-    sorted.build(s, reach_);
+    sorted.build(s, reach_, ThreadArena{});
     for (size_t slot = 0; slot < sorted.grid.size(); ++slot) {
       const size_t row = sorted.grid.point(slot);
       if (row < first || row >= first + n || !(sorted.r[slot] > 0)) continue;

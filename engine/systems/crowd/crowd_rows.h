@@ -12,8 +12,8 @@ struct Crowd::Sorted {
   std::vector<double> v, r;
   std::vector<uint32_t> person;
 
-  void build(const State& s, double reach) {
-    grid.build(s.f64(Columns::position), reach);
+  void build(const State& s, double reach, const ThreadArena& arena) {
+    grid.build(s.f64(Columns::position), reach, arena);
     const size_t n = grid.size();
     v.resize(3 * n), r.resize(n), person.resize(n);
     const double* velocity = s.f64(Columns::velocity).data();

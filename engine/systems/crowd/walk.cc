@@ -112,7 +112,7 @@ void Crowd::push_and_press(State& s, const StepInput& in) const {
   auto& sorted = in.workspace.object<Sorted>("crowd.sorted");
   double left = in.h;
   for (int64_t k = 0; left > 0 && n > 0; ++k) {
-    sorted.build(s, reach_);
+    sorted.build(s, reach_, in.arena);
     in.arena.for_blocks(n, kBlock, [&](size_t begin, size_t end) {
       for (size_t slot = begin; slot < end; ++slot) {
         const Load l = load(sorted, s, slot);
@@ -153,7 +153,7 @@ void Crowd::choose(State& s, const StepInput& in) const {
   const auto wishes = in.workspace.doubles("crowd.wishes", 3 * people_);
   auto chosen = in.workspace.doubles("crowd.forces", 3 * people_);
   auto& sorted = in.workspace.object<Sorted>("crowd.sorted");
-  sorted.build(s, reach_);
+  sorted.build(s, reach_, in.arena);
   in.arena.for_blocks(n, kBlock, [&](size_t begin, size_t end) {
     for (size_t slot = begin; slot < end; ++slot) {
       const size_t i = sorted.grid.point(slot);

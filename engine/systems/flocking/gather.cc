@@ -6,22 +6,27 @@
 
 namespace truestep::flocking {
 
-void Sorted::build(const double* x, const double* velocities, size_t n, double reach) {
-  grid.build({x, 3 * n}, reach);
+void Sorted::build(const double* x, const double* velocities, size_t n, double reach,
+                   const ThreadArena& arena) {
+  grid.build({x, 3 * n}, reach, arena);
   v.resize(3 * grid.size());
-  for (size_t k = 0; k < grid.size(); ++k) store3(v.data(), k, load3(velocities, grid.point(k)));
+  arena.for_blocks(grid.size(), kBlockRows, [&](size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k) store3(v.data(), k, load3(velocities, grid.point(k)));
+  });
 }
 
-void Sorted::build_wide(const double* x, const double* velocities, size_t n, double reach) {
-  grid.build({x, 3 * n}, reach);
-  const size_t m = grid.size();
+void Sorted::build_wide(const double* x, const double* velocities, size_t n, double reach,
+                        const ThreadArena& arena) {
+  grid.build({x, 3 * n}, reach, arena);
   xs.resize(n + kAtOnce), ys.resize(n + kAtOnce), zs.resize(n + kAtOnce), x4.resize(4 * n), v4.resize(4 * n);
-  for (size_t k = 0; k < m; ++k) {
-    const Vec3 p = grid.position(k), u = load3(velocities, grid.point(k));
-    xs[k] = p.x, ys[k] = p.y, zs[k] = p.z;
-    x4[4 * k] = p.x, x4[4 * k + 1] = p.y, x4[4 * k + 2] = p.z, x4[4 * k + 3] = 0;
-    v4[4 * k] = u.x, v4[4 * k + 1] = u.y, v4[4 * k + 2] = u.z, v4[4 * k + 3] = 0;
-  }
+  arena.for_blocks(grid.size(), kBlockRows, [&](size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k) {
+      const Vec3 p = grid.position(k), u = load3(velocities, grid.point(k));
+      xs[k] = p.x, ys[k] = p.y, zs[k] = p.z;
+      x4[4 * k] = p.x, x4[4 * k + 1] = p.y, x4[4 * k + 2] = p.z, x4[4 * k + 3] = 0;
+      v4[4 * k] = u.x, v4[4 * k + 1] = u.y, v4[4 * k + 2] = u.z, v4[4 * k + 3] = 0;
+    }
+  });
 }
 
 namespace {

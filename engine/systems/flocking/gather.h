@@ -20,9 +20,10 @@ struct Sorted {
   std::vector<double> x4, v4;      ///< n x 4, the last one 0
 
   /// Positions and velocities as n x 3 only.
-  void build(const double* x, const double* velocities, size_t n, double reach);
+  void build(const double* x, const double* velocities, size_t n, double reach, const ThreadArena& arena);
   /// All layouts.
-  void build_wide(const double* x, const double* velocities, size_t n, double reach);
+  void build_wide(const double* x, const double* velocities, size_t n, double reach,
+                  const ThreadArena& arena);
 };
 
 /// Squares of radii (m^2), the radius of separation (m), and the cosine of half of the angle of view.

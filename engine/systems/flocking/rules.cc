@@ -57,7 +57,7 @@ Vec3 Flocking::avoidance(const State& s, const Vec3& x, const Vec3& heading, dou
 void Flocking::steer(State& s, const StepInput& in) const {
   double *x = s.f64(Columns::position).data(), *v = s.f64(Columns::velocity).data();
   auto& sorted = in.workspace.object<Sorted>("flocking.sorted");
-  sorted.build_wide(x, v, boids_, reach_);
+  sorted.build_wide(x, v, boids_, reach_, in.arena);
   const double apart = weight(s, Weight::separation), along = weight(s, Weight::alignment),
                joined = weight(s, Weight::cohesion);
   const Sight sight{.reach2 = reach_ * reach_,
@@ -104,7 +104,7 @@ void Flocking::steer(State& s, const StepInput& in) const {
 void Flocking::align(State& s, const StepInput& in) const {
   double *x = s.f64(Columns::position).data(), *v = s.f64(Columns::velocity).data();
   auto& sorted = in.workspace.object<Sorted>("flocking.sorted");
-  sorted.build(x, v, boids_, reach_);
+  sorted.build(x, v, boids_, reach_, in.arena);
   const double noise = weight(s, Weight::noise), r2 = reach_ * reach_;
   in.arena.for_blocks(sorted.grid.size(), kBlock, [&](size_t begin, size_t end) {
     for (size_t slot = begin; slot < end; ++slot) {

@@ -30,7 +30,7 @@ void NeighbourList::update(const ListSetting& setting, std::span<const double> r
   reference_.assign(reference.begin(), reference.end());
   cell_ = cell, reach_ = setting.reach;
   add_images(setting, reference, cell);
-  sort(setting);
+  sort(setting, arena);
   const size_t n = centres_.size();
   ranges_.resize(n);
   blocks_.resize((n + kBlock - 1) / kBlock);
@@ -78,10 +78,10 @@ void NeighbourList::add_images(const ListSetting& setting, std::span<const doubl
   add(kNobody, low, {}), add(kNobody, high, {});
 }
 
-void NeighbourList::sort(const ListSetting& setting) {
+void NeighbourList::sort(const ListSetting& setting, const ThreadArena& arena) {
   const size_t n = reference_.size() / 3;
   grid_.reserve(points_.capacity() / 3);
-  grid_.build(points_, setting.reach);
+  grid_.build(points_, setting.reach, arena);
   // Without atoms whose position is not finite, which have no neighbours.
   const size_t all = grid_.size();
   for (auto* column : {&px_, &py_, &pz_}) make_room(*column, all + 4), column->resize(all + 4);

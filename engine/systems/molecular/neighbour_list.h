@@ -60,7 +60,7 @@ class NeighbourList {
     uint32_t begin, count;
   };
   void add_images(const ListSetting& setting, std::span<const double> reference, const Cell& cell);
-  void sort(const ListSetting& setting);
+  void sort(const ListSetting& setting, const ThreadArena& arena);
   void find(const ListSetting& setting, size_t begin, size_t end);
   size_t keep_allowed(const ListSetting& setting, uint32_t atom, uint32_t* list, size_t count) const;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/mass_points.h"
 #include "engine/systems/mpm/mpm.h"
 
 namespace truestep::mpm {
@@ -61,13 +62,13 @@ void Mpm::observe(const State& s, double t, Observables& out) const {
   const Setting& set = *setting_;
   const RealColumn<const double> x(s, columns::position), v(s, columns::velocity), c(s, columns::affine),
       f(s, columns::deformation), plastic(s, columns::plastic), jacobian(s, columns::jacobian);
-  const Vec3 g = load3(s.f64(columns::gravity).data(), 0);
   const auto d = static_cast<size_t>(set.def.dimension);
   const double cell = set.def.cell;
   const double second = (set.def.splines == Splines::quadratic ? 0.25 : 1.0 / 3) * cell * cell;
   const bool affine = set.def.transfer == Transfer::apic;
-  double kinetic = 0, elastic = 0, height = 0, mass = 0, strain = 0, least = HUGE_VAL, most = 0;
-  Vec3 p, l, centre, low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = -low;
+  MassPoints all(load3(s.f64(columns::gravity).data(), 0));
+  double elastic = 0, strain = 0, least = HUGE_VAL, most = 0;
+  Vec3 l;
   for_runs(set, s, [&](const Piece& piece, size_t begin, size_t end) {
     const double m = piece.mass;
     elastic += piece.volume * (d == 2 ? energy_densities<2>(piece, begin, end, f, jacobian, plastic)
@@ -75,9 +76,8 @@ void Mpm::observe(const State& s, double t, Observables& out) const {
     for (size_t i = begin; i < end; ++i) {
       const Vec3 at = x.vector(i), u = v.vector(i);
       const double j = jacobian.at(i), q = plastic.at(i);
-      kinetic += 0.5 * m * norm2(u), mass += m;
-      height -= m * dot(g, at);
-      p += u * m, l += cross(at, u) * m, centre += at * m;
+      all.add(m, at, u);
+      l += cross(at, u) * m;
       if (affine) {
         // What the affine velocity around a particle adds (Jiang et al. 2015, section 5.3).
         const auto turn = [&](size_t r, size_t k) {
@@ -87,29 +87,22 @@ void Mpm::observe(const State& s, double t, Observables& out) const {
       }
       strain += m * (piece.material.law == Law::snow ? 1 - q : q);
       least = std::min(least, j), most = std::max(most, j);
-      low = {std::min(low.x, at.x), std::min(low.y, at.y), std::min(low.z, at.z)};
-      high = {std::max(high.x, at.x), std::max(high.y, at.y), std::max(high.z, at.z)};
     }
   });
   const size_t n = s.rows(columns::position);
-  if (n == 0) low = high = centre / mass;  // no particles, no bounds: not a number
-  out.add("energy.kinetic", kinetic, "J");
+  out.add("energy.kinetic", all.kinetic, "J");
   out.add("energy.elastic", elastic, "J");
-  out.add("energy.gravity", height, "J");
-  out.add("energy.total", kinetic + elastic + height, "J");
-  const auto add = [&](const std::string& name, const Vec3& a, const char* unit) {
-    out.add(name + ".x", a.x, unit), out.add(name + ".y", a.y, unit), out.add(name + ".z", a.z, unit);
-  };
-  add("momentum", p, "kg m/s");
-  add("angular_momentum", l, "kg m^2/s");
-  add("centre", centre / mass, "m");
-  add("low", low, "m");
-  add("high", high, "m");
-  out.add("plastic.mean", strain / mass, "1");
+  out.add("energy.gravity", all.height, "J");
+  out.add("energy.total", all.kinetic + elastic + all.height, "J");
+  add_vector(out, "momentum", all.momentum, "kg m/s");
+  add_vector(out, "angular_momentum", l, "kg m^2/s");
+  all.observe_centre(out);
+  all.observe_extent(out);
+  out.add("plastic.mean", strain / all.mass, "1");
   out.add("jacobian.min", least, "1");
   out.add("jacobian.max", most, "1");
   if (!set.exact.empty()) out.add("error.exact", distance_from_exact(set, x, t), "m");
-  out.add("mass", mass, "kg");
+  out.add("mass", all.mass, "kg");
   if (!set.def.changes()) return;
   const auto c_of = s.span<uint64_t>(columns::counts);
   out.add("count", static_cast<double>(n), "1");

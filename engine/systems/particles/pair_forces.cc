@@ -16,9 +16,9 @@ double largest_cutoff(std::span<const PairLaw> laws) {
   return reach;
 }
 
-PointGrid& grid_of(const Phase& at, double reach, Workspace& workspace) {
-  PointGrid& grid = workspace.object<PointGrid>("particles.grid");
-  grid.build(at.x, reach);
+PointGrid& grid_of(const Phase& at, double reach, Evaluation& e) {
+  PointGrid& grid = e.workspace.object<PointGrid>("particles.grid");
+  grid.build(at.x, reach, e.arena);
   return grid;
 }
 
@@ -56,7 +56,7 @@ std::vector<PairLaw> pair_laws(const std::vector<PairForceDef>& defs) {
 void add_pair_forces(std::span<const PairLaw> laws, const Phase& at, const double* mass, std::span<double> a,
                      Evaluation& e) {
   const double reach = largest_cutoff(laws);
-  const PointGrid& grid = grid_of(at, reach, e.workspace);
+  const PointGrid& grid = grid_of(at, reach, e);
   const double* v = at.v.data();
   e.arena.for_blocks(grid.size(), kPairBlock, [&](size_t begin, size_t end) {
     for (size_t slot = begin; slot < end; ++slot) {
@@ -76,7 +76,7 @@ void add_pair_forces(std::span<const PairLaw> laws, const Phase& at, const doubl
 
 double pair_potential_energy(std::span<const PairLaw> laws, const Phase& at, Evaluation& e) {
   const double reach = largest_cutoff(laws);
-  const PointGrid& grid = grid_of(at, reach, e.workspace);
+  const PointGrid& grid = grid_of(at, reach, e);
   return e.arena.sum_blocks(grid.size(), kPairBlock, [&](size_t begin, size_t end) {
     double sum = 0;
     for (size_t slot = begin; slot < end; ++slot) {

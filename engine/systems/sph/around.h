@@ -28,7 +28,7 @@ inline Around<D, T> look_around(const Fluid<D, T>& f, size_t i, size_t high, Chu
   Around<D, T> out;
   int c[3] = {};
   for (size_t a = 0; a < D; ++a) c[a] = f.cells.along(double{f.x[a][i]}, static_cast<int>(a));
-  const size_t stop = std::min(high, size_t{f.cells.start[f.cells.of(c) + 1]});
+  const size_t stop = std::min(high, size_t{f.order.start(f.cells.of(c) + 1)});
   out.stop = stop;
   for (size_t a = 0; a < D; ++a) {
     const T* x = f.x[a].data();
@@ -41,13 +41,14 @@ inline Around<D, T> look_around(const Fluid<D, T>& f, size_t i, size_t high, Chu
   }
   size_t least = f.n, before = 0, seen = 0;
   bool ascends = true;
-  f.cells.around(c, [&](size_t begin, size_t end, const double* shift) {
+  f.cells.around(c, [&](size_t from, size_t to, const double* shift) {
+    const size_t begin = f.order.start(from), end = f.order.start(to);
     ascends = ascends && begin >= before;
     least = std::min(least, begin), before = end, seen += end - begin;
     out.runs[out.run_count++] = {begin, end, {shift[0], shift[1], shift[2]}};
   });
   chunk.need_around(seen);
-  chunk.around_in_order = ascends && before <= least + 0x10000;
+  chunk.around_in_order = ascends && before <= least + kMostAbove + 1;
   return out;
 }
 

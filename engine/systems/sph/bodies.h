@@ -191,9 +191,9 @@ class BodiesIn {
     for (int z = low[2]; z <= high[2]; ++z) {
       for (int y = low[1]; y <= high[1]; ++y) {
         int c[3] = {low[0], y, z};
-        const size_t first = f.cells.start[f.cells.of(c)];
+        const size_t first = f.order.start(f.cells.of(c));
         c[0] = high[0];
-        const size_t last = f.cells.start[f.cells.of(c) + 1];
+        const size_t last = f.order.start(f.cells.of(c) + 1);
         for (size_t i = first; i < last; ++i) {
           const Vec3 x{double{f.x[0][i]}, double{f.x[1][i]}, D == 3 ? double{f.x[2][i]} : 0};
           const Vec3 local = frame.inverse_point(x);

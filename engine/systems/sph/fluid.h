@@ -8,79 +8,12 @@
 #include <vector>
 
 #include "engine/base/parallel.h"
+#include "engine/neighbours/cell_lattice.h"
+#include "engine/neighbours/cell_order.h"
 #include "engine/systems/sph/pair_list.h"
 #include "engine/systems/sph/setting.h"
 
 namespace truestep::sph {
-
-/// Cells of at least the kernel's radius over the box, x fastest.
-template <int D>
-struct Cells {
-  double low[3] = {}, width[3] = {}, per_metre[3] = {};
-  int count[3] = {1, 1, 1};
-  bool wraps[3] = {};
-  std::vector<uint32_t> start;
-
-  void set(const SphDef& d, double support) {
-    const double lows[3] = {d.low.x, d.low.y, d.low.z}, highs[3] = {d.high.x, d.high.y, d.high.z};
-    size_t all = 1;
-    for (int a = 0; a < D; ++a) {
-      low[a] = lows[a], width[a] = highs[a] - lows[a], wraps[a] = d.wraps(a);
-      // A little wider than the radius, to allow for rounding of positions.
-      count[a] = std::max(1, static_cast<int>(width[a] / (support * 1.0001)));
-      per_metre[a] = count[a] / width[a];
-      all *= static_cast<size_t>(count[a]);
-    }
-    start.assign(all + 1, 0);
-  }
-  int along(double x, int a) const {
-    const double c = (x - low[a]) * per_metre[a];
-    return c > 0 ? std::min(static_cast<int>(c), count[a] - 1) : 0;
-  }
-  size_t of(const int* c) const {
-    return (static_cast<size_t>(c[2]) * static_cast<size_t>(count[1]) + static_cast<size_t>(c[1])) *
-               static_cast<size_t>(count[0]) +
-           static_cast<size_t>(c[0]);
-  }
-  /// visit(begin, end, shift): runs of slots of the cells around c, and the shift (m) that brings them next
-  /// to it.
-  template <class Visit>
-  void around(const int* c, const Visit& visit) const {
-    double shift[3] = {};
-    const int reach_z = D == 3 ? 1 : 0;
-    for (int z = -reach_z; z <= reach_z; ++z) {
-      int at[3] = {0, 0, c[2] + z};
-      if (!fold(2, at, shift)) continue;
-      for (int y = -1; y <= 1; ++y) {
-        at[1] = c[1] + y;
-        if (!fold(1, at, shift)) continue;
-        const int from = std::max(c[0] - 1, 0), to = std::min(c[0] + 1, count[0] - 1);
-        shift[0] = 0;
-        run(at, from, to, shift, visit);
-        if (!wraps[0]) continue;
-        if (c[0] == 0) shift[0] = -width[0], run(at, count[0] - 1, count[0] - 1, shift, visit);
-        if (c[0] == count[0] - 1) shift[0] = width[0], run(at, 0, 0, shift, visit);
-      }
-    }
-  }
-
- private:
-  bool fold(int a, int* at, double* shift) const {
-    shift[a] = 0;
-    if (a >= D || (at[a] >= 0 && at[a] < count[a])) return true;
-    if (!wraps[a]) return false;
-    const bool below = at[a] < 0;
-    at[a] += below ? count[a] : -count[a];
-    shift[a] = below ? -width[a] : width[a];
-    return true;
-  }
-  template <class Visit>
-  void run(int* at, int from, int to, const double* shift, const Visit& visit) const {
-    at[0] = from;
-    const size_t first = of(at);
-    visit(start[first], start[first + static_cast<size_t>(to - from) + 1], shift);
-  }
-};
 
 template <int D, class T>
 struct Fluid {
@@ -88,9 +21,9 @@ struct Fluid {
   static constexpr size_t kLanes = W::kLanes;
 
   size_t n = 0;
-  T unit = 1;  ///< 1/m, of the gradients in lists
-  Cells<D> cells;
-  std::vector<uint32_t> row, cell_of, cursor;
+  T unit = 1;                ///< 1/m, of the gradients in lists
+  CellLattice<D> cells;      ///< at least as wide as the kernel's radius
+  CellOrder order;           ///< of the rows
   Aligned<T> x[3];           ///< m, kLanes more than rows
   Aligned<T> place;          ///< m, four a row: positions again, for lists that are renewed
   Aligned<T> v, a;           ///< m/s and m/s^2, four numbers a row
@@ -112,13 +45,16 @@ struct Fluid {
   Aligned<T> shift, inside;                  ///< m, four a row; 1: of particles that are shifted (shifting.h)
   Aligned<T> rests;  ///< 1, how nearly a particle's pressure is that of a fluid at rest
   std::vector<Chunk<T>> chunks;
-  std::vector<double> partial;  ///< by chunk or block
+  std::vector<double> partial;                                           ///< by chunk or block
+  const SumLoops* wide_sums = kRounded<T> ? wide_sum_loops() : nullptr;  ///< of this processor, if any
 
   /// Whether nothing moves a particle. It then has no pressure either: others would have to yield in its
   /// place.
   bool fixed(size_t i) const { return weighted && light[i] == 0; }
   T lightness(size_t i) const { return weighted ? light[i] : T{1}; }
 
+  /// Row of a slot's particle.
+  size_t row(size_t slot) const { return order.point(slot); }
   /// m along axis a: the offset between two particles, in a periodic box that of their nearest images.
   [[gnu::always_inline]] W nearest_image(size_t a, W way) const {
     if (!cells.wraps[a]) return way;
@@ -132,6 +68,7 @@ struct Fluid {
   void reserve(size_t rows, double neighbours, size_t extras) {
     if (!chunks.empty()) return;
     resize(rows);
+    order.reserve(rows, 0);
     for (Chunk<T>& c : chunks) {
       const auto entries = static_cast<size_t>(kChunk * neighbours);
       c.need(entries, extras);
@@ -146,7 +83,6 @@ struct Fluid {
       c->resize(n);
     if (weighted) light.resize(n), held.resize(n);
     if (renews) place.resize(4 * n);
-    row.resize(n), cell_of.resize(n);
     if (chunks.size() < chunks_in_use()) chunks.resize(chunks_in_use());
   }
 
@@ -161,24 +97,51 @@ struct Fluid {
       }
     });
   }
-  /// Sum and maximum of the first numbers that body(slot, chunk, begin, end) returns, none of them negative,
+  /// body(slot, sums) for every particle, in any order; sums: of gradient times numbers[slot] over its list.
+  template <class Body>
+  void each_sum(const Aligned<T>& numbers, const ThreadArena& arena, const Body& body) const {
+    arena.for_blocks(chunks_in_use(), 4, [&](size_t first, size_t last) {
+      T sums[4 * kChunk];
+      for (size_t k = first; k < last; ++k) {
+        const size_t low = k * kChunk, count = std::min(n - low, kChunk);
+        chunks[k].sum_times(numbers, count, wide_sums, sums);
+        for (size_t i = 0; i < count; ++i) body(low + i, sums + 4 * i);
+      }
+    });
+  }
+  /// Sum and maximum of the first numbers that body(slot) returns, none of them negative,
   /// and sums of the second and the third.
   struct Tally {
     double sum = 0, most = 0, second = 0, third = 0;
+    void add(const std::array<double, 3>& of) {
+      sum += of[0], second += of[1], third += of[2];
+      if (!(of[0] <= most)) most = of[0];
+    }
   };
   template <class Body>
   Tally tally(const ThreadArena& arena, const Body& body) {
+    return tally_chunks(arena, [&](size_t low, size_t high, Tally& part) {
+      for (size_t i = low; i < high; ++i) part.add(body(i));
+    });
+  }
+  /// The same of body(slot, sum), the sum of the products of gradients and rows[slot] over its list.
+  template <class Body>
+  Tally tally_dots(const Aligned<T>& rows, const ThreadArena& arena, const Body& body) {
+    return tally_chunks(arena, [&](size_t low, size_t high, Tally& part) {
+      T dots[kChunk];
+      chunks[low / kChunk].sum_dot(rows, high - low, wide_sums, dots);
+      for (size_t i = low; i < high; ++i) part.add(body(i, dots[i - low]));
+    });
+  }
+
+ private:
+  template <class Body>
+  Tally tally_chunks(const ThreadArena& arena, const Body& body) {
     partial.resize(4 * chunks_in_use());
     arena.for_blocks(chunks_in_use(), 4, [&](size_t first, size_t last) {
       for (size_t k = first; k < last; ++k) {
-        const Chunk<T>& c = chunks[k];
-        const size_t low = k * kChunk, high = std::min(n, low + kChunk);
         Tally part;
-        for (size_t i = low; i < high; ++i) {
-          const auto [value, second, third] = body(i, c, c.first[i - low], c.first[i - low + 1]);
-          part.sum += value, part.second += second, part.third += third;
-          if (!(value <= part.most)) part.most = value;
-        }
+        body(k * kChunk, std::min(n, (k + 1) * kChunk), part);
         partial[4 * k] = part.sum, partial[4 * k + 1] = part.most;
         partial[4 * k + 2] = part.second, partial[4 * k + 3] = part.third;
       }

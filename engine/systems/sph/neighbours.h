@@ -1,7 +1,6 @@
 // Sorting particles into cells and listing their neighbours with kernel values and gradients.
 #pragma once
 #include <type_traits>
-#include <utility>
 
 #include "engine/systems/sph/around.h"
 
@@ -32,43 +31,28 @@ class Neighbours {
   bool wide() const { return wide_ != nullptr; }
   void leave_out_wide() { wide_ = nullptr; }
 
-  /// Order by cell for positions given as n x 3, ties by row: fills row and x of f.
+  /// Order by cell for positions given as n x 3, ties by row: fills the order, cells and x of f.
   void sort(Fluid<D, T>& f, const T* place, const ThreadArena& arena) const {
-    Cells<D>& cells = f.cells;
-    if (cells.start.empty()) cells.set(set_.def, set_.support);
-    const size_t n = f.n, all = cells.start.size() - 1;
-    // Rows are counted and scattered in parts, each with cursors of its own in every cell.
-    const size_t parts = std::max(n, set_.capacity) >= kParts * kBlockRows ? kParts : 1;
-    const size_t part = std::max((n + parts - 1) / parts, size_t{1});
-    f.cursor.resize(parts * all);
-    const auto cursor = [&](size_t begin) { return f.cursor.data() + begin / part * all; };
-    arena.for_blocks(n, part, [&](size_t begin, size_t end) {
-      uint32_t* count = cursor(begin);
-      std::fill(count, count + all, 0);
-      for (size_t i = begin; i < end; ++i) {
-        int c[3] = {};
-        for (int a = 0; a < D; ++a) c[a] = cells.along(double{place[3 * i + static_cast<size_t>(a)]}, a);
-        f.cell_of[i] = static_cast<uint32_t>(cells.of(c));
-        ++count[f.cell_of[i]];
-      }
-    });
-    uint32_t next = 0;
-    for (size_t k = 0; k < all; ++k) {
-      cells.start[k] = next;
-      for (size_t p = 0; p * part < n; ++p) next += std::exchange(f.cursor[p * all + k], next);
-    }
-    cells.start[all] = next;
-    arena.for_blocks(n, part, [&](size_t begin, size_t end) {
-      uint32_t* at = cursor(begin);
-      for (size_t i = begin; i < end; ++i) f.row[at[f.cell_of[i]]++] = static_cast<uint32_t>(i);
-    });
-    arena.for_blocks(n, kBlockRows, [&](size_t begin, size_t end) {
+    const SphDef& d = set_.def;
+    const double low[3] = {d.low.x, d.low.y, d.low.z}, high[3] = {d.high.x, d.high.y, d.high.z};
+    // A little wider than the radius, to allow for rounding of positions.
+    f.cells.divide(low, high, set_.support * 1.0001);
+    for (int a = 0; a < D; ++a) f.cells.wraps[a] = d.wraps(a);
+    f.order.sort(
+        f.n, f.cells.cells(),
+        [&](size_t i) {
+          int c[3] = {};
+          for (int a = 0; a < D; ++a) c[a] = f.cells.along(double{place[3 * i + static_cast<size_t>(a)]}, a);
+          return f.cells.of(c);
+        },
+        arena);
+    arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
-        for (size_t a = 0; a < D; ++a) f.x[a][k] = place[3 * size_t{f.row[k]} + a];
+        for (size_t a = 0; a < D; ++a) f.x[a][k] = place[3 * f.row(k) + a];
       }
     });
     for (size_t a = 0; a < D; ++a) {
-      for (size_t k = n; k < n + kLanes; ++k) f.x[a][k] = 0;
+      for (size_t k = f.n; k < f.n + kLanes; ++k) f.x[a][k] = 0;
     }
   }
 
@@ -109,7 +93,6 @@ class Neighbours {
 
  private:
   static constexpr size_t kAhead = 16;  ///< groups
-  static constexpr size_t kParts = 4;   ///< in which rows are sorted, whatever the number of threads
   struct Scales {
     Scales(const Neighbours& of, const Fluid<D, T>& f)
         : far(W::all(static_cast<T>(of.set_.support * of.set_.support))),

@@ -1,6 +1,7 @@
 // Neighbour lists as the passes read them: each entry a slot and the gradient of the kernel there times a
 // particle's volume, in groups of as many entries as Wide has lanes. Passes are bound by memory, so entries
-// are small: slots are stored as 16-bit offsets from the first of their group, and float gradients as 16-bit
+// are small: slots are stored as 16-bit offsets from the first of their group (for floats twice that, which
+// the scaled index of a load turns into the place of a number or of a row), and float gradients as 16-bit
 // multiples of a unit, the steepest gradient over 32,700. Rounding is an odd function, so two neighbours have
 // exactly opposite gradients and momentum is conserved; a list's sums (density's gradient, stiffness) use the
 // rounded ones. A partial group is padded with its first slot and gradients of 0.
@@ -12,6 +13,7 @@
 #include "engine/base/cache_line.h"
 #include "engine/kernels/sph/gather.h"
 #include "engine/kernels/sph/lanes.h"
+#include "engine/kernels/sph/wide/sum_loops.h"
 
 namespace truestep::sph {
 
@@ -26,16 +28,24 @@ template <class T>
 inline constexpr bool kRounded = sizeof(T) == 4;
 inline constexpr double kGradientSteps = 32'700;
 
+/// The largest offset of a slot from the first of its group.
+inline constexpr size_t kMostAbove = 0x7fff;
+
 /// As many entries as Wide has lanes, in one run of memory that a pass reads from end to end. An entry is a
 /// row of four numbers: the gradient in the fluid's `unit` (1/m), volume times that of W, and for floats the
-/// slot as an offset from the first entry's. Sums over neighbours then need no transposing.
+/// slot as twice its offset from the first entry's. Sums over neighbours then need no transposing.
 template <class T>
 struct Group {
   static constexpr size_t kLanes = Wide<T>::kLanes;
   T g[kLanes][4];
   uint16_t slots[kLanes];  ///< offsets from the first entry's
 
-  uint16_t above(size_t lane) const { return slots[lane]; }
+  size_t above(size_t lane) const { return slots[lane]; }
+  /// The row of `Width` numbers of an entry's slot; that of the first entry is at `rows`.
+  template <size_t Width>
+  const T* place(const T* rows, size_t lane) const {
+    return rows + Width * size_t{slots[lane]};
+  }
   /// Stores gradients, the first three numbers of each row, and slots relative to the first one.
   void set(const Wide<T> gradient[3], const typename Wide<T>::Mask& over) {
     store_rows3(g, gradient);
@@ -52,18 +62,29 @@ template <>
 struct Group<float> {
   int16_t g[8][4];
 
-  uint16_t above(size_t lane) const { return static_cast<uint16_t>(g[lane][3]); }
-  void set(const Wide<float> gradient[3], const Wide<float>::Mask& over) { store_rows4(g, gradient, over); }
+  size_t above(size_t lane) const { return size_t{static_cast<uint16_t>(g[lane][3])} / 2; }
+  template <size_t Width>
+  [[gnu::always_inline]] const float* place(const float* rows, size_t lane) const {
+    static_assert(2 * sizeof(float) == 8);
+    return reinterpret_cast<const float*>(reinterpret_cast<const char*>(rows) +
+                                          Width * 2 * size_t{static_cast<uint16_t>(g[lane][3])});
+  }
+  void set(const Wide<float> gradient[3], const Wide<float>::Mask& over) {
+    store_rows4(g, gradient, over + over);
+  }
   Wide<float>::Mask padding() const {
     return (load_last(g) == 0) & (Wide<float>::Mask{0, 1, 2, 3, 4, 5, 6, 7} > 0);
   }
 };
-/// Acts as an array of a group's slots, from entry `first` on.
+/// An index for loads by a group's slots, from entry `first` on.
 template <class T>
 struct SlotsOf {
   const Group<T>& group;
   size_t first = 0;
-  size_t operator[](size_t lane) const { return group.above(first + lane); }
+  template <size_t Width>
+  [[gnu::always_inline]] const T* place(const T* rows, size_t lane) const {
+    return group.template place<Width>(rows, first + lane);
+  }
 };
 
 /// Neighbour lists of kChunk particles. Entries are counted from 0; k is the first of a group.
@@ -82,10 +103,10 @@ struct Chunk {
   /// slots, and rows of both (the fourth number has the slot's bits; the wide-register loops use the rows for
   /// other things). Slot i of the current cell is at i + own.
   Aligned<T> around[3], around_rows;
-  std::vector<uint32_t> around_slots;
+  Aligned<uint32_t> around_slots;
   Aligned<uint32_t> near;  ///< of the list being made: indices of its neighbours among those around
   size_t around_count = 0, around_seen = 0, own = 0;
-  /// Whether slots of those around ascend and span at most 2^16, so that their offsets fit into 16 bits.
+  /// Whether slots of those around ascend and none is more than kMostAbove above another.
   bool around_in_order = false;
 
   /// Addresses of lists, for loops that would otherwise load them again after every store.
@@ -112,15 +133,28 @@ struct Chunk {
   [[gnu::always_inline]] void rows_of(const Aligned<T>& rows, size_t k, W out[4]) const {
     gather_rows4(rows.data() + 4 * size_t{base[k / kLanes]}, SlotsOf<T>{group(k)}, out);
   }
-  /// Over the entries from `begin` to `end`: sums of gradient times numbers[slot] (the fourth is unused).
-  void sum_times(const Aligned<T>& numbers, size_t begin, size_t end, T out[4]) const {
-    sum_rows(over(begin, end,
-                  [&](size_t from, const SlotsOf<T>& slots) {
-                    return numbers_by_fours(numbers.data() + from, slots);
-                  }),
-             out);
+  /// For the first `count` particles: out[4 k + a] is the sum of gradient times numbers[slot] along axis a
+  /// (a = 3 is unused). `wide` are this processor's loops for floats, if it has any.
+  void sum_times(const Aligned<T>& numbers, size_t count, const SumLoops* wide, T* out) const {
+    if constexpr (kRounded<T>) {
+      if (wide) return wide->times(view(), count, numbers.data(), out);
+    }
+    for (size_t k = 0; k < count; ++k) {
+      sum_rows(over(first[k], first[k + 1],
+                    [&](size_t from, const SlotsOf<T>& slots) {
+                      return numbers_by_fours(numbers.data() + from, slots);
+                    }),
+               out + 4 * k);
+    }
   }
-  /// Sum of the products of gradients and rows[slot], for rows of four whose last number is 0.
+  /// The same of the products of gradients and rows[slot], for rows of four whose last number is 0: out[k].
+  void sum_dot(const Aligned<T>& rows, size_t count, const SumLoops* wide, T* out) const {
+    if constexpr (kRounded<T>) {
+      if (wide) return wide->dot(view(), count, rows.data(), out);
+    }
+    for (size_t k = 0; k < count; ++k) out[k] = sum_dot(rows, first[k], first[k + 1]);
+  }
+  /// The same of the entries from `begin` to `end`.
   T sum_dot(const Aligned<T>& rows, size_t begin, size_t end) const {
     return sum(over(begin, end, [&](size_t from, const SlotsOf<T>& slots) {
       return rows_side_by_side(rows.data() + 4 * from, slots);
@@ -199,7 +233,7 @@ struct Chunk {
     const Mask slots = __builtin_bit_cast(Mask, there[3].v), above = slots - slots[0];
     size_t full = std::min(count - at, kLanes);
     if constexpr (!InOrder) {
-      const uint32_t apart = ~lanes_set<T>((above >= 0) & (above <= 0xffff)) & ((1u << full) - 1);
+      const uint32_t apart = ~lanes_set<T>((above >= 0) & (above <= int{kMostAbove})) & ((1u << full) - 1);
       // A branch, so that the next group does not wait for this one's slots.
       if (apart != 0) [[unlikely]] {
         full = static_cast<size_t>(__builtin_ctz(apart));
@@ -219,6 +253,9 @@ struct Chunk {
     if (extras > 1) w.resize(room);
     if (extras > 2) q.resize(room);
   }
+
+  /// The lists as the wide-register loops take them.
+  ListView view() const { return {groups[0].g[0], base.data(), first}; }
 
  private:
   static constexpr T kFar = T(1e18);                       ///< m

@@ -354,15 +354,13 @@ Cost sph_cost(const void* def) {
   const Vec3 size = d.high - d.low;
   const double reach = d.support * d.spacing;
   const double cells = size.x * size.y * (plane ? 1 : size.z) / (reach * reach * (plane ? 1 : reach));
-  // Starts of cells, and their cursors for each part of the rows that are sorted in parallel (neighbours.h).
-  constexpr double kSortedByParts = 4.0 * kBlockRows;
   const double substeps = d.solver == Method::wcsph ? 10 : 2, passes = d.solver == Method::wcsph ? 3 : 30;
   return {.state_bytes = n * scalar * 10,
           .workspace_bytes = pairs * 1.5 * (d.precision == Precision::f32 ? 17 : 50) +
                              n * scalar *
                                  ((d.solves_viscosity() ? 67 : 42) +
                                   (d.shifting.value_or(d.without_sides() ? 2 : 0) > 0 ? 5 : 0)) +
-                             cells * (n >= kSortedByParts ? 20 : 8) + bytes_of_mesh_walls(d),
+                             cells * 4 + n * 4 + bytes_of_mesh_walls(d),
           .elements = n,
           .seconds_per_step = substeps * pairs * (4e-9 + passes * 0.7e-9)};
 }

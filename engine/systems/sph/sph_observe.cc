@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engine/base/text/short_number.h"
+#include "engine/core/mass_points.h"
 #include "engine/core/state/real_column.h"
 #include "engine/systems/sph/sph.h"
 
@@ -10,47 +11,33 @@ namespace truestep::sph {
 
 void Sph::observe(const State& s, double, Observables& out) const {
   const RealColumn<const double> x(s, columns::position), v(s, columns::velocity);
-  const Vec3 g = load3(s.f64(columns::gravity).data(), 0);
-  double kinetic = 0, height = 0;
-  Vec3 p, l, centre, low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = -low;
-  double mass = 0, pressed = 0;
-  Vec3 squares;
+  MassPoints all(load3(s.f64(columns::gravity).data(), 0));
+  Vec3 l, squares;
   const size_t n = s.rows(columns::position);
-  double fastest = 0, compression = 0, densest = 0;
+  double pressed = 0, compression = 0, densest = 0;
   const RealColumn<const double> density(s, columns::density), pressure(s, columns::pressure);
   for (size_t i = 0; i < n; ++i) {
     const Vec3 at = x.vector(i), u = v.vector(i);
     const double m = setting_->mass * setting_->ratio_of(s, i);
-    mass += m, pressed += pressure.at(i);
+    all.add(m, at, u);
+    l += cross(at, u) * m, pressed += pressure.at(i);
     squares += Vec3{at.x * at.x, at.y * at.y, at.z * at.z} * m;
     const double over = std::max(density.at(i) - 1, 0.0);
     compression += over, densest = std::max(densest, over);
-    kinetic += 0.5 * m * norm2(u), height -= m * dot(g, at);
-    fastest = std::max(fastest, norm2(u));
-    p += u * m, l += cross(at, u) * m, centre += at * m;
-    low = {std::min(low.x, at.x), std::min(low.y, at.y), std::min(low.z, at.z)};
-    high = {std::max(high.x, at.x), std::max(high.y, at.y), std::max(high.z, at.z)};
   }
-  out.add("energy.kinetic", kinetic, "J");
-  out.add("energy.gravity", height, "J");
-  out.add("energy.total", kinetic + height, "J");
-  const auto add = [&](const std::string& name, const Vec3& a, const char* unit) {
-    out.add(name + ".x", a.x, unit), out.add(name + ".y", a.y, unit), out.add(name + ".z", a.z, unit);
-  };
-  add("momentum", p, "kg m/s");
-  add("angular_momentum", l, "kg m^2/s");
-  if (n == 0) low = high = centre / mass;  // the position of no particles is not a number
-  add("centre", centre / mass, "m");
-  const Vec3 at = centre / mass;
+  all.observe_energy(out);
+  add_vector(out, "momentum", all.momentum, "kg m/s");
+  add_vector(out, "angular_momentum", l, "kg m^2/s");
+  all.observe_centre(out);
+  const Vec3 at = all.centre();
   const auto spread = [&](double square, double middle) {
-    return std::sqrt(std::max(square / mass - middle * middle, 0.0));
+    return std::sqrt(std::max(square / all.mass - middle * middle, 0.0));
   };
-  add("spread", {spread(squares.x, at.x), spread(squares.y, at.y), spread(squares.z, at.z)}, "m");
-  add("low", low, "m");
-  add("high", high, "m");
-  out.add("mass", setting_->ratio ? mass : setting_->mass * static_cast<double>(n), "kg");
+  add_vector(out, "spread", {spread(squares.x, at.x), spread(squares.y, at.y), spread(squares.z, at.z)}, "m");
+  all.observe_extent(out);
+  out.add("mass", setting_->ratio ? all.mass : setting_->mass * static_cast<double>(n), "kg");
   out.add("pressure.mean", n > 0 ? pressed / static_cast<double>(n) : 0, "Pa");
-  out.add("speed.max", std::sqrt(fastest), "m/s");
+  out.add("speed.max", all.speed(), "m/s");
   const auto r = s.f64(columns::report);
   out.add("density.mean_error", r[report::mean_error], "1");
   out.add("density.max_error", r[report::max_error], "1");
@@ -128,6 +115,9 @@ void Sph::warn(const State& s, double h, std::vector<Warning>& out) const {
     const double more = kSpare * setting_->sound * std::sqrt(value / limit);
     const double enough = setting_->sound_for(load3(s.f64(columns::gravity).data(), 0));
     w.detail += "a sound_speed of " + short_number(std::max(more, enough), 2) + " m/s would do";
+  } else if (setting_->closed) {
+    // Nothing solves for the density there: particles that are shifted keep it.
+    w.detail += "a smaller spacing or more shifting would do";
   } else {
     // Compression per substep grows with the square of its length.
     w.suggested_dt = h / std::max(1.0, r[report::substeps]) * std::sqrt(limit / value) / kSpare;

@@ -182,7 +182,9 @@ int run(const RunOptions& options) {
     if (!accuracy.empty()) report << "chosen  " << write_json(accuracy.at("chosen")) << '\n';
     print_verdicts(verdicts, reach, report);
     for (const SessionWarning& w : session.warnings())
-      std::cerr << "warning: system \"" << w.system << "\": " << w.warning.detail << '\n';
+      std::cerr << "warning: system \"" << w.system
+                << "\", from t = " << static_cast<double>(w.first_step) * dt << " s: " << w.warning.detail
+                << " (the worst so far)\n";
     if (interrupted())
       std::cerr << "interrupted at step " << session.step_index() << "; the requested files are written\n";
     if (failure) {

@@ -227,13 +227,13 @@ TEST(SphLists, RowsOfFourAreKeptAndSummed) {
   check(1.0f, int16_t{1}), check(1.0, 1.0);
 }
 
-// A slot that is more than 16 bits above the first of its group, or below it, begins another group.
+// A slot that is more than 2^15 above the first of its group, or below it, begins another group.
 TEST(SphLists, SlotsFarApartAreInGroupsOfTheirOwn) {
   const auto check = [](auto one) {
     using T = decltype(one);
     constexpr size_t kLanes = Wide<T>::kLanes;
     Chunk<T> c;
-    const uint32_t slots[] = {7, 9, 70'000, 70'001, 70'002, 3, 4, 65'539, 65'540};
+    const uint32_t slots[] = {7, 9, 70'000, 70'001, 70'002, 3, 4, 32'770, 32'771};
     constexpr size_t kCount = 9, kBegin = 16;
     c.need(kBegin + kLanes * kCount, 0);
     c.around_rows.resize(4 * kCount), c.near.resize(kCount + kLanes);
@@ -263,7 +263,7 @@ TEST(SphLists, SlotsFarApartAreInGroupsOfTheirOwn) {
       }
       at += taken.count;
     }
-    // 7 9 | 70000 70001 70002 | 3 4 65539 | 65540 - 3 is too much.
+    // 7 9 | 70000 70001 70002 | 3 4 32770 | 32771 - 3 is too much.
     EXPECT_EQ(end, kBegin + 4 * kLanes);
     EXPECT_EQ(found, std::vector<uint32_t>(std::begin(slots), std::end(slots)));
   };

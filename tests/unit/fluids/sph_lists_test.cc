@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <set>
 
 #include "engine/systems/sph/neighbours.h"
+#include "engine/systems/sph/solvers/passes.h"
 #include "tests/unit/fluids/sph_rig.h"
 
 namespace truestep::sph {
@@ -166,6 +168,85 @@ TEST(SphLists, EveryProcessorsLoopsMakeTheSame) {
   moved.f.x[0][7] += 1e-3f;
   moved.near.list(moved.f, moved.alone);
   EXPECT_NE(contents(moved), before);
+}
+
+/// Sums over all lists, as the passes make them.
+template <int D, class T>
+std::vector<T> sums_of(Listed<D, T>& all, bool wide) {
+  if (!wide) all.f.wide_sums = nullptr;
+  std::vector<T> out;
+  Aligned<T> numbers(all.f.n), rows(4 * all.f.n);
+  for (size_t i = 0; i < all.f.n; ++i) {
+    const auto u = uniform4(3, 0, i);
+    numbers[i] = static_cast<T>(u[3]);
+    for (size_t a = 0; a < 3; ++a) rows[4 * i + a] = static_cast<T>(u[a] - 0.5);
+  }
+  all.f.each_sum(numbers, all.alone, [&](size_t, const T* sums) { out.insert(out.end(), sums, sums + 3); });
+  all.f.tally_dots(rows, all.alone, [&](size_t, T dot) {
+    out.push_back(dot);
+    return std::array<double, 3>{0, 0, 0};
+  });
+  return out;
+}
+
+TEST(SphLists, EveryProcessorsLoopsSumTheSame) {
+  for (const Periodic periodic : {Periodic::none, Periodic::xyz}) {
+    Listed<3, float> all(shaken_water(periodic, Precision::f32, 3));
+    const auto wide = sums_of(all, true), plain = sums_of(all, false);
+    EXPECT_EQ(wide, plain);
+    // The same sums one entry at a time: groups of eight differ by rounding alone.
+    Listed<3, double> exact(shaken_water(periodic, Precision::f64, 3));
+    const auto expected = sums_of(exact, false);
+    ASSERT_EQ(wide.size(), expected.size());
+    double most = 0, largest = 0;
+    const double unit = double{all.f.unit} / exact.f.unit;
+    for (size_t k = 0; k < wide.size(); ++k) {
+      most = std::max(most, std::abs(unit * double{wide[k]} - expected[k]));
+      largest = std::max(largest, std::abs(expected[k]));
+    }
+    // Gradients are rounded to 1 / 32,700 of the steepest; some forty of them are added up.
+    EXPECT_LT(most, 1e-3 * largest);
+    EXPECT_GT(largest, 0) << "control";
+  }
+}
+
+/// m/s^2, of random velocities that neighbours blend: by slopes, and by slopes and weights.
+template <int D, class T>
+std::vector<T> blends_of(Listed<D, T>& all, bool wide) {
+  if (!wide) all.f.wide_sums = nullptr;
+  for (size_t i = 0; i < all.f.n; ++i) {
+    const auto u = uniform4(3, 0, i);
+    all.f.v[4 * i + 3] = 0;
+    for (size_t a = 0; a < 3; ++a) all.f.v[4 * i + a] = a < D ? static_cast<T>(u[a] - 0.5) : T{0};
+  }
+  blend_velocities(all.f, T(-0.01), T(0), all.alone);
+  std::vector<T> out(all.f.a.begin(), all.f.a.end());
+  blend_velocities(all.f, T(-0.01), T(2), all.alone);
+  out.insert(out.end(), all.f.a.begin(), all.f.a.end());
+  return out;
+}
+template <int D>
+void check_blends() {
+  Listed<D, float> all(shaken_water(Periodic::none, Precision::f32, D));
+  const auto wide = blends_of(all, true), plain = blends_of(all, false);
+  EXPECT_EQ(wide, plain);
+  Listed<D, double> exact(shaken_water(Periodic::none, Precision::f64, D));
+  const auto expected = blends_of(exact, false);
+  ASSERT_EQ(wide.size(), expected.size());
+  double most = 0, largest = 0;
+  for (size_t k = 0; k < wide.size(); ++k) {
+    most = std::max(most, std::abs(double{wide[k]} - expected[k]));
+    largest = std::max(largest, std::abs(expected[k]));
+  }
+  // Rounding of forty terms, and of the positions that slopes are taken at.
+  EXPECT_LT(most, 1e-4 * largest);
+  EXPECT_NE(std::vector<float>(wide.begin(), wide.begin() + static_cast<long>(wide.size() / 2)),
+            std::vector<float>(wide.begin() + static_cast<long>(wide.size() / 2), wide.end()))
+      << "control: weights count";
+}
+
+TEST(SphLists, EveryProcessorsLoopsBlendVelocitiesTheSame) {
+  check_blends<2>(), check_blends<3>();
 }
 
 // Where images make slots descend, groups end early; elsewhere lists need no such test.

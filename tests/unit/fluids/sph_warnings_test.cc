@@ -75,5 +75,28 @@ TEST(SphWarnings, WhatDfsphIsOffByIsThatOfItsState) {
   EXPECT_GT(doubled[0].value, 0.3);
 }
 
+// A box full of liquid without sides was told to step shorter or to solve longer, neither of which changes
+// its density.
+TEST(SphWarnings, AFullBoxIsToldOfShifting) {
+  SphDef d;
+  d.dimension = 2, d.spacing = 0.05, d.kernel = Smoothing::wendland_c2, d.support = 3;
+  d.viscosity = 0.01, d.xsph = 0, d.periodic = Periodic::xy, d.shifting = 0;
+  d.bodies = {{.center = {0.5, 0.5, 0}, .half_extents = {0.5, 0.5, 1}}};
+  d.initial = {"-cos(2 * pi * x) * sin(2 * pi * y)", "sin(2 * pi * x) * cos(2 * pi * y)"};
+  const auto after = [&d] {
+    SphRun run(d, 0.005);
+    run.seconds(0.3);
+    std::vector<Warning> out;
+    run.system.warn(run.state, run.h, out);
+    return out;
+  };
+  const auto gathered = after();
+  ASSERT_EQ(gathered.size(), 1u);
+  EXPECT_NE(gathered[0].detail.find("shifting"), std::string::npos) << gathered[0].detail;
+  EXPECT_EQ(gathered[0].suggested_dt, 0);
+  d.shifting = 4;
+  EXPECT_TRUE(after().empty()) << "control: the remedy works";
+}
+
 }  // namespace
 }  // namespace truestep::sph

@@ -41,6 +41,19 @@ TEST(PointGrid, FindsEveryNeighbourOnce) {
   }
 }
 
+TEST(PointGrid, IsTheSameForAnyNumberOfThreads) {
+  const auto x = cloud(20'000, 1);
+  const ThreadArena several(3);
+  PointGrid one, many;
+  one.build(x, 0.02), many.build(x, 0.02, several);
+  ASSERT_EQ(one.size(), many.size());
+  size_t wrong = 0;
+  for (size_t k = 0; k < one.size(); ++k) {
+    wrong += one.point(k) != many.point(k) || !(one.position(k) == many.position(k));
+  }
+  EXPECT_EQ(wrong, 0u);
+}
+
 TEST(PointGrid, LeavesOutWhatIsNotFinite) {
   auto x = cloud(10, 1);
   x[4] = std::numeric_limits<double>::quiet_NaN();

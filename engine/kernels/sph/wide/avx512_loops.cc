@@ -5,6 +5,7 @@
 #include <immintrin.h>
 
 #include "engine/kernels/sph/wide/cell_loops.h"
+#include "engine/kernels/sph/wide/sum_loops.h"
 
 namespace truestep::sph {
 namespace {
@@ -106,13 +107,13 @@ size_t find(const ListInput& in, size_t count, size_t i, const Found& out) {
   return found;
 }
 
-/// Two groups of entries.
+/// Two groups of entries; `above` are slots over the first of their group.
 void store_groups(int16_t* out, const Floats g[3], __m512i above) {
   const __m512i x = _mm512_cvttps_epi32(g[0].v), y = _mm512_cvttps_epi32(g[1].v),
                 z = _mm512_cvttps_epi32(g[2].v);
   constexpr __mmask32 kOdd = 0xaaaaaaaa;
   const __m512i xy = _mm512_mask_blend_epi16(kOdd, x, _mm512_slli_epi32(y, 16));
-  const __m512i zw = _mm512_mask_blend_epi16(kOdd, z, _mm512_slli_epi32(above, 16));
+  const __m512i zw = _mm512_mask_blend_epi16(kOdd, z, _mm512_slli_epi32(above, 17));
   // Of every four entries the first two and the last two.
   const __m512i a = _mm512_unpacklo_epi32(xy, zw), b = _mm512_unpackhi_epi32(xy, zw);
   const __m512i low = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11),
@@ -195,7 +196,120 @@ size_t lists(const ListInput& in, size_t count, size_t first, size_t stop, ListO
 template <Smoothing K>
 constexpr CellLoops kLoops[2] = {{around<2>, lists<K, 2>}, {around<3>, lists<K, 3>}};
 
+/// Gradients of four entries.
+Floats gradients_of(const int16_t* entries) {
+  return {_mm512_cvtepi32_ps(
+      _mm512_cvtepi16_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(entries))))};
+}
+/// The row of `Width` floats of an entry's slot.
+template <size_t Width>
+const float* place_of(const float* rows, const int16_t* entry) {
+  return reinterpret_cast<const float*>(reinterpret_cast<const char*>(rows) +
+                                        Width * 2 * static_cast<size_t>(static_cast<uint16_t>(entry[3])));
+}
+/// The numbers at the slots of four entries, each four times.
+Floats numbers_of(const float* numbers, const int16_t* entries) {
+  __m512 out = _mm512_broadcastss_ps(_mm_load_ss(place_of<1>(numbers, entries)));
+  out = _mm512_mask_broadcastss_ps(out, 0x00f0, _mm_load_ss(place_of<1>(numbers, entries + 4)));
+  out = _mm512_mask_broadcastss_ps(out, 0x0f00, _mm_load_ss(place_of<1>(numbers, entries + 8)));
+  return {_mm512_mask_broadcastss_ps(out, 0xf000, _mm_load_ss(place_of<1>(numbers, entries + 12)))};
+}
+/// The rows at the slots of four entries.
+Floats rows_of(const float* rows, const int16_t* entries) {
+  __m512 out = _mm512_castps128_ps512(_mm_load_ps(place_of<4>(rows, entries)));
+  out = _mm512_mask_broadcast_f32x4(out, 0x00f0, _mm_load_ps(place_of<4>(rows, entries + 4)));
+  out = _mm512_mask_broadcast_f32x4(out, 0x0f00, _mm_load_ps(place_of<4>(rows, entries + 8)));
+  return {_mm512_mask_broadcast_f32x4(out, 0xf000, _mm_load_ps(place_of<4>(rows, entries + 12)))};
+}
+
+/// store(particle, the eight lanes of its sum of gradients times factor(slot of a group's first, entries)).
+template <class Factor, class Store>
+void sum_lists(const ListView& in, size_t count, const Factor& factor, const Store& store) {
+  constexpr size_t kAhead = 16;  // groups; lists are larger than the caches
+  const int16_t* const groups = in.groups;
+  const uint32_t *const base = in.base, *const first = in.first;
+  size_t k = first[0] / 8;
+  for (size_t i = 0; i < count; ++i) {
+    const size_t end = first[i + 1] / 8;
+    // Of the first and of the last four entries of each group.
+    Floats low = Floats::zero(), high = Floats::zero();
+    for (; k != end; ++k) {
+      const int16_t* const group = groups + 32 * k;
+      __builtin_prefetch(group + 32 * kAhead);
+      const size_t from = base[k];
+      low = madd(gradients_of(group), factor(from, group), low);
+      high = madd(gradients_of(group + 16), factor(from, group + 16), high);
+    }
+    store(i, _mm256_add_ps(_mm256_add_ps(low.half<0>(), low.half<1>()),
+                           _mm256_add_ps(high.half<0>(), high.half<1>())));
+  }
+}
+__m128 sum_halves(__m256 a) {
+  return _mm_add_ps(_mm256_castps256_ps128(a), _mm256_extractf128_ps(a, 1));
+}
+
+void sum_times(const ListView& in, size_t count, const float* numbers, float* out) {
+  sum_lists(
+      in, count,
+      [numbers](size_t from, const int16_t* entries) { return numbers_of(numbers + from, entries); },
+      [out](size_t i, __m256 sum) { _mm_storeu_ps(out + 4 * i, sum_halves(sum)); });
+}
+void sum_dot(const ListView& in, size_t count, const float* rows, float* out) {
+  sum_lists(
+      in, count, [rows](size_t from, const int16_t* entries) { return rows_of(rows + 4 * from, entries); },
+      [out](size_t i, __m256 sum) {
+        const __m128 four = sum_halves(sum), two = _mm_add_ps(four, _mm_movehl_ps(four, four));
+        _mm_store_ss(out + i, _mm_add_ss(two, _mm_shuffle_ps(two, two, 1)));
+      });
+}
+
+template <bool Weights>
+void sum_differences_with(const ListView& in, size_t count, const PairFactors& by, const float* rows,
+                          size_t own, float* out) {
+  constexpr size_t kAhead = 16;
+  const int16_t* const groups = in.groups;
+  const uint32_t *const base = in.base, *const first = in.first;
+  const float *const slopes = by.slopes, *const weights = by.weights;
+  const __m256 slope = _mm256_set1_ps(by.slope), weight = _mm256_set1_ps(by.weight);
+  const __m512i fours = _mm512_setr_epi32(0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3),
+                others = _mm512_add_epi32(fours, _mm512_set1_epi32(4));
+  size_t k = first[0] / 8;
+  for (size_t i = 0; i < count; ++i) {
+    const size_t end = first[i + 1] / 8;
+    const Floats self = {_mm512_broadcast_f32x4(_mm_load_ps(rows + 4 * (own + i)))};
+    // Of the first and of the last four entries of each group.
+    Floats low = Floats::zero(), high = Floats::zero();
+    for (; k != end; ++k) {
+      const int16_t* const group = groups + 32 * k;
+      __builtin_prefetch(group + 32 * kAhead), __builtin_prefetch(slopes + 8 * (k + kAhead));
+      const float* const from = rows + 4 * static_cast<size_t>(base[k]);
+      __m256 factor = _mm256_mul_ps(slope, _mm256_loadu_ps(slopes + 8 * k));
+      if constexpr (Weights) {
+        factor = _mm256_add_ps(factor, _mm256_mul_ps(weight, _mm256_loadu_ps(weights + 8 * k)));
+      }
+      const __m512 each = _mm512_castps256_ps512(factor);
+      low = madd({_mm512_permutexvar_ps(fours, each)}, rows_of(from, group) - self, low);
+      high = madd({_mm512_permutexvar_ps(others, each)}, rows_of(from, group + 16) - self, high);
+    }
+    // The order in which the plain loops add up their eight lanes.
+    const Floats both = low + high;
+    _mm_storeu_ps(out + 4 * i, sum_halves(_mm256_add_ps(both.half<0>(), both.half<1>())));
+  }
+}
+void sum_differences(const ListView& in, size_t count, const PairFactors& by, const float* rows, size_t own,
+                     float* out) {
+  by.weights ? sum_differences_with<true>(in, count, by, rows, own, out)
+             : sum_differences_with<false>(in, count, by, rows, own, out);
+}
+
+constexpr SumLoops kSumLoops{sum_times, sum_dot, sum_differences};
+
 }  // namespace
+
+const SumLoops& avx512_sum_loops();
+const SumLoops& avx512_sum_loops() {
+  return kSumLoops;
+}
 
 const CellLoops& avx512_cell_loops(Smoothing kernel, int dimension);
 const CellLoops& avx512_cell_loops(Smoothing kernel, int dimension) {

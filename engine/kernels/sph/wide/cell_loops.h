@@ -1,6 +1,6 @@
 // Neighbour lists of one cell's particles, sixteen floats at once: loops for processors with AVX-512, chosen
 // when the program runs. They make the lists of systems/sph/neighbours.h, to the bit, where the slots around
-// a cell ascend and span at most 2^16.
+// a cell ascend and span at most 2^15.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -21,7 +21,8 @@ struct Found {
   uint32_t* slots;
 };
 
-/// Input of the loops. Scratch has room for the slots of all runs and sixteen more.
+/// Input of the loops. Scratch has room for the slots of all runs and sixteen more, and begins with a cache
+/// line.
 struct ListInput {
   const float* x[3];    ///< m, of all particles
   const float* light;   ///< 1, of all particles; nullptr: 1 everywhere

@@ -25,11 +25,8 @@ void LiquidFlow::bind(const FlowModel& m, std::span<const LiquidInlet> inlets, s
   affine_ = m.def.advection == GridFluidDef::Advection::apic;
   width_ = 2 * d + (affine_ ? d * d : 0);
   now_.reserve(most * width_), sorted_.reserve(most * width_);
-  for (std::vector<uint32_t>* v : {&row_, &rows_sorted_, &cell_, &layer_, &by_layer_}) v->reserve(most);
-  // Blocks of particles that are counted by themselves.
-  constexpr size_t kMostBlocks = 64;
-  layer_ends_.assign(std::clamp<size_t>(most / kParticles, 1, kMostBlocks) * g.cells[d - 1], 0);
-  first_.assign(g.cell_count() + 1, 0);
+  row_.reserve(most), rows_sorted_.reserve(most);
+  order_.reserve(most, g.cell_count());
   for (size_t c = 0; c < d; ++c) {
     for (Array* a : {&u_[c], &before_[c], &mass_[c], &factor_[c], &shift_[c]}) a->assign(n, 0);
     known_[c].assign(n, 0);
@@ -97,7 +94,7 @@ void LiquidFlow::load(const LiquidFields& f) {
   const size_t d = g.dimensions;
   rows_ = f.rows;
   for (Array* a : {&now_, &sorted_}) a->resize(rows_ * width_);
-  for (std::vector<uint32_t>* v : {&row_, &rows_sorted_, &cell_, &layer_, &by_layer_}) v->resize(rows_);
+  row_.resize(rows_), rows_sorted_.resize(rows_);
   arena_->for_blocks(rows_, kParticles, [&](size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
       double* to = particle(now_, p);
@@ -149,59 +146,26 @@ double LiquidFlow::crossing_rate(double t) {
   return other > most ? other : most;
 }
 
-// Sorts particles by cell, keeping their order within a cell: first by layers of cells across the last axis,
-// then by cells within each layer, both by counting.
+// Sorts particles by cell, keeping their order within a cell.
 template <size_t D>
 void LiquidFlow::sort() {
   const mac::MacGrid& g = model_->grid;
-  const size_t layers = g.cells[D - 1], layer = g.cell_count() / layers;
-  const size_t blocks = layer_ends_.size() / layers,
-               block = std::max<size_t>(1, (rows_ + blocks - 1) / blocks);
-  arena_->for_blocks(rows_, block, [&](size_t begin, size_t end) {
-    uint32_t* count = layer_ends_.data() + begin / block * layers;
-    std::fill_n(count, layers, 0u);
-    for (size_t p = begin; p < end; ++p) {
-      const double* x = particle(now_, p);
-      const auto place = [&](size_t a) { return std::min(static_cast<size_t>(x[a]), g.cells[a] - 1); };
-      size_t cell = 0;
-      for (size_t a = D - 1; a-- > 0;) cell = cell * g.cells[a] + place(a);
-      const size_t l = place(D - 1);
-      cell_[p] = static_cast<uint32_t>(cell), layer_[p] = static_cast<uint32_t>(l);
-      ++count[l];
-    }
-  });
-  // Where each block's particles of a layer start.
-  uint32_t sum = 0;
-  const size_t used = (rows_ + block - 1) / block;
-  for (size_t l = 0; l < layers; ++l) {
-    first_[l * layer] = sum;
-    for (size_t b = 0; b < used; ++b) {
-      uint32_t& start = layer_ends_[b * layers + l];
-      const uint32_t count = start;
-      start = sum, sum += count;
-    }
-  }
-  first_.back() = sum;
-  arena_->for_blocks(rows_, block, [&](size_t begin, size_t end) {
-    uint32_t* next = layer_ends_.data() + begin / block * layers;
-    for (size_t p = begin; p < end; ++p) by_layer_[next[layer_[p]]++] = static_cast<uint32_t>(p);
-  });
-  arena_->for_blocks(layers, 1, [&](size_t l, size_t) {
-    const size_t begin = first_[l * layer], end = first_[(l + 1) * layer];
-    thread_local std::vector<uint32_t> next;
-    next.assign(layer, 0);
-    for (size_t m = begin; m < end; ++m) ++next[cell_[by_layer_[m]]];
-    auto at = static_cast<uint32_t>(begin);
-    for (size_t c = 0; c < layer; ++c) {
-      // The layer's own first place is set already; the neighbours read it.
-      if (c > 0) first_[l * layer + c] = at;
-      const uint32_t count = next[c];
-      next[c] = at, at += count;
-    }
-    for (size_t m = begin; m < end; ++m) {
-      const size_t p = by_layer_[m], to = next[cell_[p]]++;
-      std::copy_n(particle(now_, p), width_, particle(sorted_, to));
-      rows_sorted_[to] = row_[p];
+  order_.sort(
+      rows_, g.cell_count(),
+      [&](size_t p) {
+        const double* x = particle(now_, p);
+        size_t cell = 0;
+        for (size_t a = D; a-- > 0;) {
+          cell = cell * g.cells[a] + std::min(static_cast<size_t>(x[a]), g.cells[a] - 1);
+        }
+        return cell;
+      },
+      *arena_);
+  arena_->for_blocks(rows_, kParticles, [&](size_t begin, size_t end) {
+    for (size_t k = begin; k < end; ++k) {
+      const size_t p = order_.point(k);
+      std::copy_n(particle(now_, p), width_, particle(sorted_, k));
+      rows_sorted_[k] = row_[p];
     }
   });
   now_.swap(sorted_), row_.swap(rows_sorted_);
@@ -221,7 +185,7 @@ void LiquidFlow::spread(LiquidFields& f) {
     arena_->for_blocks((slabs + 1 - colour) / 2, 1, [&](size_t begin, size_t end) {
       for (size_t s = begin; s < end; ++s) {
         const size_t low = (2 * s + colour) * kSlab, high = std::min(low + kSlab, last);
-        for (size_t p = first_[low * layer]; p < first_[high * layer]; ++p) {
+        for (size_t p = order_.start(low * layer); p < order_.start(high * layer); ++p) {
           const double* x = particle(now_, p);
           for (size_t c = 0; c < D; ++c) {
             mac::scatter<D>(g, mac::around_particle<D>(g, c, x), x[D + c],

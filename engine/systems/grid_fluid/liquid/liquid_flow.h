@@ -11,6 +11,7 @@
 #pragma once
 #include "engine/kernels/mac/surface.h"
 #include "engine/lattice/solvers/cut_poisson.h"
+#include "engine/neighbours/cell_order.h"
 #include "engine/systems/grid_fluid/flow.h"
 #include "engine/systems/grid_fluid/liquid/face_viscosity.h"
 #include "engine/systems/grid_fluid/liquid/given_flow.h"
@@ -89,10 +90,9 @@ class LiquidFlow {
   bool affine_ = false;
   std::array<mac::Sides, 3> sides_;  ///< faces on the box's sides keep their values
   mac::Sides cell_sides_;
-  Array now_, sorted_;                                       ///< particles, in any order and sorted by cell
-  std::vector<uint32_t> row_, rows_sorted_, first_;          ///< first_: of each cell, then the end
-  std::vector<uint32_t> layer_, cell_;                       ///< of a particle: layer of cells, cell in it
-  std::vector<uint32_t> by_layer_, layer_ends_;              ///< scratch of `sort`
+  Array now_, sorted_;  ///< particles, in any order and sorted by cell
+  std::vector<uint32_t> row_, rows_sorted_;
+  CellOrder order_;                                          ///< of `now_`, by cell
   std::array<Array, 3> u_, before_, mass_, factor_, shift_;  ///< on faces
   std::array<std::vector<uint8_t>, 3> known_;                ///< faces that have a velocity
   std::vector<uint8_t> liquid_, fresh_;

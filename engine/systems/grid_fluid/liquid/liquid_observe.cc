@@ -1,8 +1,8 @@
 // What a liquid shows and measures, and its warnings.
 #include <algorithm>
-#include <cmath>
 
 #include "engine/base/text/short_number.h"
+#include "engine/core/mass_points.h"
 #include "engine/systems/grid_fluid/grid_fluid.h"
 #include "engine/systems/grid_fluid/liquid/liquid.h"
 
@@ -37,31 +37,16 @@ FieldView Liquid::field(const State& s, size_t, size_t field, std::vector<double
 
 void Liquid::observe(const State& s, double, Observables& out) const {
   const double *x = s.f64(kPosition).data(), *v = s.f64(velocity_).data();
-  double kinetic = 0, height = 0, fastest = 0;
-  Vec3 p, centre, low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = -low;
+  MassPoints all(model_.gravity);
   const size_t count = rows(s);
-  for (size_t i = 0; i < count; ++i) {
-    const Vec3 at = load3(x, i), u = load3(v, i);
-    kinetic += 0.5 * mass_ * norm2(u), height -= mass_ * dot(model_.gravity, at);
-    fastest = std::max(fastest, norm2(u));
-    p += u * mass_, centre += at;
-    low = {std::min(low.x, at.x), std::min(low.y, at.y), std::min(low.z, at.z)};
-    high = {std::max(high.x, at.x), std::max(high.y, at.y), std::max(high.z, at.z)};
-  }
-  out.add("energy.kinetic", kinetic, "J");
-  out.add("energy.gravity", height, "J");
-  out.add("energy.total", kinetic + height, "J");
-  const auto add = [&](const std::string& name, const Vec3& a, const char* unit) {
-    out.add(name + ".x", a.x, unit), out.add(name + ".y", a.y, unit), out.add(name + ".z", a.z, unit);
-  };
+  for (size_t i = 0; i < count; ++i) all.add(mass_, load3(x, i), load3(v, i));
   const auto n = static_cast<double>(count);
-  if (count == 0) low = high = centre / n;  // the position of no particles is not a number
-  add("momentum", p, "kg m/s");
-  add("centre", centre / n, "m");
-  add("low", low, "m");
-  add("high", high, "m");
+  all.observe_energy(out);
+  add_vector(out, "momentum", all.momentum, "kg m/s");
+  all.observe_centre(out);
+  all.observe_extent(out);
   out.add("mass", mass_ * n, "kg");
-  out.add("speed.max", std::sqrt(fastest), "m/s");
+  out.add("speed.max", all.speed(), "m/s");
   const auto numbers = s.f64(numbers_);
   out.add("density.mean_error", numbers[kMeanCompression], "1");
   out.add("density.max_error", numbers[kMaxCompression], "1");

@@ -46,11 +46,10 @@ class Dfsph {
     push_by<Answer::mirror>(f, f.flow, arena);
     move<Answer::mirror>(f, bodies, f.flow, h, arena);
     Solved out;
-    out.flow = relax<Answer::mirror>(
-        f, bodies, f.flow, error, arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
-          const T rate = compression<Answer::mirror, D, T>(f, f.v, i, c, begin, end) + 2 * f.drive[i];
-          return per_step * (rate + closing * std::min(f.delta[i] - static_cast<T>(kGap), T{0}));
-        });
+    out.flow = relax<Answer::mirror>(f, bodies, f.flow, error, arena, [&](size_t i, T others) {
+      const T rate = compression<Answer::mirror, D, T>(f, f.v, i, others) + 2 * f.drive[i];
+      return per_step * (rate + closing * std::min(f.delta[i] - static_cast<T>(kGap), T{0}));
+    });
     if (set_.closed) {
       push_by<Answer::mirror>(f, f.change, arena);
       move<Answer::mirror>(f, bodies, f.change, h, arena);
@@ -63,11 +62,10 @@ class Dfsph {
       bodies.template answer<Answer::mirror>(f.change), bodies.follow(f, h);
     }
     move<Answer::rest>(f, bodies, f.push, h, arena);
-    out.push = relax<Answer::rest>(
-        f, bodies, f.push, error, arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
-          const T rate = compression<Answer::rest, D, T>(f, f.v, i, c, begin, end) + f.drive[i];
-          return per_step * (per_step * part * std::min(f.delta[i] - 1, most) + rate);
-        });
+    out.push = relax<Answer::rest>(f, bodies, f.push, error, arena, [&](size_t i, T others) {
+      const T rate = compression<Answer::rest, D, T>(f, f.v, i, others) + f.drive[i];
+      return per_step * (per_step * part * std::min(f.delta[i] - 1, most) + rate);
+    });
     push_by<Answer::rest>(f, f.change, arena);
     move<Answer::rest>(f, bodies, f.change, h, arena);
     return out;
@@ -77,6 +75,8 @@ class Dfsph {
   /// A solve ends on the mean error; the largest may be this many times as large.
   static constexpr double kMostOverMean = 10;
   static constexpr int kLeastIterations = 2;
+  /// A solve that starts with less than this part of the mean error it may leave ends at once.
+  static constexpr double kEnough = 0.25;
   /// A density below kGap times the rest density is a gap, of which a substep may close kClosing.
   static constexpr double kGap = 0.9, kClosing = 0.1;
   /// At most this much compression is removed per substep: an overlap at the start separates calmly.
@@ -102,7 +102,7 @@ class Dfsph {
 
   /// Solves for q >= 0 (in a closed box, for q with the mean 0), starting from begin_from, such that no
   /// compression remains. The velocities already contain the effect of the initial q, and residual(slot,
-  /// chunk, begin, end) is the compression (1/s^2) left in them; `error` makes it relative. Leaves in
+  /// sum of g v_j) is the compression (1/s^2) left in them; `error` makes it relative. Leaves in
   /// f.change the change from the initial pressures. Projected gradient method with Nesterov's acceleration,
   /// restarted where it goes uphill (O'Donoghue & Candes 2015): the matrix is symmetric and has no negative
   /// eigenvalue.
@@ -124,16 +124,16 @@ class Dfsph {
         if (any) bodies.template answer<A>(f.change);
       }
       const T beyond = static_cast<T>(run) / static_cast<T>(run + 3);
-      const auto left = f.tally(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
+      const auto left = f.tally_dots(first ? f.v : f.a, arena, [&](size_t i, T others) {
         if (f.fixed(i)) {
           f.iterate[i] = f.next[i] = 0;
           return std::array<double, 3>{0, 0, 0};
         }
         T rest;
         if (first) {
-          rest = f.source[i] = residual(i, c, begin, end);
+          rest = f.source[i] = residual(i, others);
         } else {
-          rest = f.source[i] + compression<A, D, T>(f, f.a, i, c, begin, end);
+          rest = f.source[i] + compression<A, D, T>(f, f.a, i, others);
           if (any) rest += bodies.recoil(i);
         }
         const T total = rest;
@@ -157,8 +157,9 @@ class Dfsph {
         center(f, f.iterate, arena), center(f, f.next, arena);
       }
       out.mean = left.sum / std::max(static_cast<double>(f.n), 1.0), out.most = left.most;
-      const bool good = out.iterations >= kLeastIterations && out.mean <= set_.def.density_error &&
-                        out.most <= kMostOverMean * set_.def.density_error;
+      const double part = out.iterations < kLeastIterations ? kEnough : 1;
+      const bool good =
+          out.mean <= part * set_.def.density_error && out.most <= kMostOverMean * set_.def.density_error;
       if (good || out.iterations >= set_.def.max_iterations) break;
       if (out.mean > 10 * best) relaxation *= T(0.5), best = HUGE_VAL;
       best = std::min(best, out.mean);
@@ -171,9 +172,7 @@ class Dfsph {
   }
   /// Subtracts the mean of q.
   static void center(Fluid<D, T>& f, Aligned<T>& q, const ThreadArena& arena) {
-    const auto all = f.tally(arena, [&](size_t i, const Chunk<T>&, size_t, size_t) {
-      return std::array<double, 3>{0, 0, double{q[i]}};
-    });
+    const auto all = f.tally(arena, [&](size_t i) { return std::array<double, 3>{0, 0, double{q[i]}}; });
     const T mean = static_cast<T>(all.third / static_cast<double>(f.n));
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) q[i] -= mean;

@@ -42,7 +42,7 @@ template <int D, class T>
 double largest_divergence(Fluid<D, T>& f, const T* velocity, const ThreadArena& arena) {
   using W = Wide<T>;
   for (size_t k = 0; k < f.n; ++k) {
-    std::copy_n(velocity + 3 * f.row[k], 3, f.v.data() + 4 * k);
+    std::copy_n(velocity + 3 * f.row(k), 3, f.v.data() + 4 * k);
     f.v[4 * k + 3] = 0;
   }
   f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {

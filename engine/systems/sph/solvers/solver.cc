@@ -140,7 +140,7 @@ class SolverOf final : public Solver {
       tracks.flow += flow.iterations, tracks.density += push.iterations;
     }
     const bool both = d.solver == Method::wcsph;
-    const auto error = f.tally(in.arena, [&](size_t i, const Chunk<T>&, size_t, size_t) {
+    const auto error = f.tally(in.arena, [&](size_t i) {
       const double e = double{f.delta[i]} - 1;
       return std::array<double, 3>{both ? std::abs(e) : std::max(e, 0.0), 0, 0};
     });
@@ -156,7 +156,7 @@ class SolverOf final : public Solver {
 
   /// m/s, of any particle.
   double fastest(Fluid<D, T>& f, const ThreadArena& arena) const {
-    const auto squares = f.tally(arena, [&](size_t i, const Chunk<T>&, size_t, size_t) {
+    const auto squares = f.tally(arena, [&](size_t i) {
       const T* v = f.v.data() + 4 * i;
       return std::array<double, 3>{double{v[0] * v[0] + v[1] * v[1] + v[2] * v[2]}, 0, 0};
     });
@@ -170,24 +170,13 @@ class SolverOf final : public Solver {
     const bool leans = norm2(gravity) > 0;
     const bool holds = viscous_ && d.walls == Walls::no_slip;
     const T viscosity = static_cast<T>(viscous_ ? 2 * d.viscosity : 0), blend = static_cast<T>(60 * d.xsph);
-    f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
+    const bool blends = viscosity > 0 || blend > 0;
+    if (blends) blend_velocities(f, -viscosity, blend, arena);
+    const auto accelerate = [&](size_t i) {
       T* out = f.a.data() + 4 * i;
       const T* v = f.v.data() + 4 * i;
-      out[0] = g[0], out[1] = g[1], out[2] = D == 3 ? g[2] : T{0}, out[3] = 0;
-      if (viscosity > 0 || blend > 0) {
-        using W = Wide<T>;
-        W sums[D];
-        for (auto& x : sums) x = W::zero();
-        for (size_t k = begin; k < end; k += W::kLanes) {
-          W other[4];
-          c.rows_of(f.v, k, other);
-          W share = W::all(-viscosity) * sph::load(c.s.data() + k);
-          if (blend > 0) share += W::all(blend) * sph::load(c.w.data() + k);
-          if (f.weighted) share = share * part_of_pair(f, i, c, k);
-          for (size_t a = 0; a < D; ++a) sums[a] = madd(share, other[a] - W::all(v[a]), sums[a]);
-        }
-        for (size_t a = 0; a < D; ++a) out[a] += sum(sums[a]);
-      }
+      for (size_t a = 0; a < D; ++a) out[a] = blends ? g[a] + out[a] : g[a];
+      for (size_t a = D; a < 4; ++a) out[a] = 0;
       if (leans && f.wall[4 * i + 3] > 0 && f.rests[i] > 0) {
         const double x[3] = {double{f.x[0][i]}, double{f.x[1][i]}, D == 3 ? double{f.x[2][i]} : 0};
         const double share = double{f.wall[4 * i + 3]};
@@ -201,6 +190,9 @@ class SolverOf final : public Solver {
         out[0] += static_cast<T>(drag.x), out[1] += static_cast<T>(drag.y);
         if constexpr (D == 3) out[2] += static_cast<T>(drag.z);
       }
+    };
+    arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) accelerate(i);
     });
     if (d.surface_tension > 0) {
       const T strength = static_cast<T>(set_.cohesion), support = static_cast<T>(set_.support);
@@ -222,7 +214,7 @@ class SolverOf final : public Solver {
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
         f.held[k] = nozzle_at({double{f.x[0][k]}, double{f.x[1][k]}, D == 3 ? double{f.x[2][k]} : 0}, t);
-        f.light[k] = f.held[k] ? T{0} : ratio ? 1 / ratio[f.row[k]] : T{1};
+        f.light[k] = f.held[k] ? T{0} : ratio ? 1 / ratio[f.row(k)] : T{1};
       }
     });
   }
@@ -275,7 +267,7 @@ class SolverOf final : public Solver {
     const T sound = static_cast<T>(set_.sound), per_layer = static_cast<T>(1 / (set_.def.spacing * weight));
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
-        const size_t i = f.row[k];
+        const size_t i = f.row(k);
         for (size_t a = 0; a < 3; ++a) f.v[4 * k + a] = v[3 * i + a];
         f.v[4 * k + 3] = 0;
         f.push[k] = push[i], f.flow[k] = flow[i];
@@ -299,7 +291,7 @@ class SolverOf final : public Solver {
     const T rest = static_cast<T>(set_.def.density), sound = static_cast<T>(set_.sound);
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) {
-        const size_t i = f.row[k];
+        const size_t i = f.row(k);
         T place[3] = {}, speed[3] = {};
         for (size_t a = 0; a < D; ++a) speed[a] = f.v[4 * k + a], place[a] = f.x[a][k] + on * speed[a];
         for (size_t a = 0; shifts && a < D; ++a) place[a] += f.shift[4 * k + a];

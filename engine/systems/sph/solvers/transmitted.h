@@ -23,8 +23,8 @@ void transmitted_pressures(Fluid<D, T>& f, const T* pressure, const T* density, 
   using W = Wide<T>;
   constexpr T kMissing = T(0.1);  // of n: where as much is missing, all of these sums is the particle's own
   for (size_t k = 0; k < f.n; ++k) {
-    const T d = std::max(density[f.row[k]], static_cast<T>(1e-3));
-    f.push[k] = pressure[f.row[k]] / (d * d);
+    const T d = std::max(density[f.row(k)], static_cast<T>(1e-3));
+    f.push[k] = pressure[f.row(k)] / (d * d);
   }
   f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
     const W own = W::all(f.push[i]);
@@ -36,11 +36,11 @@ void transmitted_pressures(Fluid<D, T>& f, const T* pressure, const T* density, 
       carried = madd(along, own + c.of(f.push, k), carried), whole += along;
     }
     const T scale = -f.unit / T(D), pairs = T(0.5) * scale * sum(carried), share = scale * sum(whole);
-    const T count = f.delta[i], d = density[f.row[i]];
+    const T count = f.delta[i], d = density[f.row(i)];
     const T alone = std::min(std::max((1 - count) / kMissing, T{0}), T{1});
     const T inside = count * pairs, beside = d * d * (pairs + f.push[i] * (1 - share));
     const T others = count / (2 * T(D)) * attraction(i, c, begin, end);
-    out[f.row[i]] = double{inside + alone * (beside - inside) + others};
+    out[f.row(i)] = double{inside + alone * (beside - inside) + others};
   });
 }
 

@@ -44,8 +44,8 @@ class Wcsph {
       // Liquid at rest is denser with depth: that part is not diffused.
       const T weight = f.fixed(i) ? per_sound : per_sound / std::max(f.lightness(i), static_cast<T>(1e-3));
       for (size_t a = 0; a < D; ++a) spread -= weight * g[a] * (pull[a] - wall[a]);
-      f.source[i] =
-          compression<Answer::mirror, D, T>(f, f.v, i, c, begin, end) + 2 * f.drive[i] + diffusion * spread;
+      const T rate = compression<Answer::mirror, D, T>(f, f.v, i, c.sum_dot(f.v, begin, end));
+      f.source[i] = rate + 2 * f.drive[i] + diffusion * spread;
     });
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
