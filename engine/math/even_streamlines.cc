@@ -45,7 +45,8 @@ class Near {
 
 std::vector<std::vector<Point>> even_streamlines(const PlaneField& field, size_t count) {
   constexpr double kStep = 0.5, kApart = 0.5;
-  const double width = static_cast<double>(field.nx - 1), height = static_cast<double>(field.ny - 1);
+  const double first = -field.margin, width = static_cast<double>(field.nx - 1) - 2 * first,
+               height = static_cast<double>(field.ny - 1) - 2 * first;
   const double spacing = std::sqrt(width * height / static_cast<double>(count));
   const double apart = std::max(1.0, kApart * spacing);
   const auto columns = static_cast<size_t>(std::max(1.0, std::round(width / spacing)));
@@ -56,8 +57,8 @@ std::vector<std::vector<Point>> even_streamlines(const PlaneField& field, size_t
   std::vector<std::vector<Point>> out;
   for (size_t k = 0; k < count; ++k) {
     const size_t column = k % columns, row = k / columns;
-    const double x = (static_cast<double>(column) + 0.5) / static_cast<double>(columns) * width;
-    const double y = (static_cast<double>(row) + 0.5) / static_cast<double>(rows) * height;
+    const double x = first + (static_cast<double>(column) + 0.5) / static_cast<double>(columns) * width;
+    const double y = first + (static_cast<double>(row) + 0.5) / static_cast<double>(rows) * height;
     if (near.any_within({x, y}, apart)) continue;
     std::vector<Point> added;
     for (const double h : {kStep, -kStep}) {

@@ -14,11 +14,13 @@ namespace truestep {
 struct PlaneField {
   std::span<const float> u, v;
   size_t nx = 0, ny = 0;
+  double margin = 0;  ///< how far the field goes on beyond its outermost vectors, with their values
 
   /// Direction at a position inside; (0, 0) outside or where the field vanishes or is not finite.
   std::array<double, 2> direction(double x, double y) const {
-    if (!(x >= 0 && y >= 0 && x <= static_cast<double>(nx - 1) && y <= static_cast<double>(ny - 1)))
-      return {0, 0};
+    const double last_x = static_cast<double>(nx - 1), last_y = static_cast<double>(ny - 1);
+    if (!(x >= -margin && y >= -margin && x <= last_x + margin && y <= last_y + margin)) return {0, 0};
+    x = std::clamp(x, 0.0, last_x), y = std::clamp(y, 0.0, last_y);
     const size_t i = std::min(static_cast<size_t>(x), nx - 2), j = std::min(static_cast<size_t>(y), ny - 2);
     const double s = x - static_cast<double>(i), t = y - static_cast<double>(j);
     const auto at = [&](std::span<const float> f) {

@@ -167,6 +167,19 @@ test("streamlines follow the velocity", async () => {
   assert.deepEqual(await dark({}), [], "control: arrows");
 });
 
+test("a grid of cells fills its box", async () => {
+  // The outermost of ten centres are 0.05 m inside; beyond them the colour is theirs.
+  const picture = await shown(flow(["0", "2*x"], { y_min: { kind: "periodic" } }), { color_by: "velocity", range: [0, 2], contours: 3 });
+  for (const y of [0.015, 0.31, 0.985]) {
+    assert.ok(apart(picture.at(0.015, y), mapped(0.05)) < kSame, `left, ${y}: ${picture.at(0.015, y)}`);
+    assert.ok(apart(picture.at(0.985, y), mapped(0.95)) < kSame, `right, ${y}: ${picture.at(0.985, y)}`);
+    assert.ok(isInk(picture.ink(0.5, y)), `a level line up to the edge, ${y}`);
+    assert.ok(!isInk(picture.ink(0.6, y)), `control: none at another value, ${y}`);
+  }
+  const behind = picture.at(-0.1, 0.3);
+  for (const [x, y] of [[-0.015, 0.3], [1.015, 0.3]]) assert.ok(apart(picture.at(x, y), behind) < kSame, `nothing outside: ${x}, ${y}`);
+});
+
 test("a height field rises by its values", async () => {
   const side = { eye: [0.5, -kFar, 0.5], target: [0.5, 0.5, 0.5], up: [0, 0, 1], fov };
   const sheet = { type: "heat", cells: [40, 40], initial: "x*y" };

@@ -52,5 +52,26 @@ TEST(EvenStreamlines, KeepApartWhereTheFlowCrowds) {
   EXPECT_LT(closest(alone), 1);
 }
 
+// Cells have centres half a spacing inside their box, which the lines cross all the same.
+TEST(EvenStreamlines, RunThroughTheMarginOfCells) {
+  const std::vector<float> u(64, 0), v(64, 1);
+  const auto reach = [&](double margin) {
+    double low = 1e300, high = -1e300;
+    for (const auto& line : even_streamlines({u, v, 8, 8, margin}, 5)) {
+      for (const auto& p : line) low = std::min(low, p[1]), high = std::max(high, p[1]);
+    }
+    return std::array{low, high};
+  };
+  const auto [low, high] = reach(0.5);
+  // Up to the last step of half a spacing.
+  EXPECT_LT(low, 0);
+  EXPECT_GE(low, -0.5);
+  EXPECT_GT(high, 7);
+  EXPECT_LE(high, 7.5);
+  const auto [first, last] = reach(0);
+  EXPECT_GE(first, 0) << "control: nodes end at the outermost ones";
+  EXPECT_LE(last, 7);
+}
+
 }  // namespace
 }  // namespace truestep

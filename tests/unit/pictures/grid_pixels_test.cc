@@ -279,5 +279,41 @@ TEST(GridPixels, ACurveRunsThroughItsValues) {
   }
 }
 
+TEST(GridPixels, AGridOfCellsFillsItsBox) {
+  // Upwards at 2 x between periodic sides, in ten cells a side: the outermost centres are 0.05 m inside.
+  const auto drawn = [](const std::string& more) {
+    std::string scene = grid_flow("[10, 10]", "0", "2*x", more);
+    scene.replace(scene.find(R"("side": {"kind": "slip"})"), 24,
+                  R"("side": {"kind": "slip"}, "sides": {"y_min": {"kind": "periodic"}})");
+    return GridPicture::front(scene);
+  };
+  const GridPicture picture = drawn(R"(, "contours": 3)");
+  for (const double y : {0.01, 0.31, 0.99}) {
+    // Beyond the outermost centres the colour is theirs.
+    EXPECT_LT(color_gap(picture.at({0.01, y, 0}), 0.05), kSame) << y;
+    EXPECT_LT(color_gap(picture.at({0.99, y, 0}), 0.95), kSame) << y;
+    EXPECT_LT(color_gap(picture.at({0.6, y, 0}), 0.6), kSame) << y;
+    EXPECT_TRUE(is_ink(picture.ink_at({0.5, y, 0}))) << "level lines go to the edges: " << y;
+  }
+  for (const Vec3& outside :
+       {Vec3{-0.01, 0.3, 0}, Vec3{1.01, 0.3, 0}, Vec3{0.6, -0.01, 0}, Vec3{0.6, 1.01, 0}})
+    EXPECT_LT(color_gap(channels(picture.at(outside)), channels(picture.behind(outside))), 1);
+  // Streamlines cross the margin, up to their last step of half a cell.
+  const GridPicture lines = drawn(R"(, "streamlines": 5)");
+  size_t at_edges = 0;
+  for (double x = 0.05; x < 0.95; x += 1 / kMetre)
+    at_edges += is_ink(lines.at({x, 0.04, 0})) && is_ink(lines.at({x, 0.96, 0}));
+  EXPECT_GE(at_edges, 2u);
+  // In one dimension the curve does.
+  const auto curve = GridPicture::front(
+      R"({"time": {"dt": 0.001}, "viewer": {"color_by": "surface", "labels": false, "range": [0, 1], "height": 0.5},
+          "systems": [{"type": "heightfield_wave", "id": "g", "cells": [10], "surface": "1"}]})");
+  for (const double x : {0.02, 0.45, 0.98}) {
+    EXPECT_LT(hue_gap(hue_of(channels(curve.at({x, 0.5, 0}))), hue_of(map_channels(1))), 15) << x;
+    EXPECT_LT(color_gap(channels(curve.at({x, 0.45, 0})), channels(curve.behind({x, 0.45, 0}))), 1)
+        << "control: nothing below " << x;
+  }
+}
+
 }  // namespace
 }  // namespace truestep

@@ -42,6 +42,8 @@ export function levelLine(values: ArrayLike<number>, { nx, ny }: Plane, level: n
 export interface PlaneField extends Plane {
   u: ArrayLike<number>;
   v: ArrayLike<number>;
+  /** How far the field goes on beyond its outermost nodes, with their values. */
+  margin?: number;
 }
 
 const kMostArrows = 28; // along a side

@@ -23,6 +23,29 @@ Vec3 unit(size_t axis) {
   return {axis == 0 ? 1.0 : 0.0, axis == 1 ? 1.0 : 0.0, axis == 2 ? 1.0 : 0.0};
 }
 
+// A grid of cells fills its box: half a cell beyond the outermost centres there is a vertex more, which has
+// their value, as for probes (core/lattice.h). A grid of nodes has its vertices at the nodes.
+bool has_rim(const Lattice& l, size_t axis) {
+  return l.centring == Lattice::Centring::cells && l.counts[axis] > 1;
+}
+/// Lattice units from the outermost row to the grid's edge.
+double margin(const Lattice& l, size_t axis) {
+  return has_rim(l, axis) ? 0.5 : 0;
+}
+size_t vertices(const Lattice& l, size_t axis) {
+  return l.counts[axis] + (has_rim(l, axis) ? 2 : 0);
+}
+/// The row along the axis that has the value of a vertex.
+size_t row_of_vertex(const Lattice& l, size_t axis, size_t k) {
+  return has_rim(l, axis) ? std::clamp<size_t>(k, 1, l.counts[axis]) - 1 : k;
+}
+/// Lattice coordinate of a vertex, or of a point between two.
+double place_of_vertex(const Lattice& l, size_t axis, double k) {
+  if (!has_rim(l, axis)) return k;
+  const double inside = std::clamp(k, 1.0, static_cast<double>(l.counts[axis]));
+  return inside - 1 + 0.5 * (k - inside);
+}
+
 /// A plane of rows: two directions of a lattice and a position along the third.
 struct Plane {
   const Lattice& lattice;
@@ -40,6 +63,18 @@ struct Plane {
       return unit(axis) * (k * component(lattice.spacing, axis));
     };
     return lattice.origin + along(u, i) + along(v, j) + along(w, static_cast<double>(layer));
+  }
+  /// m, of a point between vertices.
+  Vec3 at_vertex(double i, double j) const {
+    return at(place_of_vertex(lattice, u, i), place_of_vertex(lattice, v, j));
+  }
+  /// f(i, j, row) of every vertex, u fastest.
+  template <class F>
+  void for_vertices(F&& f) const {
+    for (size_t j = 0; j < vertices(lattice, v); ++j) {
+      for (size_t i = 0; i < vertices(lattice, u); ++i)
+        f(i, j, row(row_of_vertex(lattice, u, i), row_of_vertex(lattice, v, j)));
+    }
   }
 };
 
@@ -97,16 +132,14 @@ void add_stroke(DrawPoints& out, const Vec3& a, const Vec3& b) {
 
 DrawPoints surface(const Plane& p, const Shown& s, double height) {
   DrawPoints out = s.style;
-  for (size_t j = 0; j < p.nv(); ++j) {
-    for (size_t i = 0; i < p.nu(); ++i) {
-      const float value = s.size[p.row(i, j)];
-      push(out.positions,
-           p.at(static_cast<double>(i), static_cast<double>(j)) + unit(p.w) * (height * value));
-      out.scalar.push_back(value);
-    }
-  }
-  const auto n = static_cast<uint32_t>(p.nu());
-  for (uint32_t j = 0; j + 1 < p.nv(); ++j) {
+  p.for_vertices([&](size_t i, size_t j, size_t row) {
+    const float value = s.size[row];
+    const Vec3 flat = p.at_vertex(static_cast<double>(i), static_cast<double>(j));
+    push(out.positions, flat + unit(p.w) * (height * value));
+    out.scalar.push_back(value);
+  });
+  const auto n = static_cast<uint32_t>(vertices(p.lattice, p.u));
+  for (uint32_t j = 0; j + 1 < vertices(p.lattice, p.v); ++j) {
     for (uint32_t i = 0; i + 1 < n; ++i) {
       const uint32_t a = i + n * j;
       out.triangles.insert(out.triangles.end(), {a, a + 1, a + n + 1, a, a + n + 1, a + n});
@@ -118,14 +151,14 @@ DrawPoints surface(const Plane& p, const Shown& s, double height) {
 
 /// m; thickness of lines on a plane.
 double line_size(const Plane& p) {
-  return 0.0018 * norm(p.at(static_cast<double>(p.nu() - 1), static_cast<double>(p.nv() - 1)) - p.at(0, 0));
+  const Lattice& l = p.lattice;
+  const auto last = [&](size_t axis) { return static_cast<double>(vertices(l, axis) - 1); };
+  return 0.0018 * norm(p.at_vertex(last(p.u), last(p.v)) - p.at_vertex(0, 0));
 }
 
 void add_contours(DrawList& list, const Plane& p, const Shown& s, const ViewerParams& viewer) {
   std::vector<float> flat;
-  for (size_t j = 0; j < p.nv(); ++j) {
-    for (size_t i = 0; i < p.nu(); ++i) flat.push_back(s.size[p.row(i, j)]);
-  }
+  p.for_vertices([&](size_t, size_t, size_t row) { flat.push_back(s.size[row]); });
   DrawPoints lines = strokes(kInk, line_size(p));
   const double low = *s.style.scalar_min, high = *s.style.scalar_max, height = viewer.height.value_or(0);
   std::vector<IsoSegment> segments;
@@ -133,9 +166,10 @@ void add_contours(DrawList& list, const Plane& p, const Shown& s, const ViewerPa
     const double level =
         low + (high - low) * static_cast<double>(k) / static_cast<double>(viewer.contours + 1);
     segments.clear();
-    append_iso_lines(flat, p.nu(), p.nv(), level, segments);
+    append_iso_lines(flat, vertices(p.lattice, p.u), vertices(p.lattice, p.v), level, segments);
     const Vec3 up = unit(p.w) * (height * level);
-    for (const auto& [a, b] : segments) add_stroke(lines, p.at(a[0], a[1]) + up, p.at(b[0], b[1]) + up);
+    for (const auto& [a, b] : segments)
+      add_stroke(lines, p.at_vertex(a[0], a[1]) + up, p.at_vertex(b[0], b[1]) + up);
   }
   if (!lines.lines.empty()) list.points.push_back(std::move(lines));
 }
@@ -178,7 +212,7 @@ void add_streamlines(DrawList& list, const Plane& p, const Shown& s, int64_t cou
       v.push_back(along(p, s, r, p.v) / static_cast<float>(component(p.lattice.spacing, p.v)));
     }
   }
-  const PlaneField field{u, v, p.nu(), p.nv()};
+  const PlaneField field{u, v, p.nu(), p.nv(), margin(p.lattice, p.u)};
   DrawPoints lines = strokes(kInk, line_size(p));
   for (const auto& path : even_streamlines(field, static_cast<size_t>(count))) {
     for (size_t i = 0; i + 1 < path.size(); ++i)
@@ -189,27 +223,31 @@ void add_streamlines(DrawList& list, const Plane& p, const Shown& s, int64_t cou
 
 void add_curve(DrawList& list, const Lattice& l, size_t axis, const Shown& s, const ViewerParams& viewer) {
   const size_t up = axis == 1 ? 0 : 1;
-  const double length = component(l.spacing, axis) * (static_cast<double>(l.counts[axis]) - 1);
+  const double edge = margin(l, axis),
+               length = component(l.spacing, axis) * (static_cast<double>(l.counts[axis] - 1) + 2 * edge);
+  const Vec3 start = l.origin - unit(axis) * (edge * component(l.spacing, axis));
   const double low = *s.style.scalar_min, high = *s.style.scalar_max;
   const double reach = std::max(std::abs(low), std::abs(high));
   const double height = viewer.height.value_or(reach > 0 ? kCurveShare * length / reach : 1);
   DrawPoints curve = s.style, base = strokes({0.45f, 0.47f, 0.5f}, 0.0015 * length);
-  for (size_t i = 0; i < l.counts[axis]; ++i) {
-    const Vec3 at = l.origin + unit(axis) * (static_cast<double>(i) * component(l.spacing, axis));
-    push(curve.positions, at + unit(up) * (height * s.size[i]));
+  const auto value = [&](size_t i) { return s.size[row_of_vertex(l, axis, i)]; };
+  for (size_t i = 0; i < vertices(l, axis); ++i) {
+    const double place = place_of_vertex(l, axis, static_cast<double>(i));
+    const Vec3 at = l.origin + unit(axis) * (place * component(l.spacing, axis));
+    push(curve.positions, at + unit(up) * (height * value(i)));
     if (i == 0) continue;
     curve.lines.insert(curve.lines.end(), {static_cast<uint32_t>(i - 1), static_cast<uint32_t>(i)});
-    curve.line_scalar.push_back(0.5f * (s.size[i - 1] + s.size[i]));
+    curve.line_scalar.push_back(0.5f * (value(i - 1) + value(i)));
   }
   curve.line_radius = static_cast<float>(0.004 * length);
-  add_stroke(base, l.origin, l.origin + unit(axis) * length);
+  add_stroke(base, start, start + unit(axis) * length);
   if (axis < 2) {
     PlotAxis axes[2];
     axes[axis].name = axis == 0 ? "x" : "y", axes[axis].unit = "m";
     axes[up].name = s.style.scalar_label, axes[up].slope = height, axes[up].offset = component(l.origin, up);
     PlotBox box;
-    for (const double value : {low, high}) box.add(l.origin + unit(up) * (height * value));
-    box.add(l.origin + unit(axis) * length);
+    for (const double end : {low, high}) box.add(start + unit(up) * (height * end));
+    box.add(start + unit(axis) * length);
     add_axes(list, axes, box);
   }
   list.points.push_back(std::move(curve));

@@ -120,6 +120,7 @@ LiquidFields Liquid::fields(State& s) const {
   f.position = s.f64(kPosition).data(), f.velocity = s.f64(velocity_).data();
   if (affine_) f.affine = s.f64(affine_).data();
   f.pressure = s.f64(pressure_).data(), f.fill = s.f64(fill_).data();
+  f.lifted = &s.f64(numbers_)[kLifted], f.owed = &s.f64(numbers_)[kOwed];
   return f;
 }
 

@@ -66,7 +66,7 @@ void Liquid::for_particle_columns(F&& f) const {
   }
 }
 
-/// Entries of the column `numbers`, of the last substep.
+/// Entries of the column `numbers`, of the last substep but for what has been lifted since the start.
 enum LiquidNumber : size_t {
   kLiquidSubsteps,
   kLiquidCfl,
@@ -75,6 +75,8 @@ enum LiquidNumber : size_t {
   kDensityIterations,
   kMeanCompression,
   kMaxCompression,
+  kLifted,  ///< m^2/s^2, energy over a particle's mass that undoing compression has given
+  kOwed,    ///< of that, what has not been taken from the motion yet; below 0: given too much
   kLiquidNumbers
 };
 

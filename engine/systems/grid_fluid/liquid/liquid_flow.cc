@@ -277,10 +277,13 @@ bool LiquidFlow::in_nozzle(double* x, double h) const {
 }
 
 template <size_t D>
-void LiquidFlow::carry(double h) {
+double LiquidFlow::carry(double h) {
   const mac::MacGrid& g = model_->grid;
-  const double keep = model_->def.flip;
-  arena_->for_blocks(rows_, kParticles, [&](size_t begin, size_t end) {
+  const double keep = model_->def.flip,
+               weight[] = {-model_->gravity.x * g.spacing[0], -model_->gravity.y * g.spacing[1],
+                           -model_->gravity.z * g.spacing[2]};
+  return arena_->sum_blocks(rows_, kParticles, [&](size_t begin, size_t end) {
+    double lift = 0;
     for (size_t p = begin; p < end; ++p) {
       double *x = particle(now_, p), *v = x + D;
       if (given_.any() && in_nozzle<D>(x, h)) continue;
@@ -295,6 +298,7 @@ void LiquidFlow::carry(double h) {
           v[c] = u + keep * (v[c] - mac::gather<D>(g, around, before_[c].data()));
         }
         shift[c] = mac::gather<D>(g, around, shift_[c].data());
+        lift += weight[c] * shift[c];
         middle[c] = x[c] + 0.5 * h * u / g.spacing[c];
       }
       hold<D>(middle, Beyond::stay);
@@ -305,6 +309,7 @@ void LiquidFlow::carry(double h) {
       if (model_->solids.any()) clear_of_obstacles(x, v);
       hold<D>(x, Beyond::leave);
     }
+    return lift;
   });
 }
 
@@ -323,7 +328,7 @@ LiquidReport LiquidFlow::substep(LiquidFields& f, double t, double h) {
   continue_outwards();
   // Keeps particles out of where obstacles will be.
   place_obstacles(t + h);
-  plane ? carry<2>(h) : carry<3>(h);
+  pay_for_lift(f, plane ? carry<2>(h) : carry<3>(h), h);
   return report;
 }
 

@@ -6,7 +6,8 @@
 //            volume conserving liquids"; here with the same cells and matrix as the pressure)
 //   apply_viscosity: viscosity, before the pressure (face_viscosity.h)
 //   carry: what particles keep of their own velocity (Zhu, Bridson 2005; Jiang et al. 2015), paths by the
-//          midpoint rule through the new velocity, extrapolated beyond the surface.
+//          midpoint rule through the new velocity, extrapolated beyond the surface
+//   pay_for_lift: what the displacement has lifted the liquid by is taken from its motion (liquid_energy.cc)
 // Scratch of one thread's run; everything that lasts is in the state.
 #pragma once
 #include "engine/kernels/mac/surface.h"
@@ -25,6 +26,7 @@ struct LiquidFields {
   double *position = nullptr, *velocity = nullptr;  ///< m, m/s; three per particle
   double* affine = nullptr;                         ///< 1/s; d x d per particle; null: flip
   double *pressure = nullptr, *fill = nullptr;      ///< m^2/s^2 and 1, in cells
+  double *lifted = nullptr, *owed = nullptr;        ///< m^2/s^2, energy over the mass of a particle
 };
 
 /// Results of the last substep.
@@ -55,8 +57,10 @@ class LiquidFlow {
   void sort();
   template <size_t D>
   void spread(LiquidFields& f);
+  /// m^2/s^2 summed over the particles, by which their displacement lifts them.
   template <size_t D>
-  void carry(double h);
+  double carry(double h);
+  void pay_for_lift(LiquidFields& f, double lift, double h);
   void settle_faces(double t, double h);
   void find_surface(LiquidFields& f);
   void apply_viscosity(double h, LiquidReport& report);

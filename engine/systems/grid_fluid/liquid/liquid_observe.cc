@@ -50,6 +50,7 @@ void Liquid::observe(const State& s, double, Observables& out) const {
   const auto numbers = s.f64(numbers_);
   out.add("density.mean_error", numbers[kMeanCompression], "1");
   out.add("density.max_error", numbers[kMaxCompression], "1");
+  out.add("density.lift", mass_ * numbers[kLifted], "J");
   out.add("cfl", numbers[kLiquidCfl], "1");
   out.add("substeps", numbers[kLiquidSubsteps], "1");
   out.add("pressure.iterations", numbers[kLiquidIterations], "1");

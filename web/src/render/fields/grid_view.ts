@@ -11,6 +11,7 @@ import { WideLines } from "../lines";
 import { arrows, levelLine } from "../plane_lines";
 import { scaleLabel } from "../scale_label";
 import { scenery, shadeGlsl } from "../shading";
+import { GridVertices } from "./grid_vertices";
 import { evenStreamlines } from "./streamlines";
 import type { Has, Visibility } from "../system_view";
 import { lightUniforms } from "../upright";
@@ -56,9 +57,8 @@ void main() {
 
 interface Sheet {
   mesh: Mesh;
-  /** Counts along both sides, the axes of those, and what is drawn over it. */
-  nu: number;
-  nv: number;
+  /** Along both sides, the axes of those, and what is drawn over it. */
+  along: [GridVertices, GridVertices];
   axes: [number, number];
   over: WideLines | undefined;
   /** The grid's row of each vertex. */
@@ -79,10 +79,11 @@ export class GridView {
   readonly bodies = undefined;
   readonly pointRadius = 0;
   positions = new Float32Array(0);
+  /** Rows that are shown. */
   count = 0;
   scale: Scale | undefined;
   private readonly sheets: Sheet[] = [];
-  private curve: { lines: WideLines; base: WideLines; up: number; at: number; length: number; pairs: Uint32Array } | undefined;
+  private curve: { lines: WideLines; base: WideLines; along: GridVertices; up: number; at: number; length: number; pairs: Uint32Array } | undefined;
   private field: FieldArray | undefined;
   private readonly colors: Float32Array;
   private readonly map: ColorMap;
@@ -101,7 +102,6 @@ export class GridView {
     if (axes.length === 1) this.makeCurve(lattice, axes[0]!);
     else if (axes.length === 2) this.makeSheet(lattice, axes[0]!, axes[1]!, 0, false);
     else if (axes.length === 3) this.makeSlices(lattice);
-    this.count = this.positions.length / 3;
   }
 
   /** The visible side of a flat grid; undefined for a grid drawn as a height surface or filling space. */
@@ -121,7 +121,7 @@ export class GridView {
 
   /** Adds the grid's present extent. */
   reachOf(out: Extent): void {
-    out.addCloud(this.positions, this.count, 0, false);
+    out.addCloud(this.positions, this.positions.length / 3, 0, false);
     for (const { positions } of this.sheets) out.addCloud(positions, positions.length / 3, 0, false);
   }
 
@@ -198,13 +198,12 @@ export class GridView {
 
   /** Contours, streamlines or arrows over a sheet, as the scene asks. */
   private over(sheet: Sheet, low: number, high: number): void {
-    const { nu, nv, axes, rows } = sheet;
+    const { along: [first, second], axes, rows } = sheet;
     const { contours = 0, streamlines: lines = 0, height = 0 } = this.settings;
     const width = this.field!.width;
     if (contours <= 0 && width < 2) return sheet.over?.set([]);
-    const plane = { nx: nu, ny: nv };
     const ends: number[] = [];
-    const lift = 1e-3 * Math.hypot(nu * this.spacing(axes[0]), nv * this.spacing(axes[1]));
+    const lift = 1e-3 * Math.hypot(first.rows * this.spacing(axes[0]), second.rows * this.spacing(axes[1]));
     const place = (pieces: number[], up: number): void => {
       const { origin } = this.part.lattice!;
       const base = sheet.mesh.userData.base as Float32Array;
@@ -222,14 +221,24 @@ export class GridView {
       for (let k = 1; k <= contours; ++k) {
         const level = low + ((high - low) * k) / (contours + 1);
         const pieces: number[] = [];
-        levelLine(flat, plane, level, pieces);
+        levelLine(flat, { nx: first.count, ny: second.count }, level, pieces);
+        for (let e = 0; e < pieces.length; e += 2) {
+          pieces[e] = first.place(pieces[e]!);
+          pieces[e + 1] = second.place(pieces[e + 1]!);
+        }
         place(pieces, height * level + (height !== 0 ? lift : 0));
       }
     }
     if (width > 1) {
+      const plane = { nx: first.rows, ny: second.rows, margin: first.margin };
+      // Without the vertices at the edges.
+      const inside = rows.filter((_, k) => [first, second].every((side, n) => {
+        const at = n === 0 ? k % first.count : Math.floor(k / first.count);
+        return side.margin === 0 || (at > 0 && at + 1 < side.count);
+      }));
       const along = (axis: number, which: number): Float32Array => {
         const component = width === 2 ? which : axis;
-        return Float32Array.from(rows, (row) => this.field!.data[row * width + component]!);
+        return Float32Array.from(inside, (row) => this.field!.data[row * width + component]!);
       };
       const [u, v] = [along(axes[0], 0), along(axes[1], 1)];
       const pieces: number[] = [];
@@ -256,29 +265,32 @@ export class GridView {
   }
 
   private bend(low: number, high: number): void {
-    const { lines, base, up, at, length, pairs } = this.curve!;
+    const { lines, base, along, up, at, length, pairs } = this.curve!;
     const x = this.positions;
+    const value = (k: number): number => this.values[along.row(k)]!;
     const reach = Math.max(Math.abs(low), Math.abs(high));
     const height = this.settings.height ?? (reach > 0 ? (kCurveShare * length) / reach : 1);
-    for (let k = 0; k < this.values.length; ++k) x[3 * k + up] = at + height * this.values[k]!;
+    for (let k = 0; k < along.count; ++k) x[3 * k + up] = at + height * value(k);
     lines.connect(x, pairs);
-    const share = (k: number): number => (high > low ? (this.values[k]! - low) / (high - low) : 0);
+    const share = (k: number): number => (high > low ? (value(k) - low) / (high - low) : 0);
     lines.values(Array.from({ length: pairs.length / 2 }, (_, k) => 0.5 * (share(k) + share(k + 1))));
     base.colorAll(scenery.ink);
   }
 
   private makeCurve(lattice: Lattice, axis: number): void {
-    const n = lattice.counts[axis]!;
+    const along = new GridVertices(lattice, axis);
+    const n = along.count;
+    this.count = along.rows;
     this.positions = new Float32Array(3 * n);
-    for (let k = 0; k < n; ++k) for (let c = 0; c < 3; ++c) this.positions[3 * k + c] = lattice.origin[c]! + (c === axis ? k * lattice.spacing[c]! : 0);
+    for (let k = 0; k < n; ++k) for (let c = 0; c < 3; ++c) this.positions[3 * k + c] = lattice.origin[c]! + (c === axis ? along.place(k) * lattice.spacing[c]! : 0);
     const up = axis === 1 ? 0 : 1;
-    const length = (n - 1) * lattice.spacing[axis]!;
+    const length = (along.rows - 1 + 2 * along.margin) * lattice.spacing[axis]!;
     const lines = new WideLines(this.viewHeight, { pixels: 3, radius: 0.004 * length, opacity: 1, tube: true });
     lines.reserve(n - 1);
     const base = new WideLines(this.viewHeight, { pixels: 1.2, radius: 0, opacity: 0.7, tube: false });
     base.set([...this.positions.slice(0, 3), ...this.positions.slice(-3)]);
     const pairs = Uint32Array.from({ length: 2 * (n - 1) }, (_, k) => (k + 1) >> 1);
-    this.curve = { lines, base, up, at: lattice.origin[up]!, length, pairs };
+    this.curve = { lines, base, along, up, at: lattice.origin[up]!, length, pairs };
     this.group.add(base.object, lines.object);
   }
 
@@ -298,17 +310,17 @@ export class GridView {
   private makeSheet(lattice: Lattice, u: number, v: number, layer: number, translucent: boolean): void {
     const w = 3 - u - v;
     const step = [1, lattice.counts[0]!, lattice.counts[0]! * lattice.counts[1]!];
-    const nu = lattice.counts[u]!;
-    const nv = lattice.counts[v]!;
+    const along: [GridVertices, GridVertices] = [new GridVertices(lattice, u), new GridVertices(lattice, v)];
+    const [nu, nv] = [along[0].count, along[1].count];
     const rows = new Uint32Array(nu * nv);
     const positions = new Float32Array(3 * nu * nv);
     for (let j = 0, k = 0; j < nv; ++j) {
       for (let i = 0; i < nu; ++i, ++k) {
+        rows[k] = along[0].row(i) * step[u]! + along[1].row(j) * step[v]! + layer * step[w]!;
         const place: number[] = [];
-        place[u] = i;
-        place[v] = j;
+        place[u] = along[0].place(i);
+        place[v] = along[1].place(j);
         place[w] = layer;
-        rows[k] = place.reduce((sum, p, axis) => sum + p * step[axis]!, 0);
         for (let c = 0; c < 3; ++c) positions[3 * k + c] = lattice.origin[c]! + place[c]! * lattice.spacing[c]!;
       }
     }
@@ -338,7 +350,8 @@ export class GridView {
     mesh.renderOrder = translucent ? layer : 0;
     Object.assign(mesh.userData, { up: w, base: Float32Array.from(rows, (_, k) => positions[3 * k + w]!) });
     this.group.add(mesh);
-    this.sheets.push({ mesh, nu, nv, axes: [u, v], over: undefined, rows, positions, tints, shares });
+    this.count += along[0].rows * along[1].rows;
+    this.sheets.push({ mesh, along, axes: [u, v], over: undefined, rows, positions, tints, shares });
     const all = new Float32Array(this.positions.length + positions.length);
     all.set(this.positions);
     all.set(positions, this.positions.length);

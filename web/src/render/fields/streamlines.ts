@@ -10,8 +10,10 @@ const kApart = 0.5; // least distance between lines, in spacings of their seeds
 const apartBy = (x: number, y: number): number => Math.sqrt(x * x + y * y);
 
 /** Unit direction at a position, written to `out`; false outside and where the field vanishes or is not finite. */
-function direction({ nx, ny, u, v }: PlaneField, x: number, y: number, out: Float64Array): boolean {
-  if (!(x >= 0 && y >= 0 && x <= nx - 1 && y <= ny - 1)) return false;
+function direction({ nx, ny, u, v, margin = 0 }: PlaneField, x: number, y: number, out: Float64Array): boolean {
+  if (!(x >= -margin && y >= -margin && x <= nx - 1 + margin && y <= ny - 1 + margin)) return false;
+  x = Math.min(Math.max(x, 0), nx - 1);
+  y = Math.min(Math.max(y, 0), ny - 1);
   const i = Math.min(Math.floor(x), nx - 2), j = Math.min(Math.floor(y), ny - 2);
   const s = x - i, t = y - j, k = i + nx * j;
   const a = (1 - t) * ((1 - s) * u[k]! + s * u[k + 1]!) + t * ((1 - s) * u[k + nx]! + s * u[k + nx + 1]!);
@@ -75,8 +77,8 @@ class Near {
 
 /** Lines (x, y of each point) from at most `count` seeds spread over the field; a line in two directions is two of them. */
 export function evenStreamlines(field: PlaneField, count: number): number[][] {
-  const { nx, ny } = field;
-  const width = nx - 1, height = ny - 1;
+  const { nx, ny, margin = 0 } = field;
+  const width = nx - 1 + 2 * margin, height = ny - 1 + 2 * margin;
   const spacing = Math.sqrt((width * height) / count);
   const apart = Math.max(1, kApart * spacing);
   const columns = Math.max(1, Math.round(width / spacing));
@@ -84,8 +86,8 @@ export function evenStreamlines(field: PlaneField, count: number): number[][] {
   const near = new Near(field, apart);
   const out: number[][] = [];
   for (let seed = 0; seed < count; ++seed) {
-    const x = (((seed % columns) + 0.5) / columns) * width;
-    const y = ((Math.floor(seed / columns) + 0.5) / rows) * height;
+    const x = (((seed % columns) + 0.5) / columns) * width - margin;
+    const y = ((Math.floor(seed / columns) + 0.5) / rows) * height - margin;
     if (near.anyWithin(x, y, apart)) continue;
     const added: number[] = [];
     for (const h of [kStep, -kStep]) {
