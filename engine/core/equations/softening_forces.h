@@ -25,6 +25,16 @@ class SofteningForces {
   virtual Lengths shift(const Phase& at, State& state, double share, Evaluation& e) const = 0;
   /// Restores everything as it was before `soften`, to the bit.
   virtual void restore(State& state, Evaluation& e) const = 0;
+
+  /// Until `release_tensions`, derivatives of forces (not the forces) are those under tensions of their own:
+  /// at first those at `at`, with the present stiffness and lengths.
+  virtual void hold_tensions(const Phase& at, Evaluation& e) const = 0;
+  /// They become what a motion of the points by `s` times `u` (m) from `at` makes of the forces there, to the
+  /// first order of lengths. Returns the part of the motion, and of the change, that turns no force by more
+  /// than `most_turn` (rad).
+  virtual double predict_tensions(const Phase& at, std::span<const double> u, double s, double most_turn,
+                                  Evaluation& e) const = 0;
+  virtual void release_tensions(Evaluation& e) const = 0;
 };
 
 }  // namespace truestep

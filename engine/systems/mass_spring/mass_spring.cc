@@ -73,19 +73,21 @@ MassSpring::MassSpring(std::unique_ptr<const MassSpringField> field, const Chose
       radius_(0.5 * def.thickness),
       shortest_(shortest_length(springs_.schedule())),
       looks_(def.choice().name.empty() && method.row.name == kUsual),
+      divides_(def.choice().name.empty() && method.row.name == kStiff && !solves_contacts()),
       rising_(springs_, kRising) {
   for (const Collider& c : colliders_.colliders()) {
     surfaces_.push_back(c.surface);
     surfaces_.back().restitution = def.restitution;
     if (def.friction) surfaces_.back().friction = *def.friction;
   }
-  if (solves_contacts() || looks_) {
+  if (solves_contacts() || looks_ || divides_) {
     std::string on, check;
     if (solves_contacts()) {
       on = ", points on " + std::to_string(colliders_.colliders().size()) + " colliders held to them";
     }
     if (looks_)
       check = "; a step that gains energy where springs turn is taken again with " + std::string(kStiff);
+    if (divides_) check = "; a step that has no solution or gains energy is taken in up to eight parts";
     add_stage("integrate",
               "advances position and velocity with " + std::string(method.row.name) + on + ": " + method.why +
                   check,
@@ -176,15 +178,19 @@ void MassSpring::integrate(State& s, const StepInput& in) const {
   const bool supplied = driven(s) || std::ranges::any_of(colliders_.colliders(), [](const Collider& c) {
                           return !c.motion.at_rest();
                         });
+  const RisingStep::Fast fast = [&](std::span<const double> v0, std::span<const double> v, double h) {
+    const double most = kTurns * shortest_ / (2 * h);
+    const auto moves = [&](double component) { return std::abs(component) > most; };
+    return std::ranges::any_of(v, moves) || std::ranges::any_of(v0, moves);
+  };
+  const RisingStep::Step usual = [this](State& to, const StepInput& at) { advance(integrator(), to, at); };
+  if (divides_) {
+    const auto supply = supplied ? RisingStep::Supply::some : RisingStep::Supply::none;
+    return rising_.step_in_parts(s, in, supply, fast, usual);
+  }
   if (!looks_ || supplied) return advance(integrator(), s, in);
   rising_.step(
-      s, in,
-      [this](std::span<const double> v0, std::span<const double> v, double h) {
-        const double most = kTurns * shortest_ / (2 * h);
-        const auto fast = [&](double component) { return std::abs(component) > most; };
-        return std::ranges::any_of(v, fast) || std::ranges::any_of(v0, fast);
-      },
-      [this](State& to, const StepInput& at) { advance(integrator(), to, at); },
+      s, in, fast, usual,
       [this](State& to, const StepInput& at) { advance(*find_integrator(kStiff), to, at); },
       [this](State& to, const StepInput& at) {
         Motion m(springs_, to, at);

@@ -60,6 +60,7 @@ class MassSpring final : public ForceSystem, public AnswersImpulses {
   double radius_;                  // m, distance kept from colliders
   double shortest_;                // m, of the springs' lengths
   bool looks_;                     // at the energy of steps
+  bool divides_;                   // steps that have no solution or gain energy
   RisingStep rising_;
   SurfaceContacts on_surfaces_{colliders_,
                                surfaces_,

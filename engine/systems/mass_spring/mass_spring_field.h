@@ -3,6 +3,7 @@
 //   V = sum k/2 (l - L)^2 - sum m g . x + ...
 // Everything that commands may change is read from the state; the network itself is fixed.
 #pragma once
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -87,6 +88,10 @@ class MassSpringField final : public ForceField,
   void soften(State& state, double share, Evaluation& e) const override;
   Lengths shift(const Phase& at, State& state, double share, Evaluation& e) const override;
   void restore(State& state, Evaluation& e) const override;
+  void hold_tensions(const Phase& at, Evaluation& e) const override;
+  double predict_tensions(const Phase& at, std::span<const double> u, double s, double most_turn,
+                          Evaluation& e) const override;
+  void release_tensions(Evaluation& e) const override;
 
   const StiffnessBound* stiffness_bound() const override { return this; }
   const PointForces* point_forces() const override { return this; }
@@ -119,6 +124,12 @@ class MassSpringField final : public ForceField,
     const double *springs, *list;
   };
   Rests rests(Evaluation& e) const;
+  /// N, of every spring, for derivatives; null: those of the lengths.
+  const double* held_tensions(Evaluation& e) const;
+  double spring_constant(const State& state, size_t s) const;
+  using Shares = std::array<double, kSpringFamilies>;
+  /// Fractions of their stiffness that families keep when the stiffest keeps `share`.
+  Shares softened(const double* stiffness, double share) const;
   /// Positions, velocities and forces of all points, coordinate by coordinate.
   struct Scratch {
     double *x[3], *v[3], *f[3];

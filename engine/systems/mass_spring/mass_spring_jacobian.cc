@@ -140,13 +140,16 @@ void MassSpringField::assemble_jacobian(const Phase& at, BlockSparse& dfdx, Bloc
 
   // alpha and beta of every spring, in one straight loop.
   const double* rest = rests(e).springs;
+  const double* tension = held_tensions(e);
   const size_t springs = schedule_.a.size();
   const auto coefficients = e.workspace.doubles("mass_spring.coefficients", 2 * springs);
   e.arena.for_blocks(springs, kBlockRows, [&](size_t begin, size_t end) {
     for (size_t s = begin; s < end; ++s) {
       const Vec3 d = load3(x, schedule_.b[s]) - load3(x, schedule_.a[s]);
       const double k = k_family[static_cast<size_t>(schedule_.family[s])] * schedule_.scale[s];
-      const spring::Stiffness c = stiffness(norm2(d), k, rest[s]);
+      // A tension belongs to the rest length l - T / k.
+      const double l = tension && k > 0 ? norm(d) - tension[s] / k : rest[s];
+      const spring::Stiffness c = stiffness(norm2(d), k, l);
       coefficients[2 * s] = c.alpha, coefficients[2 * s + 1] = c.beta;
     }
   });

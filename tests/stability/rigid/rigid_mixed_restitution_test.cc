@@ -52,6 +52,12 @@ TEST(RigidMixedRestitution, LoadsThatAreNotInBalanceDoNotThrow) {
   }
 }
 
+// A plate of 1 kg without friction under 4 t began with the springs of its contacts loaded to their yield, 17
+// m/s for a kilogram, and shot out: 1.4 % of all energy.
+TEST(RigidMixedRestitution, APlateUnderThousandsOfTimesItsWeightIsNotShotOut) {
+  EXPECT_LT(run_mixed(mixed_scene({Space::plane, "", 1953}), 4).most, 0.004);
+}
+
 /// A ball with e = 0.8 falls 0.7 m on a lighter block with e = 0 that lies on a floor with e = 0.
 std::string ball_on_block(Space space, double radius, double above) {
   const auto number = [](double x) { return std::to_string(x); };

@@ -68,5 +68,29 @@ TEST(RigidSqueezed, ALightBallStaysOutOfTheFloor) {
   }
 }
 
+/// m, the overlap after 0.8 s of two boxes of 20 and 30 kg that begin 0.1 m deep in one another under a third
+/// one.
+double overlap_under(double mass) {
+  const std::string box = R"("shapes": [{"type": "box", "half_extents": [0.3, 0.25, 0]}])";
+  SceneRun run(
+      R"({"gravity": [0, -9.81, 0], "time": {"dt": 0.016666666666666666}, "systems": [{"type": "rigid2d",
+    "id": "a", "bodies": [
+      {"motion": "fixed", "position": [0, -1, 0], "shapes": [{"type": "box", "half_extents": [4, 1, 0]}]},
+      {"mass": 20, "position": [0, 0.25, 0], )" +
+      box + R"(}, {"mass": 30, "position": [0, 0.65, 0], )" + box + R"(}, {"mass": )" + std::to_string(mass) +
+      R"(, "position": [0, 1.15, 0], )" + box + "}]}]}");
+  run.session.step(48);
+  return run.observe("a.penetration");
+}
+
+// A sweep lifts a heavy body through a light one by the ratio of their masses only, and pushes that are taken
+// back do not add up: under 4 t the overlap was 46 mm after 0.8 s, 8 mm after two, and in piles of the
+// campaign it grew (seeds 238585, 330283, 103764, 502485, 489290). The boxes yield by less than 1 mm under
+// the load.
+TEST(RigidSqueezed, AHeavyLoadIsLiftedOffLightBodiesThatOverlap) {
+  EXPECT_LT(overlap_under(100), 0.002);
+  EXPECT_LT(overlap_under(4000), 0.002);
+}
+
 }  // namespace
 }  // namespace truestep

@@ -38,6 +38,7 @@ StageNewton::StageNewton(Motion& m, const IntegratorOptions& options)
       trial_(m.scratch("integrator.u", n_)),
       start_(m.scratch("integrator.u_start", n_)),
       leap_(m.scratch("integrator.u_leap", n_)),
+      guess_(m.scratch("integrator.u_guess", n_)),
       a_near_(m.scratch("integrator.k2", n_)),
       x_near_(m.scratch("integrator.x_near", n_)),
       rest_(m.scratch("integrator.krylov_r", n_)),
@@ -151,19 +152,23 @@ StageNewton::Failure StageNewton::iterate_to(double target, int most, const Stag
 void StageNewton::choose_start(const StageEquation& eq, std::span<double> u) {
   const auto w = system_.inverse_mass();
   for (size_t k = 0; k < n_; ++k) trial_[k] = w[k / system_.width()] > 0 ? 0 : u[k];
-  if (const auto& on = system_.contacts()) {
-    for (size_t i = 0; i < w.size(); ++i) {
-      if (w[i] == 0) continue;
-      store3(u.data(), i, on->given(i, load3(u.data(), i)));
-      store3(trial_.data(), i, on->given(i, load3(trial_.data(), i)));
-    }
-  }
+  keep_on_surfaces(u), keep_on_surfaces(trial_);
   move(eq, u);
   std::copy(x_.begin(), x_.end(), lagged_.begin());
   const double guess = value(eq, u);
   if (merit_ == Merit::residual) return;
   move(eq, trial_);
   if (value(eq, trial_) < guess) std::copy(trial_.begin(), trial_.end(), u.begin());
+}
+
+// Gives rows on surfaces the velocities prescribed there.
+void StageNewton::keep_on_surfaces(std::span<double> u) {
+  const auto& on = system_.contacts();
+  if (!on) return;
+  const auto w = system_.inverse_mass();
+  for (size_t i = 0; i < w.size(); ++i) {
+    if (w[i] > 0) store3(u.data(), i, on->given(i, load3(u.data(), i)));
+  }
 }
 
 void StageNewton::move(const StageEquation& eq, std::span<const double> u) {

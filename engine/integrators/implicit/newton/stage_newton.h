@@ -11,7 +11,8 @@
 // R changes so much with the position that the iteration does not converge: then R is taken at x0, which
 // gives phi a minimum that a line search always finds, and Newton's method on the full equations continues
 // from there. If that does not converge, the minimum is the solution. If forces are nearly rigid, (omega h)^2
-// > 1e7, the iteration starts with softer ones.
+// > 1e7, the iteration starts with softer ones; where that finds no solution, the tensions become unknowns
+// (stage_newton_tensions.cc).
 #pragma once
 #include "engine/core/equations/lagged_dissipation.h"
 #include "engine/core/equations/softening_forces.h"
@@ -72,12 +73,15 @@ class StageNewton {
   void full_step_unasked(const StageEquation& eq, std::span<double> u);
   Failure stiffen(double share, double target, const StageEquation& eq, std::span<double> u);
   Failure approach(double share, const StageEquation& eq, std::span<double> u);
+  Failure follow_tensions(const StageEquation& eq, std::span<double> u);
+  void solve_under_tensions(const StageEquation& eq, std::span<const double> u);
   /// Whether a further correction is small relative to u, or moves nothing by more than rounding.
   bool settled(const StageEquation& eq, std::span<const double> u, int iteration);
   Failure iterate_to(double target, int most, const StageEquation& eq, std::span<double> u);
   Failure solve_held(const StageEquation& eq, std::span<double> u);
   void accelerate(double t, std::span<const double> x, std::span<const double> u, std::span<double> a);
   void move(const StageEquation& eq, std::span<const double> u);
+  void keep_on_surfaces(std::span<double> u);
 
   void choose_start(const StageEquation& eq, std::span<double> u);
   double evaluate(const StageEquation& eq, std::span<const double> u);
@@ -106,7 +110,7 @@ class StageNewton {
   double definite_ = 0;   // fraction of the definite Jacobian in the last direction's matrix
   double norm_ = 0;       // of the residual at the last evaluation
   double magnitude_ = 0;  // sum of |terms| of the last value
-  std::span<double> a_, b_, d_, x_, lagged_, trial_, start_, leap_;
+  std::span<double> a_, b_, d_, x_, lagged_, trial_, start_, leap_, guess_;
   double last_share_ = 1;  // of its direction that the last line search took
   // Conjugate residuals.
   static constexpr size_t kMostDirections = 12;

@@ -37,6 +37,19 @@ class Softened {
   Evaluation e_;
 };
 
+/// Releases tensions, if any were held, when it ends.
+class TensionsReleased {
+ public:
+  TensionsReleased(const SofteningForces& forces, Evaluation& e) : forces_(forces), e_(e) {}
+  ~TensionsReleased() { forces_.release_tensions(e_); }
+  TensionsReleased(const TensionsReleased&) = delete;
+  TensionsReleased& operator=(const TensionsReleased&) = delete;
+
+ private:
+  const SofteningForces& forces_;
+  Evaluation& e_;
+};
+
 }  // namespace
 
 // Fraction of their stiffness that the forces may keep.
@@ -50,14 +63,31 @@ double StageNewton::softer(const StageEquation& eq) const {
 // h) of a link's length, and forces whose rounding exceeds their change. Softer forces widen it enough to
 // follow, and a few shifts of their lengths lead to the solution of the full ones.
 StageNewton::Failure StageNewton::approach(double share, const StageEquation& eq, std::span<double> u) {
-  const Softened softened(*softening_, m_, share);
-  Failure failure = find(kApproach, eq, u);
-  report_.softened = report_.iterations;
-  if (report_.held) {
-    lag_ = Lag::held;
-    std::copy(eq.x0.begin(), eq.x0.end(), lagged_.begin());
+  Evaluation e{m_.input.workspace, m_.input.arena};
+  const TensionsReleased at_the_end(*softening_, e);
+  std::copy(u.begin(), u.end(), guess_.begin());
+  Failure failure;
+  {
+    const Softened softened(*softening_, m_, share);
+    failure = find(kApproach, eq, u);
+    report_.softened = report_.iterations;
+    if (report_.held) {
+      lag_ = Lag::held;
+      std::copy(eq.x0.begin(), eq.x0.end(), lagged_.begin());
+    }
+    if (failure) {
+      // From the guess, with the tensions at the start.
+      std::copy(guess_.begin(), guess_.end(), u.begin());
+      keep_on_surfaces(u);
+      softening_->hold_tensions({eq.t, eq.x0, u, m_.state}, e);
+    } else if ((failure = stiffen(share, report_.target * (options_.newton_tolerance / kApproach), eq, u))) {
+      // From where softer forces were solved last, with their tensions.
+      std::copy(start_.begin(), start_.end(), u.begin());
+      move(eq, u);
+      softening_->hold_tensions({eq.t, x_, u, m_.state}, e);
+    }
   }
-  if (!failure) failure = stiffen(share, report_.target * (options_.newton_tolerance / kApproach), eq, u);
+  if (failure) failure = follow_tensions(eq, u);
   lag_ = Lag::iterate;
   return failure;
 }

@@ -19,6 +19,10 @@ constexpr int kImpactRounds = 64;
 constexpr double kInside = 0.25;
 constexpr uint8_t kCrowdAround = 3;
 constexpr int kCrowdSweeps = 8;
+/// Mass that a body may have while it is pushed out of others, as a multiple of the lightest of its island. A
+/// sweep lifts a heavy body through a light one by the ratio of their masses only, and pushes that are taken
+/// back do not add up: a light body under a load of 50 times its mass went deeper and deeper into the next.
+constexpr double kMostHeavier = 3;
 
 /// Calls body(pack) for all packs, colour after colour; packs of one colour run in parallel.
 template <class Packs, class Body>
@@ -222,6 +226,50 @@ void Solver<T>::start_parting(const Model& model, T push_out_speed) {
   }
 }
 
+// Pushes that are taken back move bodies without giving them velocities: no momentum depends on their masses.
+template <class T>
+bool Solver<T>::lighten(const Model& model) {
+  lightest_.assign(movers_.size() + 1, HUGE_VAL);
+  const auto mass = [&](uint32_t row) { return model.light[movers_[row]].mass; };
+  for (uint32_t r = 0; r < moved_; ++r) {
+    if (parts_[island_[r]]) lightest_[island_[r]] = std::min(lightest_[island_[r]], mass(r));
+  }
+  const auto times = [&](uint32_t r) { return mass(r) / (kMostHeavier * lightest_[island_[r]]); };
+  bool any = false;
+  for (uint32_t r = 0; r < moved_ && !any; ++r) any = times(r) > 1;
+  if (!any) return false;
+  masses_.resize(movers_.size() + 1);
+  for (uint32_t r = 0; r < masses_.size(); ++r) {
+    T* row = rows_.data() + 8 * static_cast<size_t>(r);
+    masses_[r] = {row[3], row[7]};
+    if (r < moved_ && times(r) > 1) row[3] *= T(times(r)), row[7] *= T(times(r));
+  }
+  weigh_contacts();
+  return true;
+}
+
+template <class T>
+void Solver<T>::restore_masses() {
+  for (uint32_t r = 0; r < masses_.size(); ++r) {
+    T* row = rows_.data() + 8 * static_cast<size_t>(r);
+    row[3] = masses_[r][0], row[7] = masses_[r][1];
+  }
+  weigh_contacts();
+}
+
+template <class T>
+void Solver<T>::weigh_contacts() {
+  using W = Wide<T>;
+  const uint32_t packs = contact_colours_.back();
+  for (uint32_t p = 0; p < packs; ++p) {
+    ContactPack<T>& c = contacts_[p];
+    if (!any_below(W::zero(), c.before.taken)) continue;
+    W there[2];
+    for (int i = 0; i < 2; ++i) there[i] = select(c.point[i].normal_mass > W::zero(), W::all(1), W::zero());
+    weigh(c, Ends<T>(rows_.data(), c.a, c.b), there);
+  }
+}
+
 template <class T>
 void Solver<T>::substep(const Model& model, const SolverSettings& settings, const ThreadArena& arena) {
   const T h = static_cast<T>(settings.h), inverse_h = static_cast<T>(1 / settings.h);
@@ -259,6 +307,7 @@ void Solver<T>::substep(const Model& model, const SolverSettings& settings, cons
               [&](HingePack<T>& p) { solve_hinges<Pass::bias>(p, rows, moved, soft, h); });
   // Pushes that are taken back begin anew in every substep: what must lift a heavy body through a light
   // one, or make room in a crowd, needs several sweeps.
+  const bool lighter = parts && lighten(model);
   const int all = parts ? settings.push_sweeps : 1, sweeps = crowded_ ? std::max(all, kCrowdSweeps) : all;
   for (int i = 0; i < sweeps; ++i) {
     each_colour_back(arena, contacts_, contact_colours_, [&](ContactPack<T>& p) {
@@ -284,6 +333,7 @@ void Solver<T>::substep(const Model& model, const SolverSettings& settings, cons
     each_colour(arena, contacts_, contact_colours_,
                 [&](ContactPack<T>& p) { take_push_back(p, rows, moved); });
   }
+  if (lighter) restore_masses();
   for (JointRow<T>& j : joints_) solve_joint(j, rows, moved, JointPass::relax, h);
   each_colour(arena, hinges_, hinge_colours_,
               [&](HingePack<T>& p) { solve_hinges<Pass::relax>(p, rows, moved, soft, h); });

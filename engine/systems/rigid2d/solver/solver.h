@@ -157,6 +157,12 @@ class Solver {
   /// Marks the lanes of islands with a deep contact, finds crowds, and stores impulses and
   /// velocities.
   void start_parting(const Model& model, T push_out_speed);
+  /// Lets heavy bodies of islands that part move as if they were not much heavier than the lightest; false
+  /// where none is.
+  bool lighten(const Model& model);
+  void restore_masses();
+  /// Effective masses of the contacts that part, from the masses in the rows.
+  void weigh_contacts();
   void substep(const Model& model, const SolverSettings& settings, const ThreadArena& arena);
   /// Forces and damping of a substep on a velocity vx vy w.
   static void act(const T* push, T* v) {
@@ -180,7 +186,9 @@ class Solver {
   Aligned<T> start_;                // rows before the pushes, where some contact overlaps deeply
   std::vector<uint32_t> island_;    // roots of the rows' islands, computed when a step needs them
   bool knows_islands_ = false, crowded_ = false;
-  std::vector<uint8_t> parts_, inside_;  // inside_: of every row, pairs in which it is inside the other
+  std::vector<uint8_t> parts_, inside_;   // inside_: of every row, pairs in which it is inside the other
+  std::vector<double> lightest_;          // kg, of every row's island
+  std::vector<std::array<T, 2>> masses_;  // inverse mass and inertia of every row, while some are lightened
   Aligned<ContactPack<T>> contacts_;
   Aligned<HingePack<T>> hinges_;
   std::vector<uint32_t> contact_colours_, hinge_colours_;  // first pack of every colour, and the end

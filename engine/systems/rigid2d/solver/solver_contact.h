@@ -34,6 +34,33 @@ struct Ends {
   }
 };
 
+/// Effective masses of a pack from the masses in its bodies' rows; `there`: 1 where a lane has this point.
+template <class T>
+void weigh(ContactPack<T>& c, const Ends<T>& e, const Wide<T> there[2]) {
+  using W = Wide<T>;
+  const W zero = W::zero(), one = W::all(1), m = e.a[3] + e.b[3];
+  W arm_a[2], arm_b[2], k[2];
+  for (int i = 0; i < 2; ++i) {
+    auto& p = c.point[i];
+    arm_a[i] = nmadd(p.ay, c.nx, p.ax * c.ny), arm_b[i] = nmadd(p.by, c.nx, p.bx * c.ny);
+    const W ta = madd(p.ax, c.nx, p.ay * c.ny), tb = madd(p.bx, c.nx, p.by * c.ny);
+    k[i] = madd(e.a[7] * arm_a[i], arm_a[i], madd(e.b[7] * arm_b[i], arm_b[i], m));
+    const W kt = madd(e.a[7] * ta, ta, madd(e.b[7] * tb, tb, m));
+    p.normal_mass = select(there[i] > zero, one / k[i], zero);
+    p.tangent_mass = select(there[i] > zero, one / kt, zero);
+  }
+  c.stiffness0 = k[0] * there[0], c.stiffness1 = k[1] * there[1];
+  c.coupling = there[1] * madd(e.a[7] * arm_a[0], arm_a[1], madd(e.b[7] * arm_b[0], arm_b[1], m));
+  // Fully coupled points (bodies that do not rotate) make K singular: with a slightly smaller coupling they
+  // share the load.
+  const W all = c.stiffness0 * c.stiffness1;
+  c.held = select(c.coupling * c.coupling > W::all(T(0.99)) * all, W::all(T(0.995)) * sqrt(all), c.coupling);
+  if (c.rolls) {
+    const W turning = e.a[7] + e.b[7];
+    c.rolling_mass = select(turning > zero, one / turning, zero);
+  }
+}
+
 /// cos - 1 and sin of a small angle to seventh order.
 template <class T>
 inline void small_turn(Wide<T> t, Wide<T>& c1, Wide<T>& s) {

@@ -109,29 +109,7 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
       p.separation.set(k, t(at.separation - offset));
     }
   }
-  // The rest in all lanes at once: masses and approach speeds from the bodies' rows.
-  const Ends<T> e(rows_.data(), c.a, c.b);
-  const W zero = W::zero(), one = W::all(1), m = e.a[3] + e.b[3];
-  W arm_a[2], arm_b[2], k[2];
-  for (int i = 0; i < 2; ++i) {
-    auto& p = c.point[i];
-    arm_a[i] = nmadd(p.ay, c.nx, p.ax * c.ny), arm_b[i] = nmadd(p.by, c.nx, p.bx * c.ny);
-    const W ta = madd(p.ax, c.nx, p.ay * c.ny), tb = madd(p.bx, c.nx, p.by * c.ny);
-    k[i] = madd(e.a[7] * arm_a[i], arm_a[i], madd(e.b[7] * arm_b[i], arm_b[i], m));
-    const W kt = madd(e.a[7] * ta, ta, madd(e.b[7] * tb, tb, m));
-    p.normal_mass = select(there[i] > zero, one / k[i], zero);
-    p.tangent_mass = select(there[i] > zero, one / kt, zero);
-  }
-  c.stiffness0 = k[0] * there[0], c.stiffness1 = k[1] * there[1];
-  c.coupling = there[1] * madd(e.a[7] * arm_a[0], arm_a[1], madd(e.b[7] * arm_b[0], arm_b[1], m));
-  // Fully coupled points (bodies that do not rotate) make K singular: with a slightly smaller coupling they
-  // share the load.
-  const W all = c.stiffness0 * c.stiffness1;
-  c.held = select(c.coupling * c.coupling > W::all(T(0.99)) * all, W::all(T(0.995)) * sqrt(all), c.coupling);
-  if (c.rolls) {
-    const W turning = e.a[7] + e.b[7];
-    c.rolling_mass = select(turning > zero, one / turning, zero);
-  }
+  weigh(c, Ends<T>(rows_.data(), c.a, c.b), there);
 }
 
 template <class T>

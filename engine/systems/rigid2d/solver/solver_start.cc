@@ -35,6 +35,9 @@ constexpr double kBalanced = 1e-4, kHardly = 0.995;
 /// Largest offset of an island held by sweeps, as a fraction of the smaller body's inner radius: loaded
 /// springs store energy.
 constexpr double kMostStart = 0.02;
+/// m/s, largest speed at which the springs of a contact could throw the lighter of its bodies out of it: a
+/// plate that bears thousands of times its weight would leave faster than anything here falls.
+constexpr double kMostThrow = 6;
 /// Multiple of the scalar's epsilon by which offsets stay below the yields: with offsets that are larger by
 /// rounding bodies would be lifted, by a nanometre in single precision.
 constexpr double kBelowYield = 512;
@@ -106,6 +109,12 @@ void Solver<T>::start_contacts(const Model& model, const Pairs& pairs, const Sol
         std::abs(offset[0] - offset[1]) <= kAlike * std::max(offset[0], offset[1])) {
       offset[0] = offset[1] = 0.5 * offset[0] + 0.5 * offset[1];
     }
+    const double lightest = std::max(rows_[8 * static_cast<size_t>(c.a[b.lane]) + 3],
+                                     rows_[8 * static_cast<size_t>(c.b[b.lane]) + 3]);  // 1/kg
+    const double thrown2 =
+        (loads_[i][0] * offset[0] + loads_[i][1] * offset[1]) / settings.h * lightest;  // m^2/s^2
+    const double share = thrown2 > kMostThrow * kMostThrow ? kMostThrow * kMostThrow / thrown2 : 1;
+    offset[0] *= share, offset[1] *= share;
     begin_with(b.pack, b.lane, offset);
   }
   for (uint32_t p = 0; p < contact_colours_.back(); ++p) {
