@@ -52,6 +52,8 @@ const Outputs& grid_fluid_outputs() {
            "of the fluid between obstacles, in the plane per metre across; of a liquid's particles"},
           {"density.mean_error", "1", "of a liquid: mean compression of its cells in the last substep"},
           {"density.max_error", "1", "the largest"},
+          {"density.lift", "J",
+           "by how much undoing compression has lifted the liquid since the start; taken from its motion"},
           {"density.iterations", "1", "iterations of the solve that undoes compression"},
           {"dye.total", "1", "integral of the dye over a liquid"},
           {"count", "1", "particles of a liquid present, if they come or go"},
