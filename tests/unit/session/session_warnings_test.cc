@@ -44,7 +44,8 @@ TEST(SessionWarnings, SaysOnceWhatIsWrongAndTheSuggestedStepDoes) {
   EXPECT_EQ(w.first_step, 1u);
   EXPECT_GT(w.warning.value, w.warning.limit);
   ASSERT_GT(w.warning.suggested_dt, 0);
-  EXPECT_THAT(listener->told, ::testing::ElementsAre(::testing::HasSubstr("system \"f\": the flow crosses ")));
+  EXPECT_THAT(listener->told,
+              ::testing::ElementsAre(::testing::HasSubstr("system \"f\": the flow crosses ")));
   // The eddies decay: a step that was short enough for their first speed remains so.
   Session shorter = whirls(w.warning.suggested_dt);
   shorter.step(16);
