@@ -37,8 +37,8 @@ void ThreadArena::run_blocks(size_t n, size_t block, const std::function<void(si
 #endif
 }
 
-double ThreadArena::sum_blocks(size_t n, size_t block,
-                               const std::function<double(size_t, size_t)>& body) const {
+double ThreadArena::sum_of_blocks(size_t n, size_t block,
+                                  const std::function<double(size_t, size_t)>& body) const {
   double total = 0;
   if (n <= block || threads_ <= 1) {
     for (size_t b = 0; b < n; b += block) total += body(b, std::min(n, b + block));

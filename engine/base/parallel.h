@@ -32,9 +32,13 @@ class ThreadArena {
   }
 
   /// Sum of body(begin, end) over all blocks, added in block order for any number of threads.
-  double sum_blocks(size_t n, size_t block, const std::function<double(size_t, size_t)>& body) const;
+  template <class Body>
+  double sum_blocks(size_t n, size_t block, Body&& body) const {
+    return sum_of_blocks(n, block, std::function<double(size_t, size_t)>(std::ref(body)));
+  }
 
  private:
+  double sum_of_blocks(size_t n, size_t block, const std::function<double(size_t, size_t)>& body) const;
   void run_blocks(size_t n, size_t block, const std::function<void(size_t, size_t)>& body) const;
   int threads_;
   struct Impl;

@@ -30,7 +30,7 @@ void remove_net_force(const gravity::Bodies& bodies, std::span<double> a, const 
       for (size_t i = begin; i < end; ++i) sum += bodies.mu[i] * (component < 3 ? a[3 * i + component] : 1.0);
       return sum;
     };
-    return arena.sum_blocks(n, kBlockRows, std::ref(block));  // by reference, so as not to allocate
+    return arena.sum_blocks(n, kBlockRows, block);
   };
   const double mu = total(3);
   if (!(mu > 0)) return;

@@ -63,7 +63,7 @@ double sum_over(size_t n, const ThreadArena& arena, const Term& term) {
     for (size_t i = begin; i < end; ++i) sum += term(i);
     return sum;
   };
-  return arena.sum_blocks(n, kSumBlock, std::ref(block));  // by reference, so as not to allocate
+  return arena.sum_blocks(n, kSumBlock, block);
 }
 
 /// Removes the net force of the forces q_i field_i evenly from all accelerations; `factor` converts them to

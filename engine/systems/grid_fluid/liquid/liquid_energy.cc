@@ -37,7 +37,7 @@ void LiquidFlow::pay_for_lift(LiquidFields& f, double lift, double h) {
       for (size_t p = begin; p < end; ++p) out += of(now_.data() + width_ * p + d);
       return out;
     };
-    return arena_->sum_blocks(rows_, kRowsPerTask, std::ref(block));  // by reference, so as not to allocate
+    return arena_->sum_blocks(rows_, kRowsPerTask, block);
   };
   const auto energy = [d](const double* v) {
     double square = 0;
