@@ -23,6 +23,10 @@ constexpr int kCrowdSweeps = 8;
 /// sweep lifts a heavy body through a light one by the ratio of their masses only, and pushes that are taken
 /// back do not add up: a light body under a load of 50 times its mass went deeper and deeper into the next.
 constexpr double kMostHeavier = 3;
+/// Fraction of its island's heaviest weight that a deep contact must bear for that. A light body that bears
+/// less is in the way of nothing, and moves out itself: lifting what rolls off it would be energy from
+/// nothing.
+constexpr double kPressed = 0.5;
 
 /// Calls body(pack) for all packs, colour after colour; packs of one colour run in parallel.
 template <class Packs, class Body>
@@ -187,6 +191,7 @@ template <class T>
 void Solver<T>::start_parting(const Model& model, T push_out_speed) {
   std::copy(rows_.begin(), rows_.end(), start_.begin());
   std::fill(parts_.begin(), parts_.end(), uint8_t{0});
+  pressed_.assign(parts_.size(), 0);
   if (!knows_islands_) find_islands();
   const uint32_t packs = contact_colours_.empty() ? 0 : contact_colours_.back();
   const auto island = [&](const ContactPack<T>& c, int k) {
@@ -208,6 +213,7 @@ void Solver<T>::start_parting(const Model& model, T push_out_speed) {
       const uint32_t i = island(c, k);
       if (i == kNoPoint || !(left[k] < 0)) continue;
       parts_[i] = 1;
+      pressed_[i] = std::max<double>(pressed_[i], c.point[0].normal[k] + c.point[1].normal[k]);
       const double depth = -static_cast<double>(std::min(separation[0][k], separation[1][k]));
       if (!(depth > kInside * std::min(thickness(c.a[k]), thickness(c.b[k])))) continue;
       for (const uint32_t row : {c.a[k], c.b[k]}) {
@@ -229,10 +235,17 @@ void Solver<T>::start_parting(const Model& model, T push_out_speed) {
 // Pushes that are taken back move bodies without giving them velocities: no momentum depends on their masses.
 template <class T>
 bool Solver<T>::lighten(const Model& model) {
-  lightest_.assign(movers_.size() + 1, HUGE_VAL);
+  lightest_.assign(movers_.size() + 1, HUGE_VAL), heaviest_.assign(movers_.size() + 1, 0);
   const auto mass = [&](uint32_t row) { return model.light[movers_[row]].mass; };
   for (uint32_t r = 0; r < moved_; ++r) {
-    if (parts_[island_[r]]) lightest_[island_[r]] = std::min(lightest_[island_[r]], mass(r));
+    const uint32_t i = island_[r];
+    if (!parts_[i]) continue;
+    lightest_[i] = std::min(lightest_[i], mass(r));
+    const T* push = push_.data() + 8 * static_cast<size_t>(r);
+    heaviest_[i] = std::max(heaviest_[i], mass(r) * flat::norm(Vec2{push[0], push[1]}));
+  }
+  for (uint32_t i = 0; i < moved_; ++i) {
+    if (!(pressed_[i] > kPressed * heaviest_[i])) lightest_[i] = HUGE_VAL;
   }
   const auto times = [&](uint32_t r) { return mass(r) / (kMostHeavier * lightest_[island_[r]]); };
   bool any = false;

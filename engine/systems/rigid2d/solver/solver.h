@@ -186,8 +186,9 @@ class Solver {
   Aligned<T> start_;                // rows before the pushes, where some contact overlaps deeply
   std::vector<uint32_t> island_;    // roots of the rows' islands, computed when a step needs them
   bool knows_islands_ = false, crowded_ = false;
-  std::vector<uint8_t> parts_, inside_;   // inside_: of every row, pairs in which it is inside the other
-  std::vector<double> lightest_;          // kg, of every row's island
+  std::vector<uint8_t> parts_, inside_;      // inside_: of every row, pairs in which it is inside the other
+  std::vector<double> pressed_;              // N s, of every island: the largest load of a deep contact
+  std::vector<double> lightest_, heaviest_;  // kg and N s, of every island: masses, and weights in a substep
   std::vector<std::array<T, 2>> masses_;  // inverse mass and inertia of every row, while some are lightened
   Aligned<ContactPack<T>> contacts_;
   Aligned<HingePack<T>> hinges_;
