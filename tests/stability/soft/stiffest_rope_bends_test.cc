@@ -6,36 +6,13 @@
 #include <cmath>
 #include <random>
 
-#include "engine/systems/mass_spring/mass_spring.h"
+#include "tests/stability/soft/own_method_run.h"
 
 namespace truestep {
 using namespace mass_spring;
 namespace {
 
-struct BendingRope {
-  BendingRope(const MassSpringDef& d, double dt) : h(dt) {
-    BuildContext context{.id = "r"};
-    context.dt = dt;
-    system = MassSpring::make(d, context);
-    state = system->initial_state();
-  }
-  void step() {
-    system->step(state,
-                 {.t = h * double(done), .h = h, .step = done, .workspace = workspace, .arena = arena});
-    ++done;
-  }
-  double observe(const char* name) const {
-    Observables out;
-    system->observe(state, 0, out);
-    return out.find(name).value();
-  }
-  double h;
-  std::unique_ptr<const MassSpring> system;
-  State state;
-  Workspace workspace;
-  ThreadArena arena{1};
-  uint64_t done = 0;
-};
+using testing_rig::OwnMethodRun;
 
 MassSpringDef bending_rope(double stiffness, double bending, int links, const Vec3& to, const char* pinned) {
   MassSpringDef d;
@@ -53,7 +30,7 @@ TEST(StiffestRopeBends, HoldsAtTheDefaults) {
       for (const char* pinned : {"first", "ends"}) {
         const int links = 2 + static_cast<int>(28 * unit());
         const Vec3 to{0.3 + unit(), 1 + unit() - 0.5, unit() - 0.5};
-        BendingRope rope(bending_rope(k, share * k, links, to, pinned), 1.0 / 60);
+        OwnMethodRun rope(bending_rope(k, share * k, links, to, pinned), 1.0 / 60);
         const double start = rope.observe("energy.total");
         double most = start;
         for (int i = 0; i < 60; ++i) {
@@ -84,7 +61,7 @@ TEST(StiffestRopeBends, FallsLikeARod) {
     rate -= kDt / kFine * 9.81 * first / second * std::cos(angle), angle += kDt / kFine * rate;
   }
   const auto fall = [&](double bending) {
-    BendingRope rope(bending_rope(1e10, bending, kLinks, {1, 1, 0}, "first"), kDt);
+    OwnMethodRun rope(bending_rope(1e10, bending, kLinks, {1, 1, 0}, "first"), kDt);
     for (int i = 0; i < kSteps; ++i) rope.step();
     return load3(rope.state.f64(MassSpringColumns::position).data(), kLinks);
   };

@@ -4,43 +4,13 @@
 
 #include <cmath>
 
-#include "engine/integrators/implicit/newton/stage_newton.h"
-#include "engine/systems/mass_spring/mass_spring.h"
+#include "tests/stability/soft/own_method_run.h"
 
 namespace truestep {
 using namespace mass_spring;
 namespace {
 
-struct SpringRun {
-  explicit SpringRun(const MassSpringDef& d, double dt = 1.0 / 60) : h(dt) {
-    BuildContext context{.id = "r"};
-    context.dt = dt;
-    system = MassSpring::make(d, context);
-    state = system->initial_state();
-  }
-  void step() {
-    system->step(state,
-                 {.t = h * double(done), .h = h, .step = done, .workspace = workspace, .arena = arena});
-    ++done;
-  }
-  double observe(const char* name) const {
-    Observables out;
-    system->observe(state, 0, out);
-    return out.find(name).value();
-  }
-  const NewtonReport& report() { return workspace.object<NewtonReport>(kNewtonReport); }
-  Vec3 tip() const {
-    const auto x = state.f64(MassSpringColumns::position);
-    return load3(x.data(), x.size() / 3 - 1);
-  }
-
-  double h;
-  std::unique_ptr<const MassSpring> system;
-  State state;
-  Workspace workspace;
-  ThreadArena arena{1};
-  uint64_t done = 0;
-};
+using testing_rig::OwnMethodRun;
 
 MassSpringDef rope_from_a_pin(double stiffness, int links, const Vec3& to) {
   MassSpringDef d;
@@ -50,9 +20,9 @@ MassSpringDef rope_from_a_pin(double stiffness, int links, const Vec3& to) {
   return d;
 }
 
-struct Rope : SpringRun {
+struct Rope : OwnMethodRun {
   Rope(double stiffness, int links, const Vec3& to, double dt = 1.0 / 60)
-      : SpringRun(rope_from_a_pin(stiffness, links, to), dt) {}
+      : OwnMethodRun(rope_from_a_pin(stiffness, links, to), dt) {}
 };
 
 TEST(StiffestRope, SwingsWithoutGainAndAtACostThatStiffnessDoesNotRaise) {
@@ -103,7 +73,7 @@ TEST(StiffestRope, ASheetWithRigidThreadsGainsNothing) {
     d.density = 0.25;
     d.stiffness = k, d.shear_stiffness = 100, d.bending_stiffness = 2;
     d.pinned = {"corner_00", "corner_10"};
-    SpringRun sheet(d);
+    OwnMethodRun sheet(d);
     const double start = sheet.observe("energy.total");
     for (int n = 0; n < 30; ++n) {
       sheet.step();
@@ -122,7 +92,7 @@ TEST(StiffestRope, SagsBetweenTwoPinsAsFarAsItsLoadStretchesIt) {
     d.rope = RopeShape{.from = {0, 1, 0}, .to = {1.6, 1, 0}, .links = 2};
     d.pinned = {"ends"};
     d.mass = 0.0022, d.stiffness = k, d.damping = 0.05;
-    SpringRun rope(d);
+    OwnMethodRun rope(d);
     const double start = rope.observe("energy.total");
     double most = start;
     for (int n = 0; n < 90; ++n) {
