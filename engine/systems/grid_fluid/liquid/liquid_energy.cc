@@ -7,6 +7,7 @@
 // lowers the liquid by counts against what it lifts it by for about a period of the box's longest wave.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "engine/systems/grid_fluid/liquid/liquid_flow.h"
 
@@ -15,7 +16,7 @@ namespace truestep::grid_fluid {
 namespace {
 constexpr size_t kRowsPerTask = 4096;
 /// Of the energy of the relative motion, at most, in a substep.
-constexpr double kMostTaken = 0.005;
+constexpr double kMostTaken = 0.02;
 }  // namespace
 
 void LiquidFlow::pay_for_lift(LiquidFields& f, double lift, double h) {
@@ -31,11 +32,12 @@ void LiquidFlow::pay_for_lift(LiquidFields& f, double lift, double h) {
   *f.owed = (*f.owed + lift) / (1 + h / period);
   if (!(*f.owed > 0)) return;
   const auto sum = [&](auto&& of) {
-    return arena_->sum_blocks(rows_, kRowsPerTask, [&](size_t begin, size_t end) {
+    const auto block = [&](size_t begin, size_t end) {
       double out = 0;
       for (size_t p = begin; p < end; ++p) out += of(now_.data() + width_ * p + d);
       return out;
-    });
+    };
+    return arena_->sum_blocks(rows_, kRowsPerTask, std::ref(block));  // by reference, so as not to allocate
   };
   const auto energy = [d](const double* v) {
     double square = 0;
