@@ -184,7 +184,7 @@ TEST(LiquidGrid, AGateThatRisesDoesNotHoldTheFrontBack) {
 TEST(LiquidGrid, WaterThatSticksToItsWallsGainsNoEnergy) {
   constexpr double kA = 0.05715;
   for (const A advection : {A::flip, A::apic}) {
-    double left[2] = {};
+    double lost[2] = {};
     for (const bool sticks : {true, false}) {
       GridFluidDef d = water(advection, {135, 45}, kA / 15);
       d.viscosity = 1e-6;
@@ -196,9 +196,9 @@ TEST(LiquidGrid, WaterThatSticksToItsWallsGainsNoEnergy) {
       for (int k = 0; k < 28; ++k) run.steps(10), most = std::max(most, run.observed("energy.total"));
       std::printf("  %s: %.4f of %.4f J\n", sticks ? "sticks" : "slips", run.observed("energy.total"), start);
       EXPECT_LT(most, 1.001 * start);
-      left[sticks] = run.observed("energy.total");
+      lost[sticks] = start - run.observed("energy.total");
     }
-    EXPECT_LT(left[true], 0.99 * left[false]) << "control: walls that it slides along take none";
+    EXPECT_GT(lost[true], 1.4 * lost[false]) << "control: walls that it slides along take none";
   }
 }
 

@@ -39,7 +39,7 @@ TEST(LiquidWaves, AWaveThatSloshesFor100SecondsGainsNoEnergy) {
                 first, last, lift);
     EXPECT_LT(last, first);
     EXPECT_GT(last, 0.2 * first) << "it still sloshes";
-    EXPECT_GT(last + lift, first) << "control: with what undoing compression has lifted it would have grown";
+    EXPECT_GT(lift, 0.1 * first) << "control: as much as undoing compression would have fed it";
   }
 }
 
@@ -57,11 +57,11 @@ TEST(LiquidWaves, ASurfaceInTheMiddleOfCellsStaysStill) {
     return most / std::sqrt(9.81 * 0.5);
   };
   for (const A advection : {A::flip, A::apic}) {
-    // Seen: 5e-5 in the first step, then less.
-    EXPECT_LT(fastest(advection, {24, 18}, 0), 1e-3);
-    EXPECT_LT(fastest(advection, {6, 18, 6}, 0), 1e-3);
+    // A quarter of what is asked of water at rest, and three times what was seen.
+    EXPECT_LT(fastest(advection, {24, 18}, 0), 2.5e-3);
+    EXPECT_LT(fastest(advection, {6, 18, 6}, 0), 2.5e-3);
   }
-  EXPECT_GT(fastest(A::apic, {24, 18}, 0.1), 1e-3) << "control: one particle that moves";
+  EXPECT_GT(fastest(A::apic, {24, 18}, 1), 2.5e-3) << "control: one particle that is pushed";
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 // lowers the liquid by counts against what it lifts it by for about a period of the box's longest wave.
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "engine/systems/grid_fluid/liquid/liquid_flow.h"
 
@@ -16,7 +15,7 @@ namespace truestep::grid_fluid {
 namespace {
 constexpr size_t kRowsPerTask = 4096;
 /// Of the energy of the relative motion, at most, in a substep.
-constexpr double kMostTaken = 0.005;
+constexpr double kMostTaken = 0.02;
 }  // namespace
 
 void LiquidFlow::pay_for_lift(LiquidFields& f, double lift, double h) {

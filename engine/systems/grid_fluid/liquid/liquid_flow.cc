@@ -282,7 +282,7 @@ double LiquidFlow::carry(double h) {
   const double keep = model_->def.flip,
                weight[] = {-model_->gravity.x * g.spacing[0], -model_->gravity.y * g.spacing[1],
                            -model_->gravity.z * g.spacing[2]};
-  return arena_->sum_blocks(rows_, kParticles, [&](size_t begin, size_t end) {
+  const auto block = [&](size_t begin, size_t end) {
     double lift = 0;
     for (size_t p = begin; p < end; ++p) {
       double *x = particle(now_, p), *v = x + D;
@@ -310,7 +310,8 @@ double LiquidFlow::carry(double h) {
       hold<D>(x, Beyond::leave);
     }
     return lift;
-  });
+  };
+  return arena_->sum_blocks(rows_, kParticles, block);
 }
 
 LiquidReport LiquidFlow::substep(LiquidFields& f, double t, double h) {

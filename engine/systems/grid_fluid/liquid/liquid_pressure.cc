@@ -182,11 +182,9 @@ void LiquidFlow::take_back_compression(LiquidFields& f, LiquidReport& report) {
         for (const size_t m : {i - g.stride(a), i + g.stride(a)})
           inside = inside && (liquid_[m] || room[m] == 0);
       }
-      // A little is left: particles that are displaced by rounding and noise, and turned back by the flow,
-      // feed waves in water that stands.
-      constexpr double kMost = 0.5, kLeft = 0.002;
-      const double excess = f.fill[i] - 1, beyond = excess - std::clamp(excess, -kLeft, kLeft);
-      psi[i] = !liquid_[i] ? 0 : -std::clamp(beyond, inside ? -kMost : 0, kMost);
+      constexpr double kMost = 0.5;
+      const double excess = f.fill[i] - 1;
+      psi[i] = !liquid_[i] ? 0 : -std::clamp(excess, inside ? -kMost : 0, kMost);
     }
   });
   // Sums of rows, then their sum, in a fixed order.
