@@ -53,6 +53,8 @@ const Outputs& grid_fluid_outputs() {
           {"density.mean_error", "1", "of a liquid: mean compression of its cells in the last substep"},
           {"density.max_error", "1", "the largest"},
           {"density.iterations", "1", "iterations of the solve that undoes compression"},
+          {"density.lift", "J",
+           "by which undoing compression has lifted a liquid since the start; taken from its motion"},
           {"dye.total", "1", "integral of the dye over a liquid"},
           {"count", "1", "particles of a liquid present, if they come or go"},
           {"emitted", "1", "particles that came in through nozzles and sides"},
