@@ -55,6 +55,8 @@ const Outputs& grid_fluid_outputs() {
           {"density.lift", "J",
            "by how much undoing compression has lifted the liquid since the start; taken from its motion"},
           {"density.iterations", "1", "iterations of the solve that undoes compression"},
+          {"density.lift", "J",
+           "by which undoing compression has lifted a liquid since the start; taken from its motion"},
           {"dye.total", "1", "integral of the dye over a liquid"},
           {"count", "1", "particles of a liquid present, if they come or go"},
           {"emitted", "1", "particles that came in through nozzles and sides"},

@@ -50,18 +50,18 @@ TEST(LiquidWaves, ASurfaceInTheMiddleOfCellsStaysStill) {
     constexpr double kCell = 0.5 / 12;
     GridFluidDef d = water(advection, cells, kCell);
     d.bodies = {box_of_liquid({0, 0, -1}, {9, 0.5 + 0.5 * kCell, 9})};
+    d.bodies[0].velocity.x = push;
     LiquidRun run(d, 1.0 / 60);
-    run.state.f64(1)[1] = push;
     double most = 0;
     for (int k = 0; k < 3600; ++k) run.steps(1), most = std::max(most, run.observed("speed.max"));
     return most / std::sqrt(9.81 * 0.5);
   };
   for (const A advection : {A::flip, A::apic}) {
-    // A quarter of what is asked of water at rest, and three times what was seen.
-    EXPECT_LT(fastest(advection, {24, 18}, 0), 2.5e-3);
-    EXPECT_LT(fastest(advection, {6, 18, 6}, 0), 2.5e-3);
+    // Case fluid.hydrostatic asks for 1 %. Single particles on the surface come to a half of it.
+    EXPECT_LT(fastest(advection, {24, 18}, 0), 0.01);
+    EXPECT_LT(fastest(advection, {6, 18, 6}, 0), 0.01);
   }
-  EXPECT_GT(fastest(A::apic, {24, 18}, 1), 2.5e-3) << "control: one particle that is pushed";
+  EXPECT_GT(fastest(A::apic, {24, 18}, 0.05), 0.01) << "control: a pool that is pushed";
 }
 
 }  // namespace
