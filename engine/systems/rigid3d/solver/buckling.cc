@@ -28,8 +28,8 @@ double squared_tilts(double s) {
 }
 
 /// 1/kg of a body for pushes along n at an arm (m) from its centre.
-double mobility(const BodyKind& k, const Quat& turned, const Vec3& arm, const Vec3& n) {
-  const Vec3 turn = rotation(turned).apply_inverse(cross(arm, n)), I = k.resistance();
+double mobility(const BodyKind& k, const Rotation& turned, const Vec3& arm, const Vec3& n) {
+  const Vec3 turn = turned.apply_inverse(cross(arm, n)), I = k.resistance();
   return 1 / k.mass + turn.x * turn.x / I.x + turn.y * turn.y / I.y + turn.z * turn.z / I.z;
 }
 
@@ -63,24 +63,34 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds,
     return (c.impulse[0] + c.impulse[1] + c.impulse[2] + c.impulse[3]) / substep;
   };
   const double rate = contact_rate(settings, h / now);
-  // 1/kg of a contact's points for pushes along its normal.
-  const auto inverse_mass = [&](const Contact& c, int point) {
-    double inverse = 0;
+  // 1/kg of a contact's points for pushes along its normal, computed once.
+  inverse_mass_.assign(contacts.size(), {});
+  const auto inverse_masses = [&](size_t k) -> const auto& {
+    const Contact& c = *contacts[k];
+    auto& inverse = inverse_mass_[k];
+    if (c.manifold.count == 0 || inverse[0] > 0) return inverse;
     for (const uint32_t i : {c.a, c.b}) {
       if (!moves(i)) continue;
-      const Vec3 arm = c.manifold.points[point].position - load3(x, i);
-      inverse += mobility(kinds[kind[i]], load_quat(q, i), arm, c.manifold.normal);
+      const Rotation turned = rotation(load_quat(q, i));
+      for (int p = 0; p < c.manifold.count; ++p) {
+        const Vec3 arm = c.manifold.points[p].position - load3(x, i);
+        inverse[static_cast<size_t>(p)] += mobility(kinds[kind[i]], turned, arm, c.manifold.normal);
+      }
     }
     return inverse;
   };
-  const auto yield = [&](const Contact& c) {
+  const auto yield = [&](size_t k) {
     double stiffness = 0;
-    for (int p = 0; p < c.manifold.count; ++p) stiffness += rate * rate / inverse_mass(c, p);
-    return load(c) / stiffness;
+    const auto& inverse = inverse_masses(k);
+    for (int p = 0; p < contacts[k]->manifold.count; ++p) {
+      stiffness += rate * rate / inverse[static_cast<size_t>(p)];
+    }
+    return load(*contacts[k]) / stiffness;
   };
   bool tall = false;
   double gives_way = 0;  // yield, as a fraction of the allowed yield
-  for (const Contact* c : contacts) {
+  for (size_t k = 0; k < contacts.size(); ++k) {
+    const Contact* c = contacts[k];
     double lightest = std::numeric_limits<double>::max(), smallest = lightest;
     bool stands = true;
     for (const uint32_t i : {c->a, c->b}) {
@@ -90,7 +100,7 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds,
     }
     const double weights = load(*c) / (lightest * g);
     tall |= weights > kTallLoad;
-    if (weights > kGivingLoad && stands) gives_way = std::max(gives_way, yield(*c) / (kMostGive * smallest));
+    if (weights > kGivingLoad && stands) gives_way = std::max(gives_way, yield(k) / (kMostGive * smallest));
   }
   if (!tall) return settings.substeps;
 
@@ -115,7 +125,8 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds,
     return t * (2 - t);
   };
   support_.assign(kind.size(), {});
-  for (const Contact* c : contacts) {
+  for (size_t k = 0; k < contacts.size(); ++k) {
+    const Contact* c = contacts[k];
     if (!(load(*c) > 0)) continue;
     const bool on_a = !moves(c->a) || (moves(c->b) && height(c->b) > height(c->a));
     const uint32_t upper = on_a ? c->b : c->a, lower = on_a ? c->a : c->b;
@@ -124,9 +135,10 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds,
     if (m.count < 3) island_[island_of(parent_, upper)].counts = false;
     Support& support = support_[upper];
     const double upright = dot(m.normal, up), below = tilt(lower);
+    const auto& inverse = inverse_masses(k);
     for (int p = 0; p < m.count; ++p) {
       const Vec3 at = m.points[p].position, arm_a = at - load3(x, c->a), arm_b = at - load3(x, c->b);
-      const double mass = upright * upright / inverse_mass(*c, p);
+      const double mass = upright * upright / inverse[static_cast<size_t>(p)];
       const Vec3 all = on_a ? arm_b : arm_a, arm = all - up * dot(all, up);
       support.mass += mass, support.tilt += mass * below, support.place += arm * mass;
       support.squares += Vec3{arm.x * arm.x, arm.y * arm.y, arm.z * arm.z} * mass;

@@ -9,6 +9,7 @@
 // is 7.84. Only islands whose loaded contacts are all patches count; the stability of others depends on their
 // shape.
 #pragma once
+#include <array>
 #include <span>
 #include <vector>
 
@@ -42,6 +43,7 @@ class BucklingWatch {
   std::vector<uint32_t> parent_;
   std::vector<Island> island_;
   std::vector<Support> support_;
+  std::vector<std::array<double, Manifold::kMost>> inverse_mass_;  ///< 1/kg, of every contact's points
 };
 
 }  // namespace truestep::rigid3d

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/kernels/rigid/fast_rotation.h"
+#include "engine/kernels/rigid/record_math.h"
 #include "engine/rigid/free_flight.h"
 #include "engine/rigid/islands.h"
 
@@ -153,22 +154,20 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
   balls_.start(warm_.data(), team_);
   if (springs_) joints_.loosen(joints, held_, sprung_, h), kick(T(-1));
   for (int k = 0; k < settings.substeps; ++k) {
+    const auto warm_start = [&](size_t i) { records::add(v[i], warm_[i]), start_[i] = v[i]; };
     each_body([&](size_t i) {
       if (flies) flight_[i] = v[i];
       act(i, v[i]);
+      if (!bounces) warm_start(i);
     });
     // Before warm starting: impacts use the actual velocities of the bodies.
     if (bounces && hit({T(h), T(settings.restitution_speed)}, settings.substeps - 1 - k)) {
       // What is no longer going to touch must not be slowed by the solver.
-      each_body([&](size_t i) {
-        for (int e = 0; e < 8; ++e) d[i].x[e] += toi_correction_[i].x[e];
-      });
+      each_body([&](size_t i) { records::add(d[i], toi_correction_[i]); });
       each_colour(contact_lanes_, groups_, team_,
                   [&](ContactGroup<T>& g) { update_separations(g, d, T(k * h)); });
     }
-    each_body([&](size_t i) {
-      for (int e = 0; e < 8; ++e) start_[i].x[e] = v[i].x[e] += warm_[i].x[e];
-    });
+    if (bounces) each_body(warm_start);
     // Alternating: sweeps in one order only would feed energy to bodies that rest on several others, because
     // their warm-start impulses add up what the sweeps left (eigenvalues of the iteration become complex).
     const ColourOrder order = k % 2 == 0 ? ColourOrder::forth : ColourOrder::back;
@@ -182,9 +181,9 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
                 [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::bias>(g, v, d, end, pass); });
     if (jointed_) move_jointed(T(h));
     each_body([&](size_t i) {
-      for (int e = 0; e < 8 && !jointed_; ++e) d[i].x[e] += T(h) * v[i].x[e];
+      if (!jointed_) records::add_times(d[i], T(h), v[i]);
       if (flies) keep_on_parabola(i, T(h));
-      for (int e = 0; e < 8 && bounces && jointed_; ++e) moved_[i].x[e] += toi_correction_[i].x[e];
+      if (bounces && jointed_) records::add(moved_[i], toi_correction_[i]);
     });
     pass.elapsed = T((k + 1) * h);
     // Velocities must satisfy the joints at the new positions: with the directions of the old ones a swinging
@@ -208,18 +207,15 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
     // -1/3. With a sweep in each direction per substep, G has none below 0.
     relax(order);
     if (parts) relax(order == ColourOrder::forth ? ColourOrder::back : ColourOrder::forth);
-    each_body([&](size_t i) {
-      for (int e = 0; e < 8; ++e) warm_[i].x[e] += v[i].x[e] - start_[i].x[e];
-    });
+    each_body([&](size_t i) { records::add_difference(warm_[i], v[i], start_[i]); });
   }
   if (springs_) kick(T(1));
 }
 
 template <class T>
 void ContactSolver<T>::act(size_t i, Record8<T>& v) const {
-  for (int e = 0; e < 8; ++e) v.x[e] += change_[i].x[e];
-  if (!damped_) return;
-  for (int e = 0; e < 8; ++e) v.x[e] *= damping_[i].x[e];
+  records::add(v, change_[i]);
+  if (damped_) records::multiply(v, damping_[i]);
 }
 
 template <class T>
