@@ -1,8 +1,10 @@
 // Numbers about a state that a scientist plots: energies, momenta, residuals, counts.
 #pragma once
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace truestep {
@@ -13,8 +15,15 @@ struct Observation {
   std::string unit;  ///< SI
 };
 
+/// Whether an observable, by its dotted name, is asked for; an empty one asks for all.
+using WantedObservables = std::function<bool(std::string_view)>;
+
 class Observables {
  public:
+  Observables() = default;
+  explicit Observables(WantedObservables wanted) : wanted_(std::move(wanted)) {}
+  /// Others may be left out: those that take a pass of their own should be.
+  bool wants(std::string_view name) const { return !wanted_ || wanted_(name); }
   void add(std::string_view name, double value, std::string_view unit) {
     rows_.push_back({std::string(name), value, std::string(unit)});
   }
@@ -27,6 +36,7 @@ class Observables {
   }
 
  private:
+  WantedObservables wanted_;
   std::vector<Observation> rows_;
 };
 

@@ -72,7 +72,7 @@ class System {
   /// Advances the state by input.h. Throws Instability when it cannot.
   virtual void step(State& state, const StepInput& input) const = 0;
   /// Adds energies, momenta, residuals of this state (t in s). Values not yet defined are NaN, so that the
-  /// names are the same throughout a run.
+  /// names are the same throughout a run. What takes a pass of its own is left out unless it is wanted.
   virtual void observe(const State& state, double t, Observables& out) const = 0;
   /// Carries out a command between two steps. Error "bad_command" (with an Issue) when it makes no sense.
   virtual void apply(State& state, const Command& command) const = 0;

@@ -40,6 +40,10 @@ struct CellLattice {
   template <class Visit>
   void around(const int* c, const Visit& visit) const {
     double shift[3] = {};
+    if (!(wraps[0] || wraps[1] || wraps[2])) {
+      inside(c, [&](size_t first, size_t end) { visit(first, end, static_cast<const double*>(shift)); });
+      return;
+    }
     const int reach_z = D == 3 ? 1 : 0;
     for (int z = -reach_z; z <= reach_z; ++z) {
       int at[3] = {0, 0, c[2] + z};
@@ -52,6 +56,21 @@ struct CellLattice {
         if (!wraps[0]) continue;
         if (c[0] == 0) shift[0] = -width[0], run(at, count[0] - 1, count[0] - 1, shift, visit);
         if (c[0] == count[0] - 1) shift[0] = width[0], run(at, 0, 0, shift, visit);
+      }
+    }
+  }
+
+  /// visit(first cell, one past the last): the same without those beyond periodic sides.
+  template <class Visit>
+  void inside(const int* c, const Visit& visit) const {
+    const int from = std::max(c[0] - 1, 0), to = std::min(c[0] + 1, count[0] - 1);
+    const int last_y = std::min(c[1] + 1, count[1] - 1),
+              last_z = D == 3 ? std::min(c[2] + 1, count[2] - 1) : 0;
+    for (int z = D == 3 ? std::max(c[2] - 1, 0) : 0; z <= last_z; ++z) {
+      for (int y = std::max(c[1] - 1, 0); y <= last_y; ++y) {
+        const int at[3] = {0, y, z};
+        const size_t row = of(at);
+        visit(row + static_cast<size_t>(from), row + static_cast<size_t>(to) + 1);
       }
     }
   }

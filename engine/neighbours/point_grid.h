@@ -33,8 +33,7 @@ class PointGrid {
   template <class Visit>
   void near(const Vec3& p, Visit&& visit) const {
     const int c[3] = {cells_.along(p.x, 0), cells_.along(p.y, 1), cells_.along(p.z, 2)};
-    cells_.around(
-        c, [&](size_t first, size_t end, const double*) { visit(order_.start(first), order_.start(end)); });
+    cells_.inside(c, [&](size_t first, size_t end) { visit(order_.start(first), order_.start(end)); });
   }
 
  private:

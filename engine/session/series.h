@@ -19,6 +19,8 @@ class Series {
   explicit Series(std::vector<std::string> wanted, Rate rate = Rate::every_step, size_t max_points = 4096);
 
   bool active() const { return !wanted_.empty(); }
+  /// Whether values of this name are kept.
+  bool wants(std::string_view name) const;
   /// Whether this step is sampled.
   bool due(uint64_t step) const {
     return active() && step % stride_ == 0 && (steps_.empty() || step > steps_.back());
@@ -40,7 +42,6 @@ class Series {
   size_t most_bytes(const std::vector<Observation>& known) const;
 
  private:
-  bool wants(std::string_view name) const;
   void thin_out();
 
   std::vector<std::string> wanted_;

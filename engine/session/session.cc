@@ -174,7 +174,7 @@ uint64_t Session::hash() const {
 void Session::record_series() {
   if (!series_.due(state_.step)) return;
   const auto begun = std::chrono::steady_clock::now();
-  series_.add(state_.step, observe());
+  series_.add(state_.step, observe([this](std::string_view name) { return series_.wants(name); }));
   const auto ended = std::chrono::steady_clock::now();
   const auto seconds = [](std::chrono::steady_clock::duration d) {
     return std::chrono::duration<double>(d).count();

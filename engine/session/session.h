@@ -183,7 +183,7 @@ class Session {
   FramePtr frame_at(uint64_t step, const FrameRequest& request) const;
   /// Frames built so far; a frame that nobody asked for is not built.
   uint64_t frames_built() const { return frames_.built(); }
-  Observables observe() const { return world_->observe(state_); }
+  Observables observe(const WantedObservables& wanted = {}) const { return world_->observe(state_, wanted); }
   /// Tells the sinks that the session ends.
   void say_bye(std::string_view code, const std::string& reason) {
     for (const auto& sink : sinks_) sink->bye(code, reason);

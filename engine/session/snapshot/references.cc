@@ -278,25 +278,29 @@ std::optional<Issue> unknown_observable(const std::string& entry, const std::str
 }
 
 Observables observe_parts(const BuiltScene& parts, std::span<const State> systems,
-                          std::span<const State> couplings, double t) {
+                          std::span<const State> couplings, double t, const WantedObservables& wanted) {
   Observables total, own;
+  const auto of = [&wanted](const std::string& id) {
+    if (!wanted) return Observables{};
+    return Observables([&wanted, id](std::string_view name) { return wanted(id + "." + std::string(name)); });
+  };
   double sums[3] = {};
   bool known[3] = {true, true, true};
   for (size_t i = 0; i < parts.systems.size(); ++i) {
-    Observables one;
+    const std::string& id = parts.scene.systems[i].id;
+    Observables one = of(id);
     if (parts.systems[i]) parts.systems[i]->observe(systems[i], t, one);
     for (size_t k = 0; k < 3; ++k) {
       const auto v = one.find(kSums[k]);
       known[k] = known[k] && v;
       sums[k] += v.value_or(0);
     }
-    const std::string& id = parts.scene.systems[i].id;
     for (const Observation& o : one.rows()) own.add(id + "." + o.name, o.value, o.unit);
   }
   for (size_t k = 0; k < parts.couplings.size(); ++k) {
     if (!parts.couplings[k]) continue;
     const SceneCoupling& c = parts.scene.couplings[k];
-    Observables one;
+    Observables one = of(c.id);
     parts.couplings[k]->observe({couplings[k], systems[c.a], systems[c.b]}, one);
     // Energy stored by a coupling counts towards the potential and the total.
     const double stored = one.find("energy.potential").value_or(0);
@@ -319,7 +323,7 @@ std::vector<Observation> known_observables(const BuiltScene& parts) {
   for (size_t k = 0; k < couplings.size(); ++k) {
     if (parts.couplings[k]) couplings[k] = parts.couplings[k]->initial_state();
   }
-  std::vector<Observation> out = observe_parts(parts, systems, couplings, 0).rows();
+  std::vector<Observation> out = observe_parts(parts, systems, couplings, 0, {}).rows();
   const PartTable table(parts.scene, parts.systems);
   for (const ProbeParams& p : parts.scene.header.probes) {
     for (const std::string& field : probed_fields(table, p)) {

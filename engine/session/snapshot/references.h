@@ -30,7 +30,7 @@ std::vector<Observation> known_observables(const BuiltScene& parts);
 /// The sums over all systems ("energy.total"), then every system's and coupling's own observables; parts that
 /// are not built contribute nothing, and a sum is given only when every system knows its part.
 Observables observe_parts(const BuiltScene& parts, std::span<const State> systems,
-                          std::span<const State> couplings, double t);
+                          std::span<const State> couplings, double t, const WantedObservables& wanted);
 
 /// The existing fields that a probe reads, in the order of the parts.
 std::vector<std::string> probed_fields(const PartTable& parts, const ProbeParams& probe);

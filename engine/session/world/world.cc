@@ -163,9 +163,9 @@ void World::apply(WorldState& state, const Command& command) const {
   if (finer_) finer_->apply(state.finer.at(0), command);
 }
 
-Observables World::observe(const WorldState& state) const {
+Observables World::observe(const WorldState& state, const WantedObservables& wanted) const {
   Observables total =
-      observe_parts(built(), state.systems, state.couplings, static_cast<double>(state.step) * dt());
+      observe_parts(built(), state.systems, state.couplings, static_cast<double>(state.step) * dt(), wanted);
   for (const ProbeParams& p : scene_.header.probes) observe_probe(p, state, total);
   if (finer_) total.add("error.estimate", error_estimate(state), "1");
   return total;

@@ -86,7 +86,8 @@ class World {
 
   /// Sums ("energy.total"), the observables of every system and coupling ("<id>.energy.total") and probes
   /// ("<probe>.position.x"). Scenes with "accuracy": "error.estimate", the relative error of its quantity.
-  Observables observe(const WorldState& state) const;
+  /// What is costly and not wanted is left out; without `wanted`, nothing.
+  Observables observe(const WorldState& state, const WantedObservables& wanted = {}) const;
 
   /// Names and units of everything that `observe` returns in this or any later state.
   std::vector<Observation> known_observables() const;

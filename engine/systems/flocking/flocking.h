@@ -53,6 +53,7 @@ class Flocking final : public StagedSystem {
   void chase(State& state, const StepInput& in) const;
   void remember(State& state, const StepInput& in) const;
   void touch(State& state, const StepInput& in) const;
+  void observe_groups(const double* x, Observables& out) const;
   Vec3 avoidance(const State& state, const Vec3& x, const Vec3& heading, double t) const;
   void hold(double* x, double* v, size_t row) const;
 

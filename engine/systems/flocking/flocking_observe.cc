@@ -28,11 +28,21 @@ void Flocking::observe(const State& s, double, Observables& out) const {
   }
   for (size_t i = 0; i < boids_; ++i) spread += norm2(load3(v, i) - mean) / n;
 
+  out.add("polarisation", norm(headings) / n, "1");
+  out.add("speed.mean", speed, "m/s");
+  out.add("velocity.mean.x", mean.x, "m/s");
+  out.add("velocity.mean.y", mean.y, "m/s");
+  out.add("velocity.mean.z", mean.z, "m/s");
+  out.add("velocity.spread", std::sqrt(spread), "m/s");
+  if (out.wants("distance.nearest") || out.wants("groups")) observe_groups(x, out);
+}
+
+void Flocking::observe_groups(const double* x, Observables& out) const {
   PointGrid grid;
   grid.build({x, 3 * boids_}, reach_);
   std::vector<uint32_t> parent(boids_);
   std::iota(parent.begin(), parent.end(), 0u);
-  double nearest = HUGE_VAL, groups = n;
+  double nearest = HUGE_VAL, groups = static_cast<double>(boids_);
   for (size_t slot = 0; slot < grid.size(); ++slot) {
     box_.images(grid.position(slot), reach_, [&](const Vec3& shift) {
       const Vec3 p = grid.position(slot) + shift;
@@ -47,12 +57,6 @@ void Flocking::observe(const State& s, double, Observables& out) const {
       });
     });
   }
-  out.add("polarisation", norm(headings) / n, "1");
-  out.add("speed.mean", speed, "m/s");
-  out.add("velocity.mean.x", mean.x, "m/s");
-  out.add("velocity.mean.y", mean.y, "m/s");
-  out.add("velocity.mean.z", mean.z, "m/s");
-  out.add("velocity.spread", std::sqrt(spread), "m/s");
   // No value when nobody has a neighbour.
   out.add("distance.nearest",
           nearest < HUGE_VAL ? std::sqrt(nearest) : std::numeric_limits<double>::quiet_NaN(), "m");

@@ -43,7 +43,7 @@ void Sph::observe(const State& s, double, Observables& out) const {
   out.add("density.max_error", r[report::max_error], "1");
   out.add("compression.mean", n > 0 ? compression / static_cast<double>(n) : 0, "1");
   out.add("compression.max", densest, "1");
-  out.add("divergence.max", solver_->read_divergence(s), "1/s");
+  if (out.wants("divergence.max")) out.add("divergence.max", solver_->read_divergence(s), "1/s");
   out.add("courant", r[report::courant], "1");
   out.add("substeps", r[report::substeps], "1");
   out.add("iterations.density", r[report::density_iterations], "1");

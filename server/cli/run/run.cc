@@ -137,7 +137,9 @@ int run(const RunOptions& options) {
     if (!step_taken(session)) break;
     const bool row = csv && (n + 1) % options.every == 0;
     if (every_step || row) {
-      const Observables values = session.observe();
+      const Observables values =
+          every_step ? session.observe()
+                     : session.observe([&](std::string_view name) { return chosen.has(name); });
       if (every_step) expectations.add(values);
       if (row) csv->add(session.step_index(), session.time(), values);
     }

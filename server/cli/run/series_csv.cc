@@ -20,11 +20,14 @@ std::string number(double v) {
 
 }  // namespace
 
+bool SeriesCsv::Choice::has(std::string_view name) const {
+  return std::any_of(columns.begin(), columns.end(), [&](const Observation& c) { return c.name == name; });
+}
+
 Observables SeriesCsv::Choice::of(const Observables& all) const {
   Observables out;
   for (const Observation& o : all.rows()) {
-    const auto is = [&](const Observation& c) { return c.name == o.name; };
-    if (std::any_of(columns.begin(), columns.end(), is)) out.add(o.name, o.value, o.unit);
+    if (has(o.name)) out.add(o.name, o.value, o.unit);
   }
   return out;
 }

@@ -14,6 +14,7 @@ class SeriesCsv {
   /// The columns: the chosen ones of what the world can observe.
   struct Choice {
     std::vector<Observation> columns;
+    bool has(std::string_view name) const;
     /// The values of the chosen columns.
     Observables of(const Observables& all) const;
   };
