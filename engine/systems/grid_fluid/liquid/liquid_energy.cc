@@ -1,10 +1,11 @@
 // Undoing compression displaces particles, mostly upwards: what the flow has packed too densely it has also
 // let sink too far, and by the time that is undone another part of the liquid gains the height. Left at that,
 // waves grow: it fed one of 33 J with 27 J in a minute, of which 7 J stayed (a column of 0.4 x 1 m collapsed
-// in a box of 1.6 m, apic, 64 cells). So the displacement does no work: what it lifts the liquid by is taken from the
-// motion relative to the mean velocity, by one factor, which keeps momentum and a liquid that falls or drifts
-// as one. It is taken in small parts, so that a pool that is settling does not stop a drop; and what it
-// lowers the liquid by counts against what it lifts it by for about half a period of the box's longest wave.
+// in a box of 1.6 m, apic, 64 cells). So the displacement does no work: what it lifts the liquid by is taken
+// from the motion relative to the mean velocity, by one factor, which keeps momentum and a liquid that falls
+// or drifts as one. It is taken in small parts, so that a pool that is settling does not stop a drop; and
+// what it lowers the liquid by counts against what it lifts it by for about half a period of the box's
+// longest wave.
 #include <algorithm>
 #include <cmath>
 #include <functional>
