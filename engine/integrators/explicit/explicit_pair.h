@@ -136,6 +136,7 @@ class ExplicitPair final : public Interpolant {
  private:
   static constexpr size_t kExtra = T.dense_order == 7 ? 3 : 0;
   enum : size_t { kY, kNew, kStage, kLast, kK, kCount = kK + kStages + kExtra };
+  static constexpr auto kB = [](size_t j) { return T.b[j]; };
   static constexpr auto kError = [](size_t j) { return T.error[j]; };
   static constexpr auto kSecondError = [](size_t j) { return T.second_error[j]; };
 
@@ -171,7 +172,6 @@ class ExplicitPair final : public Interpolant {
   }
 
   void advance_to_candidate(double h) {
-    constexpr auto kB = [](size_t j) { return T.b[j]; };
     const double* y = a_[kY];
     double* out = a_[kNew];
     const auto increment = [k = slopes<kStages>()](size_t i) {
