@@ -21,7 +21,7 @@ constexpr int kMostCorrections = 60;
 /// Multiple of the forces' rounding at which a residual is solved, if its correction changes velocities or
 /// positions by no more than the following fractions.
 constexpr double kRounded = 8;
-constexpr double kSettled = 1e-6, kStill = 1e-12;
+constexpr double kTensionSettled = 1e-6, kTensionStill = 1e-12;
 constexpr double kMostTurn = 0.3;  ///< rad, by which a correction may turn a link
 
 }  // namespace
@@ -61,8 +61,8 @@ StageNewton::Failure StageNewton::follow_tensions(const StageEquation& eq, std::
     m_.loop(n_, [to = u.data(), d = d_.data(), part](size_t i) { to[i] += part * d[i]; });
     norm_ = evaluate(eq, u);
     ++report_.iterations;
-    const bool settled =
-        change <= kSettled * kSettled * size || eq.s * eq.s * change <= kStill * kStill * places;
+    const bool settled = change <= kTensionSettled * kTensionSettled * size ||
+                         eq.s * eq.s * change <= kTensionStill * kTensionStill * places;
     if (solved && settled) return nullptr;
   }
   return "did not converge";
