@@ -59,7 +59,8 @@ class Service:
     def post(self, path, body=None, headers=None):
         return self.request("POST", path, {} if body is None else body, headers)
 
-    def create(self, scene):
+    def made(self, scene):
+        """The answer to a scene, whether it was there at once or not."""
         answer = self.post("/v1/sessions", scene)
         # What takes longer to make than a request waits is made meanwhile.
         end = time.monotonic() + patience(60)
@@ -68,6 +69,10 @@ class Service:
             now = self.get(answer.json()["links"]["self"])
             if now.json().get("status") != "creating":
                 answer = now
+        return answer
+
+    def create(self, scene):
+        answer = self.made(scene)
         assert answer.status in (200, 201), answer.body
         return answer.json()
 
