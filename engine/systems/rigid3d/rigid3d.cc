@@ -47,10 +47,10 @@ Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
     forms_.push_back({k.sensor ? nullptr : &k.solid, k.moved_by_forces() ? k.mass : 0,
                       k.fixed_rotation ? kNeverTurned : k.moments});
   name_parts();
-  // A sleeping scene skips the work of the stages, not the stages themselves: a command may wake it.
+  // Everything may fall asleep within a step.
   const auto awake = [this](void (Rigid3d::*run)(State&, const StepInput&) const) {
     return [this, run](State& s, const StepInput& in) {
-      if (!scratch(in).still && !all_asleep(s)) (this->*run)(s, in);
+      if (!all_asleep(s)) (this->*run)(s, in);
     };
   };
   add_stage("forces", "gravity and pushes", awake(&Rigid3d::apply_forces));

@@ -62,8 +62,7 @@ class Rigid3d final : public StagedSystem, public BodyOwner, public BodySleep {
     std::vector<uint8_t> adrift;  ///< 1: no fixed body supports the body's island
     std::vector<uint32_t> near;
     std::vector<std::pair<uint32_t, double>> stopped;
-    int parts = 1;       ///< number of parts into which this step is divided
-    bool still = false;  ///< everything was asleep when the step began
+    int parts = 1;  ///< number of parts into which this step is divided
   };
   static Scratch& scratch(const StepInput& in);
   /// True if contacts of the last step are mostly between bodies that rotate far in a step of h.

@@ -55,11 +55,10 @@ int Rigid3d::substeps_of_turns(const State& s, double h) const {
 }
 
 void Rigid3d::step(State& s, const StepInput& in) const {
-  Scratch& scratch = this->scratch(in);
-  int& parts = scratch.parts;
+  int& parts = scratch(in).parts;
   parts = 1;
-  scratch.still = all_asleep(s);
-  if (!scratch.still && s.f64(columns::substep)[0] > 0 && contacts_turn_fast(s, in.h)) {
+  if (all_asleep(s)) return;  // until a command or a coupling wakes something
+  if (s.f64(columns::substep)[0] > 0 && contacts_turn_fast(s, in.h)) {
     parts = substeps(s, in.h);
     const int wanted = substeps_of_turns(s, in.h);
     if (wanted > parts) change_substeps(s, in.h, parts, wanted), parts = wanted;
