@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs a fuzz target: run.py NAME | run.py control.
 
-NAME runs fuzz_NAME on its kept seeds (corpus/NAME), then for TRUESTEP_FUZZ_SECONDS (15; 10 in `.ci/run`) on mutations of them
+NAME runs fuzz_NAME on its kept seeds (corpus/NAME), then for TRUESTEP_FUZZ_SECONDS (5) on mutations of them
 and of what earlier runs found (build/asan/found/NAME). A crash, a sanitizer report, a leak, 12 s for one input (more on a
 busy machine: TRUESTEP_SLOWDOWN) or 2 GiB of memory fail the run; the input stays in build/asan/artifacts. control expects
 that of a target with a planted fault.
@@ -41,7 +41,7 @@ def main():
     what = sys.argv[1]
     if not (BUILD / "bin" / f"fuzz_{what}").exists():
         sys.exit("the fuzz targets are not built: ./truestep test builds them, or cmake --preset asan and cmake --build --preset asan --target fuzz_targets")
-    seconds = os.environ.get("TRUESTEP_FUZZ_SECONDS", "15")
+    seconds = os.environ.get("TRUESTEP_FUZZ_SECONDS", "5")
     code, tried = fuzz(what, int(seconds))
     if what == "control":
         return 0 if code else 1

@@ -1,6 +1,7 @@
-// estimates [--times N] [--judge memory|time] [SCENE...]: compares a scene's estimates of memory and time
-// with what a separate process needs for its start and some steps, for every scene of the gallery (or those
-// named) scaled up N times. --judge memory: exit code 1 if the estimate is outside 0.7 to 1.5 of the truth
+// estimates [--times N] [--most-bytes B] [--judge memory|time] [SCENE...]: compares a scene's estimates of
+// memory and time with what a separate process needs for its start and some steps, for every scene of the
+// gallery (or those named) scaled up N times, or half as often until it needs at most B by its estimate.
+// --judge memory: exit code 1 if the estimate is outside 0.7 to 1.5 of the truth
 // and more than 64 KiB per system off. --judge time: if it is below half of the usual step's time or above
 // twice that of the busiest steps, after the median of all scenes has calibrated the machine's speed; a
 // benchmark, because other users of the machine's caches change a step's time as much.
@@ -14,6 +15,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -196,6 +198,21 @@ bool time_is_off(const Figures& f, double machine) {
   return !(2 * estimated >= f.usual) || (f.steps >= kWhole && estimated > 2 * f.seconds);
 }
 
+// Scaled up `times` times, or half as often, a quarter, ... until it needs at most `most_bytes`. What cannot
+// be scaled that far, a scene with a fault, is for the process that measures it to say.
+boost::json::value fitting(const boost::json::value& document, int times, double most_bytes) {
+  for (;; times /= 2) {
+    boost::json::value scaled = scaled_scene(document, times);
+    if (times <= 1) return scaled;
+    try {
+      const Cost cost = estimate(require_scene(read_scene(scaled)));
+      if (cost.state_bytes + cost.workspace_bytes <= most_bytes) return scaled;
+    } catch (const Error&) {
+      return scaled;
+    }
+  }
+}
+
 struct Row {
   const GalleryScene* scene;
   Figures figures;
@@ -215,9 +232,10 @@ int main(int count, char** arguments) {
   CLI::App app("compares estimates with the truth");
   int times = 1;
   std::string judge;
-  double seconds = 0.3, factor = 1;
+  double seconds = 0.3, factor = 1, most_bytes = std::numeric_limits<double>::infinity();
   std::vector<std::string> wanted;
   app.add_option("--times", times, "how much of everything");
+  app.add_option("--most-bytes", most_bytes, "scenes that would need more are scaled up less");
   app.add_option("--seconds", seconds, "CPU time for a scene's steps");
   app.add_option("--factor", factor, "what estimates of memory are multiplied by, for a control");
   app.add_option("--judge", judge, "exit code 1 when an estimate is beyond its bounds")
@@ -228,7 +246,7 @@ int main(int count, char** arguments) {
   mallopt(M_MMAP_THRESHOLD, 1 << 20);
 
   const auto figures = [&](const GalleryScene& scene) {
-    const auto measured = measure_apart(scaled_scene(parse_json(scene.text), times), seconds,
+    const auto measured = measure_apart(fitting(parse_json(scene.text), times, most_bytes), seconds,
                                         judge == "memory" ? Until::kSettled : Until::kSeconds);
     if (!measured) std::printf("%s: the process died\n", scene.name.data()), std::exit(1);
     Figures f = *measured;
