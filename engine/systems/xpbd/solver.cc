@@ -17,8 +17,9 @@ using Columns = XpbdColumns;
 
 namespace {
 
-// Most substeps that tension may ask for in a step, and the largest q allowed: 2 is the limit of stability.
-constexpr int kMostSubsteps = 1000;
+// Most substeps that tension, and what pushes points out of solids, may ask for in a step, and the largest q allowed: 2 is the
+// limit of stability. A rope that breaks up has gained energy; a push that is too long has only put a point where it belongs.
+constexpr int kMostSubsteps = 10000, kMostByContact = 1000;
 constexpr double kMostQ = 0.5;
 
 }  // namespace
@@ -285,6 +286,7 @@ void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
   constexpr bool kRods = std::is_same_v<T, double>;
   const SolverOptions& options = what.options;
   const double longest = in.h / options.substeps, shortest = in.h / kMostSubsteps;
+  const double tightest_contact = kMostQ * kMostByContact * kMostByContact / (in.h * in.h);
   double& tightness = s.f64(Columns::tightness)[0];
   prepare(what, s);
   load(what, s, in);
@@ -306,16 +308,17 @@ void Solver<T>::step(const SolverInput& what, State& s, const StepInput& in) {
         cosserat_.measure(what.rods, rows_.data(), in.arena), cosserat_.predict(what.rods, h, in.arena);
     }
     predict(what, s, in, h);
-    double q = iterate(what, s, in, h);
+    const double q = iterate(what, s, in, h);
+    double pushed = 0;
     if (rods) cosserat_.find_spins(what.rods, h, in.arena);
     if (what.colliders.empty()) {
       find_velocities(what, in, h);
     } else {
-      q = std::max(q, collide(what, s, in, in.t + done, h) / options.shortest_link);
+      pushed = collide(what, s, in, in.t + done, h) / options.shortest_link;
     }
-    if (what.folds) q = std::max(q, meet_self(what, s, in, h) / options.shortest_link);
+    if (what.folds) pushed = std::max(pushed, meet_self(what, s, in, h) / options.shortest_link);
     // A cloth just pulled tight may be so again soon: one substep's value decays gradually.
-    tightness = std::max(q / (h * h), 0.8 * tightness);
+    tightness = std::max({q / (h * h), std::min(pushed / (h * h), tightest_contact), 0.8 * tightness});
     done += h;
   }
   store(what, s, in);
