@@ -123,6 +123,11 @@ TEST(Campaign, LightBodiesBearHeavyOnes) {
   judge_seeds({151322, 753829, 721204, 105447});
 }
 
+// Heavy rods on the springs of their joints (rod_chain_defaults_test.cc).
+TEST(Campaign, HeavyRodsOnSprings) {
+  judge_seeds({23508});
+}
+
 // Heavy bodies that had fallen on light ones in space stayed 0.06 to 0.18 m deep in them for a second, in
 // some piles deeper and deeper.
 TEST(Campaign, HeavyBodiesInSpaceAreLiftedOffLightOnes) {
