@@ -123,6 +123,17 @@ TEST(Campaign, LightBodiesBearHeavyOnes) {
   judge_seeds({151322, 753829, 721204, 105447});
 }
 
+// Heavy rods on the springs of their joints (rod_chain_defaults_test.cc).
+TEST(Campaign, HeavyRodsOnSprings) {
+  judge_seeds({23508});
+}
+
+// Heavy bodies that had fallen on light ones in space stayed 0.06 to 0.18 m deep in them for a second, in
+// some piles deeper and deeper.
+TEST(Campaign, HeavyBodiesInSpaceAreLiftedOffLightOnes) {
+  judge_seeds({14764, 186096, 201002, 386979, 563531});
+}
+
 // Bodies that turn while they pass along a wall in one step swept their corners into it: only what hardly
 // turns slides along.
 TEST(Campaign, WhatTurnsDoesNotSlideAlong) {
@@ -191,7 +202,7 @@ TEST(Campaign, SwingingLoadsOnSoftSprings) {
 // that the answers add was reckoned with the masses before places were corrected, and not found too large
 // (1400056: 6.8 J beside 93).
 TEST(Campaign, HitsThatTurnBodiesWithinAStep) {
-  judge_seeds({1400056, 1600024});
+  judge_seeds({1400056, 1600024, 5600746});
 }
 
 // Light points between heavy bodies, which a step turns farther than one linear solve can follow: energy

@@ -41,11 +41,8 @@ Vec3 BodyTouchSolver::pull(const BodyTouch& t, const BodyTouchQuery& q, double h
          q.body_start.acceleration(t.link.body, t.link.arm(q.points, q.bodies), h);
 }
 
-void BodyTouchSolver::prepare(const BodyTouch& t, const BodyTouchQuery& q, Bounces bounces,
-                              SolvedTouch& s) const {
-  s = {};
-  s.touch = t;
-  const BodyLink& l = t.link;
+void BodyTouchSolver::weigh(SolvedTouch& s) const {
+  const BodyLink& l = s.touch.link;
   const Vec3 arm = l.arm(points_, bodies_);
   const double w = l.inverse_mass(points_);
   const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -54,7 +51,15 @@ void BodyTouchSolver::prepare(const BodyTouch& t, const BodyTouchQuery& q, Bounc
     if (l.answers == BodyLink::Body::moves) column += bodies_.answer(l.body, arm, axes[j]);
     s.mass[j] = column.x, s.mass[3 + j] = column.y, s.mass[6 + j] = column.z;
   }
-  s.normal = dot(t.n, times(s.mass, t.n));
+  s.normal = dot(s.touch.n, times(s.mass, s.touch.n));
+}
+
+void BodyTouchSolver::prepare(const BodyTouch& t, const BodyTouchQuery& q, Bounces bounces,
+                              SolvedTouch& s) const {
+  s = {};
+  s.touch = t;
+  const BodyLink& l = t.link;
+  weigh(s);
   const double now = gap(t, points_, bodies_);
   s.pull = pull(t, q, h_);
   if (now <= 0) s.kind = SolvedTouch::Kind::touches;
@@ -117,6 +122,8 @@ void BodyTouchSolver::sweep(std::vector<SolvedTouch>& solved, Exchange& out) {
     for (SolvedTouch& s : solved) worst = std::max(worst, place(s, out));
     if (worst <= kSettledGap) break;
   }
+  // Corrections turn bodies: with the masses of before, sweeps of impulses may grow instead of settling.
+  for (SolvedTouch& s : solved) weigh(s);
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     double worst = 0;
     for (SolvedTouch& s : solved) {

@@ -42,6 +42,8 @@ class BodyTouchSolver {
   static double gap(const BodyTouch& t, const Points& points, const Bodies& bodies);
 
  private:
+  /// Masses for answers to impulses where the bodies are now.
+  void weigh(SolvedTouch& s) const;
   void prepare(const BodyTouch& t, const BodyTouchQuery& q, Bounces bounces, SolvedTouch& s) const;
   double place(SolvedTouch& s, Exchange& out);
   double stop(SolvedTouch& s, Exchange& out);

@@ -98,6 +98,53 @@ void body_rows(const Body& body, W j[6][3]) {
 }
 }  // namespace detail
 
+/// K and its inverses from the masses, axes and points of a group; active[p]: 1 where a lane has point p.
+template <class T>
+void weigh(ContactGroup<T>& g, const Wide<T> active[4]) {
+  using W = Wide<T>;
+  namespace r = contact_rows;
+  const W linear = g.root_a * g.root_a + g.root_b * g.root_b;
+  const auto inverse = [](const W& k) { return where_positive(k, W(1) / k, W(0)); };
+  W ja[6][3], jb[6][3], k[6][6];
+  detail::body_rows(g.body_a, ja), detail::body_rows(g.body_b, jb);
+  for (int p = 0, at = 0; p < 6; ++p) {
+    for (int q = 0; q <= p; ++q, ++at) {
+      k[p][q] = r::dot(ja[p], ja[q]) + r::dot(jb[p], jb[q]);
+      if (p < 3 && p == q) k[p][p] += linear;
+      g.k[at] = k[p][q];
+    }
+  }
+  for (int p = 0; p < g.points; ++p) {
+    const W &x = g.place[p].x, &y = g.place[p].y;
+    const W along = k[0][0] + y * (k[4][0] + k[4][0] + y * k[4][4]) - x * (k[5][0] + k[5][0] - x * k[5][5]) -
+                    (x + x) * y * k[5][4];
+    g.point_inverse[p] = active[p] * inverse(along);
+  }
+  r::invert(k[1][1], k[2][1], k[2][2], g.slide_inverse);
+  for (W& s : g.slide_inverse) s *= active[0];
+  g.twist_inverse = active[0] * inverse(k[3][3]);
+  if (!(g.flags & ContactGroup<T>::kRolls)) return;
+  r::invert(k[4][4], k[5][4], k[5][5], g.roll_k);
+  for (W& s : g.roll_k) s *= active[0];
+}
+
+/// Divides the masses of the bodies a and b by the squares of fa and fb; their records then hold velocities
+/// times the root of the new mass. Powers of two change no other bits and can be undone.
+template <class T>
+void lighten(ContactGroup<T>& g, const Wide<T>& fa, const Wide<T>& fb) {
+  using W = Wide<T>;
+  g.root_a *= fa, g.root_b *= fb;
+  for (auto& axis : g.body_a.axis) {
+    for (W& s : axis) s *= fa;
+  }
+  for (auto& axis : g.body_b.axis) {
+    for (W& s : axis) s *= fb;
+  }
+  W active[ContactGroup<T>::kPoints];
+  for (int p = 0; p < g.points; ++p) active[p] = where_positive(g.point_inverse[p], W(1), W(0));
+  weigh(g, active);
+}
+
 /// Rows of a group from the manifolds in `in`; g.a, g.b, g.points and g.flags are set by the caller.
 template <class T>
 void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
@@ -107,7 +154,6 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
   for (int k = 0; k < 3; ++k) g.normal[k] = in.normal[k];
   r::basis(in.normal, g.tangent);
   g.root_a = in.root_a, g.root_b = in.root_b;
-  const W linear = in.root_a * in.root_a + in.root_b * in.root_b;
   const auto inverse = [&](const W& k) { return where_positive(k, one / k, zero); };
   const auto drift = [&](const W arm[3], const W axis[3]) {
     W v[3];
@@ -152,31 +198,11 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
     g.place[p].x = r::dot(d, g.tangent[0]), g.place[p].y = r::dot(d, g.tangent[1]);
     g.lever[p] = madd(in.friction, sqrt(r::dot(d, d)), in.spinning) * in.active[p];
   }
-  {
-    W ja[6][3], jb[6][3], k[6][6];
-    detail::body_rows(g.body_a, ja), detail::body_rows(g.body_b, jb);
-    for (int p = 0, at = 0; p < 6; ++p) {
-      for (int q = 0; q <= p; ++q, ++at) {
-        k[p][q] = r::dot(ja[p], ja[q]) + r::dot(jb[p], jb[q]);
-        if (p < 3 && p == q) k[p][p] += linear;
-        g.k[at] = k[p][q];
-      }
-    }
-    for (int p = 0; p < g.points; ++p) {
-      const W &x = g.place[p].x, &y = g.place[p].y;
-      const W along = k[0][0] + y * (k[4][0] + k[4][0] + y * k[4][4]) -
-                      x * (k[5][0] + k[5][0] - x * k[5][5]) - (x + x) * y * k[5][4];
-      g.point_inverse[p] = in.active[p] * inverse(along);
-    }
-    r::invert(k[1][1], k[2][1], k[2][2], g.slide_inverse);
-    g.twist_inverse = in.active[0] * inverse(k[3][3]);
-    // Friction about the normal does not stop the spin within the first substep: it slips.
-    W torque(0);
-    for (int p = 0; p < g.points; ++p) torque = madd(g.lever[p], in.impulse[p], torque);
-    if (any_below(torque, g.twist_inverse * max(in.turn, -in.turn))) g.flags |= ContactGroup<T>::kSpins;
-    if (g.flags & ContactGroup<T>::kRolls) r::invert(k[4][4], k[5][4], k[5][5], g.roll_k);
-  }
-  for (W& k : g.slide_inverse) k *= in.active[0];
+  weigh(g, in.active);
+  // Friction about the normal does not stop the spin within the first substep: it slips.
+  W torque(0);
+  for (int p = 0; p < g.points; ++p) torque = madd(g.lever[p], in.impulse[p], torque);
+  if (any_below(torque, g.twist_inverse * max(in.turn, -in.turn))) g.flags |= ContactGroup<T>::kSpins;
   g.friction = in.friction;
   for (int t = 0; t < 2; ++t) {
     g.slide[t] = r::dot(in.slide, g.tangent[t]);
@@ -186,7 +212,6 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
   g.restitution = in.restitution, g.rolling = in.rolling;
   if (g.flags & ContactGroup<T>::kRolls) {
     for (int t = 0; t < 2; ++t) g.roll[t] = r::dot(in.roll, g.tangent[t]);
-    for (W& k : g.roll_k) k *= in.active[0];
   }
 }
 

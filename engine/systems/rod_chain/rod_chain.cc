@@ -56,7 +56,7 @@ class RodChain final : public StagedSystem {
                                    (adaptive() ? "dop853 with its own steps" : "RK4 in " + times) +
                                    ", then positions and velocities are projected",
                                "free flight, then the nearest positions without gaps, in " + times,
-                               "springs at the joints, in " + times + " of semi-implicit Euler"};
+                               "springs at the joints, in " + times + " of leapfrog"};
     const char* names[] = {"lagrange", "projection", "penalty"};
     const auto chosen = static_cast<size_t>(def.constraints);
     add_stage(names[chosen], how[chosen], [this](State& s, const StepInput& in) { advance(s, in); });
@@ -227,7 +227,7 @@ class RodChain final : public StagedSystem {
     return e;
   }
   double stable_substep() const {
-    // Semi-implicit Euler on x'' = -w2 x - d x': h^2 w2 + 2 h d < 4 suffices.
+    // Leapfrog on x'' = -w2 x - d x': h^2 w2 + 2 h d < 4 suffices.
     const double most = rod_chain::largest_eigenvalue(chain_), w2 = def_.stiffness * most,
                  d = def_.damping * most;
     return 4 / (d + std::sqrt(d * d + 4 * w2));

@@ -5,7 +5,7 @@
 // The scene chooses one of three treatments common in the field:
 //   penalty     springs, F = -k C - c C'; stable for h < 2 / sqrt(k max eig(J M^-1 J^T)); the gap is F / k.
 //               Without "substeps" there are as many as keep h below an eighth of that: the energy of
-//               semi-implicit Euler swings by omega h / 2
+//               leapfrog (positions half a step ahead of velocities) swings by (omega h)^2 / 8
 //   projection  free flight, then the nearest places (by mass) with C = 0, velocities from the places
 //               (Mueller et al. 2007, but solved to a tolerance); loses energy in proportion to h
 //   lagrange    (J M^-1 J^T) F = -(J M^-1 f + J' v), exact; then C = 0 and C' = 0 are restored by projection

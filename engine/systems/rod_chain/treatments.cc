@@ -116,6 +116,10 @@ void RodEquations::rate(double, const double* y, double* dydt) const {
 void step_penalty(const Chain& chain, std::span<Rod> rods, double h, double k, double c, Scratch& s) {
   const size_t n = rods.size();
   s.force.resize(n), s.from.resize(n);
+  const auto drift = [&](double time) {
+    for (Rod& r : rods) r.x += r.v * time, r.u = normalized(turned(r.u, r.w * time));
+  };
+  drift(0.5 * h);
   gap_rates(chain, rods, s.force);
   for (Vec3& f : s.force) f = f * -c;
   Vec3 before = chain.anchor;
@@ -128,7 +132,7 @@ void step_penalty(const Chain& chain, std::span<Rod> rods, double h, double k, d
     rods[j].v += (chain.gravity + d.v) * h, rods[j].w += d.w * h;
   }
   take_hands(chain, rods, h);
-  for (Rod& r : rods) r.x += r.v * h, r.u = normalized(turned(r.u, r.w * h));
+  drift(0.5 * h);
 }
 
 bool step_projection(const Chain& chain, std::span<Rod> rods, double h, double tolerance, Scratch& s) {

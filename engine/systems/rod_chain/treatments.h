@@ -34,7 +34,8 @@ class RodEquations final : public RightHandSide {
   size_t rods_;
 };
 
-/// Springs with k (N/m) and c (N s/m) for h (s); semi-implicit Euler.
+/// Springs with k (N/m) and c (N s/m) for h (s): half of the way, the impulses of a step, the other half
+/// (leapfrog; forces of dampers follow the velocities before the impulses).
 void step_penalty(const Chain& chain, std::span<Rod> rods, double h, double k, double c, Scratch& s);
 /// Free flight and projection until no gap is wider than `tolerance` (m), or rounding is reached. False when
 /// positions without gaps are too far away to be found; the rods are then unchanged.

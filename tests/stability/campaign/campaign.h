@@ -61,6 +61,8 @@ std::span<const Family> later_families();
 Trial make_trial(uint64_t seed);
 /// Gives the first system this method.
 void set_integrator(Trial& trial, const std::string& name);
+/// Gives all systems of rigid bodies this precision.
+void set_precision(Trial& trial, const std::string& name);
 Outcome judge(const Trial& trial);
 /// "family, seed: kind: detail" of every finding, a line each; empty when all is well.
 std::string report(const Trial& trial, const Outcome& outcome);

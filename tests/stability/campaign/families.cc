@@ -46,4 +46,11 @@ void set_integrator(Trial& trial, const std::string& name) {
   system_of(trial)["integrator"] = name;
 }
 
+void set_precision(Trial& trial, const std::string& name) {
+  for (json::value& system : trial.scene["systems"].as_array()) {
+    const std::string type(system.at("type").as_string());
+    if (type == "rigid2d" || type == "rigid3d") system.as_object()["precision"] = name;
+  }
+}
+
 }  // namespace truestep::campaign

@@ -1,7 +1,8 @@
-// campaign [--seeds N] [--first SEED] [--family NAME] [--integrator NAME] [--scene]: judges N random scenes
-// (default 300), prints the findings, one per line, and a table of families. --integrator gives their first
-// systems this method. --scene prints the scenes instead, one JSON document per line, for `truestep run -`.
-// Exit code 1 if anything was found.
+// campaign [--seeds N] [--first SEED] [--family NAME] [--integrator NAME] [--precision NAME] [--scene]:
+// judges N random scenes (default 300), prints the findings, one per line, and a table of families.
+// --integrator gives their first systems this method, --precision all systems of bodies this one. --scene
+// prints the scenes instead, one JSON document per line, for `truestep run -`. Exit code 1 if anything was
+// found.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <iostream>
@@ -14,12 +15,13 @@ int main(int count, char** arguments) {
   using namespace truestep::campaign;
   CLI::App app("judges random scenes");
   uint64_t seeds = 300, first = 0;
-  std::string wanted, integrator;
+  std::string wanted, integrator, precision;
   bool print_scenes = false;
   app.add_option("--seeds", seeds, "how many scenes");
   app.add_option("--first", first, "the first seed");
   app.add_option("--family", wanted, "only scenes of this family");
   app.add_option("--integrator", integrator, "the method of the scenes' first systems");
+  app.add_option("--precision", precision, "of all systems of rigid bodies: f32 or f64");
   app.add_flag("--scene", print_scenes, "prints the scenes instead of judging them");
   CLI11_PARSE(app, count, arguments);
 
@@ -34,6 +36,7 @@ int main(int count, char** arguments) {
     Trial trial = make_trial(seed);
     if (!wanted.empty() && trial.family != wanted) continue;
     if (!integrator.empty()) set_integrator(trial, integrator);
+    if (!precision.empty()) set_precision(trial, precision);
     if (print_scenes) {
       std::cout << truestep::write_json(trial.scene) << '\n';
       continue;

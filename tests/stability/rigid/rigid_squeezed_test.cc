@@ -93,5 +93,27 @@ TEST(RigidSqueezed, AHeavyLoadIsLiftedOffLightBodiesThatOverlap) {
   EXPECT_GT(overlap_under(4000, 2), 0.046) << "control: it begins deeper than it was left before";
 }
 
+/// The same in space, with a box of 4 t.
+double overlap_in_space(const std::string& settings, int steps) {
+  const std::string box = R"("type": "box", "half_extents": [0.3, 0.25, 0.3], "mass": )";
+  SceneRun run(
+      R"({"gravity": [0, -9.81, 0], "time": {"dt": 0.016666666666666666}, "systems": [{"type": "rigid3d",
+    "id": "a", )" +
+      settings + R"("bodies": [{"motion": "fixed", "type": "plane"},
+      {"position": [0, 0.25, 0], )" +
+      box + R"(20}, {"position": [0, 0.65, 0], )" + box + R"(30}, {"position": [0, 1.15, 0], )" + box +
+      "4000}]}]}");
+  run.session.step(steps);
+  return run.observe("a.penetration");
+}
+
+// In space the overlap grew to 0.11 m and was 0.08 m after a quarter of a second.
+TEST(RigidSqueezed, AHeavyLoadInSpaceIsLiftedOffLightBodiesThatOverlap) {
+  for (const char* precision : {R"("precision": "f32", )", R"("precision": "f64", )"}) {
+    EXPECT_LT(overlap_in_space(precision, 15), 0.01) << precision;
+  }
+  EXPECT_GT(overlap_in_space(R"("push_out_speed": 0.1, )", 15), 0.05) << "control: pushed apart slowly";
+}
+
 }  // namespace
 }  // namespace truestep

@@ -7,7 +7,6 @@
 #include "engine/kernels/rigid/fast_rotation.h"
 #include "engine/kernels/rigid/record_math.h"
 #include "engine/rigid/free_flight.h"
-#include "engine/rigid/islands.h"
 
 namespace truestep::rigid3d {
 
@@ -18,8 +17,14 @@ constexpr int kImpactRounds = 64;
 /// Fraction of push_out_speed up to which the speed of pushes is left to the relaxation, which removes most
 /// of it: walls and towers lean where positions are corrected separately from velocities.
 constexpr double kGentlePush = 0.25;
+/// Sweeps of pushes where heavy bodies are lightened: pushes that are taken back do not add up.
+constexpr int kLighterSweeps = 8;
 /// rad/s; the axis of rotation of slower bodies changes by less than the resolution of a float.
 constexpr double kSlowSpin = 1e-2;
+
+ColourOrder reversed(ColourOrder order) {
+  return order == ColourOrder::forth ? ColourOrder::back : ColourOrder::forth;
+}
 
 Vec3 roots(const Vec3& a) {
   return {std::sqrt(a.x), std::sqrt(a.y), std::sqrt(a.z)};
@@ -177,8 +182,13 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
     joints_.pull(v, team_);
     joints_.bias(v, team_);
     balls_.bias(v, team_);
-    each_colour(contact_lanes_, groups_, team_, order,
-                [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::bias>(g, v, d, end, pass); });
+    const bool lighter = parts && lighten();
+    ColourOrder way = order;
+    for (int sweeps = lighter ? kLighterSweeps : 1; sweeps > 0; --sweeps, way = reversed(way)) {
+      each_colour(contact_lanes_, groups_, team_, way,
+                  [&](ContactGroup<T>& g) { solve_contacts<ContactSolve::bias>(g, v, d, end, pass); });
+    }
+    if (lighter) weigh_bodies(Masses::own);
     if (jointed_) move_jointed(T(h));
     each_body([&](size_t i) {
       if (!jointed_) records::add_times(d[i], T(h), v[i]);
@@ -191,9 +201,11 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
     const Renewal renewal = k + 1 < settings.substeps ? Renewal::goes_on : Renewal::last;
     joints_.renew(d, warm_.data(), pass.elapsed, renewal, team_);
     balls_.renew(moved_.data(), warm_.data(), renewal, team_);
+    if (lighter) weigh_bodies(Masses::light);
     if (parts) {
       each_colour(contact_lanes_, groups_, team_, [&](ContactGroup<T>& g) { take_push_back(g, v, end); });
     }
+    if (lighter) weigh_bodies(Masses::own), weigh_contacts(Masses::own);
     joints_.relax(v, team_);
     balls_.relax(v, team_);
     const auto relax = [&](ColourOrder way) {
@@ -206,7 +218,7 @@ void ContactSolver<T>::substeps(const State& s, const JointList& joints, const S
     // velocities v and a sweep G, warm starts give v'' = G (2 v' - v), which grows for eigenvalues of G below
     // -1/3. With a sweep in each direction per substep, G has none below 0.
     relax(order);
-    if (parts) relax(order == ColourOrder::forth ? ColourOrder::back : ColourOrder::forth);
+    if (parts) relax(reversed(order));
     each_body([&](size_t i) { records::add_difference(warm_[i], v[i], start_[i]); });
   }
   if (springs_) kick(T(1));
@@ -254,38 +266,6 @@ void ContactSolver<T>::kick(T times) {
     for (int e = 0; e < 8; ++e) v[i].x[e] += T(0.5) * times * change_[i].x[e];
   }
   joints_.kick(v, times, team_);
-}
-
-template <class T>
-void ContactSolver<T>::start_parting(const ContactPass<T>& pass) {
-  start_islands(island_);
-  const auto lanes = [&](auto&& visit) {
-    for (size_t g = 0; g < contact_lanes_.count; ++g) {
-      for (int lane = 0; lane < W::kLanes; ++lane) visit(groups_[g], lane);
-    }
-  };
-  lanes([&](ContactGroup<T>& g, int lane) {
-    if (g.a[lane] < island_.size() && g.b[lane] < island_.size()) {
-      link_islands(island_, g.a[lane], g.b[lane]);
-    }
-  });
-  const auto island = [&](const ContactGroup<T>& g, int lane) {
-    const uint32_t body = std::min(g.a[lane], g.b[lane]);
-    return body < island_.size() ? island_of(island_, body) : kNoBody;
-  };
-  std::fill(parts_.begin(), parts_.end(), uint8_t{0});
-  for (size_t k = 0; k < contact_lanes_.count; ++k) {
-    const W left = depth_left(groups_[k], pass);
-    for (int lane = 0; lane < W::kLanes; ++lane) {
-      const uint32_t i = island(groups_[k], lane);
-      if (i != kNoBody && left[lane] < 0) parts_[i] = 1;
-    }
-  }
-  lanes([&](ContactGroup<T>& g, int lane) {
-    const uint32_t i = island(g, lane);
-    g.before.taken.set(lane, i != kNoBody && parts_[i] ? T(1) : T(0));
-    if (lane == 0) remember_impulses(g);
-  });
 }
 
 template <class T>

@@ -80,6 +80,13 @@ class ContactSolver {
   bool hit(const ImpactPass<T>& pass, int substeps_left);
   /// Marks the lanes of islands with a deep contact, and stores their impulses.
   void start_parting(const ContactPass<T>& pass);
+  /// Lets heavy bodies of islands that part move as if they were not much heavier than the lightest; false
+  /// where none is.
+  bool lighten();
+  enum class Masses : uint8_t { own, light };
+  /// Velocities of lightened bodies in the scale of these masses; contacts with them.
+  void weigh_bodies(Masses masses);
+  void weigh_contacts(Masses masses);
   void store_impulses(std::span<Contact* const> contacts, const PenetrationOffsetRule& rule);
   void store_bodies(State& s);
   template <class Body>
@@ -98,8 +105,10 @@ class ContactSolver {
   template <class U>
   using Aligned = std::vector<U, CacheLineAllocator<U>>;
   std::vector<uint32_t> slot_, body_;
-  std::vector<uint32_t> island_;  // per moving body, where some overlap deeply
-  std::vector<uint8_t> parts_;
+  std::vector<uint32_t> island_;          // per moving body, where some overlap deeply
+  std::vector<uint8_t> parts_, pressed_;  // of an island, by its lowest body; also lightest_
+  std::vector<double> lightest_;          // kg
+  std::vector<T> lighter_;                // root of the ratio of a body's masses, and of `end`
   std::vector<ScaledBody> scaled_;
   std::vector<Vec3> moments_;
   /// For joints that follow the rotation of their bodies: roots and ratios (free_rotation.h) of the moments,
