@@ -199,7 +199,7 @@ void LiquidFlow::spread(LiquidFields& f) {
   for (size_t c = 0; c < D; ++c) {
     mac::fold_periodic(g, mass_[c].data(), *arena_), mac::fold_periodic(g, u_[c].data(), *arena_);
   }
-  mac::fold_periodic(g, f.fill, *arena_);
+  mac::fold_cells(g, f.fill, *arena_);
 }
 
 void LiquidFlow::clear_of_obstacles(double* x, double* v) const {
