@@ -37,6 +37,7 @@ struct NearSurface {
   double distance = 0;  ///< m, negative where points are not allowed
   Vec3 normal;          ///< towards the side where points stay
   Vec3 velocity;        ///< m/s, of the surface there
+  Vec3 shift = {};      ///< m, of the image that has it (images.h)
 };
 
 class ColliderSet {

@@ -59,4 +59,17 @@ void fold_periodic(const MacGrid& g, double* u, const ThreadArena& arena) {
   }
 }
 
+void fold_cells(const MacGrid& g, double* u, const ThreadArena& arena) {
+  fold_periodic(g, u, arena);
+  for (size_t a = 0; a < g.dimensions; ++a) {
+    if (g.periodic[a]) continue;
+    const size_t s = g.stride(a), first = kGhosts * s, last = (kGhosts + g.cells[a] - 1) * s;
+    for_lines(g, a, arena, [=](size_t at) {
+      double* line = u + at;
+      line[first] += line[first - s], line[last] += line[last + s];
+      line[first - s] = line[last + s] = 0;
+    });
+  }
+}
+
 }  // namespace truestep::mac

@@ -58,4 +58,9 @@ void wrap_periodic(const MacGrid& g, T* u, const ThreadArena& arena) {
 /// Adds what was spread beyond the ends of periodic axes to the values it belongs to.
 void fold_periodic(const MacGrid& grid, double* u, const ThreadArena& arena);
 
+/// The same for cell values, and what was spread beyond the box's sides is added to the cells beside them, so
+/// that no particle counts less for being close to a side: where particles kept off sides, fewer of them
+/// would fill the cells there.
+void fold_cells(const MacGrid& grid, double* cells, const ThreadArena& arena);
+
 }  // namespace truestep::mac

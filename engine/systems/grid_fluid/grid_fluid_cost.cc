@@ -17,13 +17,13 @@ Cost liquid_cost(const GridFluidDef& d, double padded) {
   const double n = static_cast<double>(largest_count(d, static_cast<size_t>(expected_particles(d)))),
                affine = d.advection == GridFluidDef::Advection::apic ? dim * dim : 0;
   Cost c;
-  c.state_bytes = 8 * padded * 2 + 8 * n * (6 + affine + (dyed(d) ? 1 : 0) + (changes(d) ? 1 : 0)) + 4e3;
+  c.state_bytes = 8 * padded * 2 + 8 * n * (7 + affine + (dyed(d) ? 1 : 0) + (changes(d) ? 1 : 0)) + 4e3;
   // Rows of faces with their neighbours, as many as the liquid covers.
   const double cells = n / trig::pow(static_cast<double>(d.particles_per_axis), dim);
   const double viscous = d.viscosity > 0 ? 4 * padded + cells * (60 + 24 * dim) : 0;
   const double solver = (dim == 2 ? 4.0 / 3 : 8.0 / 7) * (8 * (dim + 4) + 1) + 8 * 5;
-  c.workspace_bytes =
-      padded * (8 * (5 * dim + 3) + dim + 2 + solver) + viscous + n * (16 * (2 * dim + affine) + 20) + 3e5;
+  c.workspace_bytes = padded * (8 * (5 * dim + 3) + 8 + dim + 2 + solver) + viscous +
+                      n * (16 * (2 * dim + affine + 1) + 20) + 3e5;
   const bool moving = std::ranges::any_of(
       d.obstacles, [](const ObstacleDef& o) { return !o.displacement.empty() || !o.angle.empty(); });
   if (moving) c.workspace_bytes += padded * (17 * dim + 1);

@@ -174,15 +174,32 @@ class BodiesIn {
     bodies_[t.body].give(back, cross(t.arm, back));
   }
 
+  /// m, within which a body's particles are looked for: they may have moved a little since they were sorted.
+  double margin_of_sorting() const { return setting_->support + 0.5 * setting_->def.spacing; }
+
   void find(const Fluid<D, T>& f, size_t k) {
     auto& list = touching_[k];
     list.clear();
     const ImmersedBody& b = bodies_[k];
-    const VolumeMap& map = maps_[map_of_[k]].map;
     const Transform frame = b.frame();
-    // Particles may have moved a little since they were sorted.
-    const double reach = setting_->support, margin = reach + 0.5 * setting_->def.spacing;
+    const double margin = margin_of_sorting();
     const Box box = bounds(*b.solid, frame);
+    const Images images = images_of(setting_->def, box);
+    if (!images.any()) return find_beside(f, k, box, frame);
+    const Vec3 middle = (box.low + box.high) * 0.5,
+               half = (box.high - box.low) * 0.5 + Vec3{margin, margin, margin};
+    const SphDef& d = setting_->def;
+    const Vec3 room = (d.high - d.low) * 0.5;
+    images.each(d.low + room - middle, room + half, [&](const Vec3& shift) {
+      find_beside(f, k, Box{box.low + shift, box.high + shift}, Transform{frame.rotation, b.place + shift});
+    });
+  }
+  /// The particles near an image of body k with these bounds and this place.
+  void find_beside(const Fluid<D, T>& f, size_t k, const Box& box, const Transform& frame) {
+    auto& list = touching_[k];
+    const ImmersedBody& b = bodies_[k];
+    const VolumeMap& map = maps_[map_of_[k]].map;
+    const double reach = setting_->support, margin = margin_of_sorting();
     const double lows[3] = {box.low.x, box.low.y, box.low.z}, highs[3] = {box.high.x, box.high.y, box.high.z};
     int low[3] = {}, high[3] = {};
     for (int a = 0; a < D; ++a) {
@@ -204,7 +221,7 @@ class BodiesIn {
           const Vec3 n = frame.direction(near->normal);
           list.push_back({static_cast<uint32_t>(i), static_cast<uint32_t>(k), flat.share * shape.share,
                           near->distance, 0, frame.direction(shape.slope) * flat.slope,
-                          x - n * near->distance - b.place, n});
+                          x - n * near->distance - frame.position, n});
         }
       }
     }

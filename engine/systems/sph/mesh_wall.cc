@@ -10,13 +10,17 @@ VolumeMap::Kernel kernel_of(const SphDef& d) {
   return {d.kernel, d.support * d.spacing, d.spacing};
 }
 
-/// The part of a mesh's own bounds, in its frame, near which there can be liquid.
+/// The part of a mesh's own bounds, in its frame, near which there can be liquid: next to it, or to an image
+/// of it.
 Box wet_part(const SphDef& d, const Box& mesh, const Pose& start, const ShapeMotion& motion) {
   if (!motion.at_rest()) return mesh;
   const Transform frame = transform_of(start);
   Box liquid = Box::nothing();
+  const Vec3 size = d.high - d.low,
+             more{d.wraps(0) ? size.x : 0, d.wraps(1) ? size.y : 0, d.wraps(2) ? size.z : 0};
+  const Vec3 low = d.low - more, high = d.high + more;
   for (int k = 0; k < 8; ++k) {
-    const Vec3 corner{k & 1 ? d.high.x : d.low.x, k & 2 ? d.high.y : d.low.y, k & 4 ? d.high.z : d.low.z};
+    const Vec3 corner{k & 1 ? high.x : low.x, k & 2 ? high.y : low.y, k & 4 ? high.z : low.z};
     liquid.cover(frame.inverse_point(corner));
   }
   // Up to where a kernel at the liquid's border reaches.
@@ -123,7 +127,11 @@ std::vector<MeshWall> build_mesh_walls(const SphDef& d) {
     const Box box = bounds(c.solid, Transform{rotation(Quat{}), {}});
     const Box region = wet_part(d, box, c.start, c.motion);
     auto map = std::make_shared<const VolumeMap>(c.solid, kernel_of(d), region, c.side);
-    out.push_back({std::move(c), std::move(map)});
+    MeshWall wall{.collider = std::move(c), .map = std::move(map)};
+    wall.radius = bounding_radius(wall.collider.solid);
+    if (wall.collider.side == PointSide::outside && wall.collider.solid.kind == SolidKind::mesh)
+      wall.images = images_of(d, bounds(wall.collider.solid, wall.collider.place(0)));
+    out.push_back(std::move(wall));
   }
   return out;
 }
@@ -160,10 +168,12 @@ double bytes_of_mesh_walls(const SphDef& d) {
 void leave_dry(const SphDef& d, const std::vector<MeshWall>& walls, std::vector<Vec3>& places) {
   const double support = d.support * d.spacing;
   for (const MeshWall& wall : walls) {
-    FarSide far(wall, support);
-    std::erase_if(places, [&](const Vec3& p) {
-      const auto near = wall.surface(p, 0, support, support);
-      return near ? near->distance < 0 : far.behind(p);
+    each_in_box(d, wall.images, wall.collider.start.position, wall.radius, [&](const Vec3& shift) {
+      FarSide far(wall, support);
+      std::erase_if(places, [&](const Vec3& p) {
+        const auto near = wall.surface(p - shift, 0, support, support);
+        return near ? near->distance < 0 : far.behind(p - shift);
+      });
     });
   }
 }

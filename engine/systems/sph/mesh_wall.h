@@ -7,7 +7,7 @@
 
 #include "engine/collision/points/solid_collider.h"
 #include "engine/kernels/sph/half_space.h"
-#include "engine/systems/sph/sph_def.h"
+#include "engine/systems/sph/repeated.h"
 #include "engine/systems/sph/volume_map.h"
 
 namespace truestep::sph {
@@ -15,11 +15,21 @@ namespace truestep::sph {
 struct MeshWall {
   SolidCollider collider;
   std::shared_ptr<const VolumeMap> map;
+  Images images = {};
+  double radius = 0;  ///< m, of a ball about its origin
 
   struct Surface {
     double distance = 0;  ///< m, negative behind the surface
     Vec3 normal;          ///< into the liquid
   };
+  /// f(place) for x as each image sees it that reaches within `reach` (m) of it at time t.
+  template <class F>
+  void each_place(const Vec3& x, double t, double reach, const F& f) const {
+    if (!images.any()) return f(x);
+    const double near = radius + reach;
+    images.each(x - moved(collider.start, collider.motion, t).position, {near, near, near},
+                [&](const Vec3& shift) { f(x - shift); });
+  }
   /// The nearest surface at time t; empty beyond `in_front` (m) in front of it, and beyond `behind` (m), at
   /// most the kernel's radius, behind it.
   std::optional<Surface> surface(const Vec3& x, double t, double in_front, double behind) const;

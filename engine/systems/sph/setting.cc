@@ -134,6 +134,7 @@ std::unique_ptr<const Setting> settle(const SphDef& given, const std::string& id
     }
   }
   out->colliders = build_colliders_but_solids(def.colliders);
+  for (const Collider& c : out->colliders.colliders()) out->images.push_back(images_of(def, c));
   const Vec3 size = def.high - def.low;
   const double room = size.x * size.y * (def.dimension == 2 ? 1 : size.z);
   out->closed = def.without_sides() && !def.changes() && def.colliders.empty() &&

@@ -66,7 +66,8 @@ struct Setting {
   Vec3 initial_at(const Vec3& place) const;
   HalfSpace wall;
   ColliderSet colliders;
-  std::vector<MeshWall> meshes;  ///< the colliders that are not in the set
+  std::vector<Images> images = {};  ///< of each of them
+  std::vector<MeshWall> meshes;     ///< the colliders that are not in the set
   VolumeMap::Kernel kernel() const { return {def.kernel, support, def.spacing}; }
 };
 

@@ -110,9 +110,12 @@ double fastest_wall(const SphDef& d, const ColliderSet& colliders, std::span<con
     // A collider that has left the box, or has not come in yet, moves nothing.
     const double margin = c.radius + speed * h + d.support * d.spacing;
     const Vec3 p = moved(c.start, c.motion, t).position;
-    const auto off = [&](double x, double low, double high) { return x < low - margin || x > high + margin; };
-    const bool away = off(p.x, d.low.x, d.high.x) || off(p.y, d.low.y, d.high.y) ||
-                      (d.dimension == 3 && off(p.z, d.low.z, d.high.z));
+    // Along periodic axes its images go on.
+    const auto off = [&](int axis, double x, double low, double high) {
+      return !d.wraps(axis) && (x < low - margin || x > high + margin);
+    };
+    const bool away = off(0, p.x, d.low.x, d.high.x) || off(1, p.y, d.low.y, d.high.y) ||
+                      (d.dimension == 3 && off(2, p.z, d.low.z, d.high.z));
     if (!away) out = std::max(out, speed);
   };
   for (const Collider& c : colliders.colliders()) count(mover(c));

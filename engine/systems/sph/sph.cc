@@ -230,9 +230,33 @@ void Sph::apply(State& s, const Command& c) const {
   store3(s.f64(columns::gravity).data(), 0, g);
 }
 
+namespace {
+
+/// Adds the images of colliders at rest that reach into the box.
+void draw_images(const Setting& set, std::vector<DrawnShape>& out) {
+  const auto add = [&](const DrawnShape& solid, const Images& images, double radius) {
+    each_in_box(set.def, images, solid.position, radius, [&](const Vec3& shift) {
+      if (shift == Vec3{}) return;
+      DrawnShape& image = out.emplace_back(solid);
+      image.position += shift;
+    });
+  };
+  const auto& colliders = set.colliders.colliders();
+  for (size_t k = 0; k < colliders.size(); ++k) {
+    if (colliders[k].motion.at_rest())
+      add(DrawnShape(out[k]), set.images[k], bounding_radius(colliders[k].shape));
+  }
+  for (const MeshWall& m : set.meshes) {
+    if (m.collider.motion.at_rest()) add(m.collider.drawn_at(0), m.images, m.radius);
+  }
+}
+
+}  // namespace
+
 void Sph::draw(const State&, double t, Wish wishes, Drawing& out) const {
   if (wants(wishes, Wish::obstacles)) {
     out.obstacles = setting_->colliders.drawn(t);
+    draw_images(*setting_, out.obstacles);
     for (const MeshWall& m : setting_->meshes) out.obstacles.push_back(m.collider.drawn_at(t));
   }
   if (!wants(wishes, Wish::constant)) return;

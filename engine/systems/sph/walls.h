@@ -64,7 +64,8 @@ class BoxWalls {
     out.sides = out.count;
     if (set_.colliders.empty()) return out;
     NearSurface near[Walls::kColliders];
-    const size_t n = surfaces_within(set_.colliders, {x[0], x[1], D == 3 ? x[2] : 0}, t, set_.support, near);
+    const size_t n =
+        surfaces_within(set_.colliders, set_.images, {x[0], x[1], D == 3 ? x[2] : 0}, t, set_.support, near);
     for (size_t k = 0; k < n; ++k)
       out.wall[out.count++] = {near[k].distance, near[k].normal, near[k].velocity};
     return out;
@@ -76,10 +77,10 @@ class BoxWalls {
   void near(const double* x, double t, const Visit& visit) const {
     const Walls w = walls_at(x, t);
     for (size_t k = 0; k < w.count; ++k) visit(w.wall[k].d, w.wall[k].n, w.wall[k].velocity);
-    for (const MeshWall& mesh : set_.meshes) {
-      const auto near = mesh.surface(place_of(x), t, set_.support, set_.support);
-      if (near) visit(near->distance, near->normal, mesh.collider.velocity_at(place_of(x), t));
-    }
+    each_mesh(place_of(x), t, set_.support, [&](const MeshWall& mesh, const Vec3& place) {
+      const auto near = mesh.surface(place, t, set_.support, set_.support);
+      if (near) visit(near->distance, near->normal, mesh.collider.velocity_at(place, t));
+    });
   }
 
   /// Gradient and share of all walls, and the rate of density due to their motion.
@@ -106,13 +107,13 @@ class BoxWalls {
           rest *= 1 - at.share;
         }
         if (skew) rest = free_of(walls);
-        for (const MeshWall& mesh : set_.meshes) {
-          const auto at = mesh.at(place_of(x), t, set_.wall, set_.support);
-          if (!at) continue;
+        each_mesh(place_of(x), t, set_.support, [&](const MeshWall& mesh, const Vec3& place) {
+          const auto at = mesh.at(place, t, set_.wall, set_.support);
+          if (!at) return;
           slope = slope * (1 - at->share) + at->slope * rest;
           drive = drive * (1 - at->share) - dot(at->slope, at->velocity) * rest;
           rest *= 1 - at->share;
-        }
+        });
         T* w = f.wall.data() + 4 * i;
         w[0] = static_cast<T>(slope.x), w[1] = static_cast<T>(slope.y);
         w[2] = D == 3 ? static_cast<T>(slope.z) : T{0};
@@ -127,12 +128,12 @@ class BoxWalls {
     const Walls walls = walls_at(x, t);
     const bool skew = walls.skew();
     double beside_meshes = 1;
-    for (const MeshWall& mesh : set_.meshes) {
-      const auto at = mesh.at(place_of(x), t, set_.wall, set_.support);
-      if (!at) continue;
+    each_mesh(place_of(x), t, set_.support, [&](const MeshWall& mesh, const Vec3& place) {
+      const auto at = mesh.at(place, t, set_.wall, set_.support);
+      if (!at) return;
       out += at->lean(gravity) * ((1 - share) / std::max(1 - at->share, 1e-6));
       beside_meshes *= 1 - at->share;
-    }
+    });
     for (size_t k = 0; k < walls.count; ++k) {
       const auto& [d, n, velocity] = walls.wall[k];
       const HalfSpace::At at = set_.wall.at(d);
@@ -159,12 +160,12 @@ class BoxWalls {
   void keep_inside(T* x, T* v, double t) const {
     const double least = kLeastGap * set_.def.spacing;
     // Off the nearest collider, then off those that this brings it too close to.
-    size_t last = NearSurface::kNone;
-    for (size_t k = 0; k < std::min(set_.colliders.colliders().size(), kMostCorrected); ++k) {
-      const NearSurface s =
-          set_.colliders.nearest({double{x[0]}, double{x[1]}, D == 3 ? double{x[2]} : 0}, t);
-      if (s.distance >= least || s.collider == last) break;
-      last = s.collider;
+    NearSurface last{.normal = {}, .velocity = {}};
+    for (size_t k = 0; k < kMostCorrected && !set_.colliders.empty(); ++k) {
+      NearSurface s;
+      const size_t found = surfaces_within(set_.colliders, set_.images, place_of(x), t, least, {&s, 1});
+      if (found == 0 || (s.collider == last.collider && s.shift == last.shift)) break;
+      last = s;
       lift(x, v, s.normal, s.velocity, least - s.distance);
     }
     if (!set_.meshes.empty()) keep_off_meshes(x, v, t, least);
@@ -243,13 +244,21 @@ class BoxWalls {
       const Vec3 place = place_of(x);
       const MeshWall* nearest = nullptr;
       MeshWall::Surface s{.distance = kCloseEnough * least, .normal = {}};
-      for (const MeshWall& mesh : set_.meshes) {
-        const auto near = mesh.surface(place, t, least, set_.support);
-        if (near && near->distance < s.distance) nearest = &mesh, s = *near;
-      }
+      Vec3 from;
+      each_mesh(place, t, set_.support, [&](const MeshWall& mesh, const Vec3& seen) {
+        const auto near = mesh.surface(seen, t, least, set_.support);
+        if (near && near->distance < s.distance) nearest = &mesh, s = *near, from = seen;
+      });
       if (!nearest) return;
-      lift(x, v, s.normal, nearest->collider.velocity_at(place, t), least - s.distance);
+      lift(x, v, s.normal, nearest->collider.velocity_at(from, t), least - s.distance);
     }
+  }
+  /// visit(mesh, place) for the meshes and their images that reach within `reach` (m) of a place; the place
+  /// is as the image sees it.
+  template <class Visit>
+  void each_mesh(const Vec3& x, double t, double reach, const Visit& visit) const {
+    for (const MeshWall& mesh : set_.meshes)
+      mesh.each_place(x, t, reach, [&](const Vec3& place) { visit(mesh, place); });
   }
   template <class Real>
   static Vec3 place_of(const Real* x) {

@@ -152,7 +152,7 @@ TEST(LiquidInlet, StatesThatNoRunLeadsToAreRefused) {
   short_of_one.resize(1, short_of_one.rows(0) - 1);
   EXPECT_FALSE(accepts(short_of_one)) << "a velocity is missing";
   State late = run.state;
-  late.span<uint64_t>(7)[0] = UINT64_MAX;
+  late.span<uint64_t>(late.at("emitter.next_layer"))[0] = UINT64_MAX;
   EXPECT_FALSE(accepts(late)) << "layers that nobody will see";
 }
 

@@ -45,8 +45,14 @@ TEST(LiquidLevel, AfterASplashWaterStandsAsDeepAsItsVolumeSays) {
       std::printf("  %s, %d cells%s: %+.2f %% when stilled, %+.1f %% before\n",
                   advection == A::flip ? "flip" : "apic", cells, space ? " in space" : "",
                   100 * (level / kRest - 1), 100 * (swinging / kRest - 1));
-      EXPECT_NEAR(level, kRest, 0.02 * kRest);
-      EXPECT_LT(run.observed("speed.max"), 0.1) << "it stands";
+      // Eight splashes that started a little differently came to 0.1 +- 0.1 % in the plane and 0.3 % at most
+      // in space. While particles counted less beside a side, and so fewer filled a cell there, it was up to
+      // 1 % and up to 1.8 %.
+      EXPECT_NEAR(level, kRest, 0.006 * kRest);
+      // Single particles on the surface have up to 0.13 m/s, whichever way the splash went.
+      const double speed = std::sqrt(2 * run.observed("energy.kinetic") / run.observed("mass"));
+      std::printf("    %.4f m/s\n", speed);
+      EXPECT_LT(speed, 0.02) << "it stands";
       EXPECT_GT(swinging, 1.02 * kRest) << "control: the wave's height is no part of the level";
     }
   }

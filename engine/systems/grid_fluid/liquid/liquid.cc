@@ -69,6 +69,7 @@ void Liquid::add_columns(const std::vector<StartingPlace>& places) {
     const auto square = static_cast<uint32_t>(g.dimensions * g.dimensions);
     affine_ = start_.add({"affine", "1/s", Scalar::f64, square}, n);
   }
+  if (norm(model_.gravity) > 0) owed_ = start_.add({"owed", "m^2/s^2"}, n);
   pressure_ = start_.add({"pressure", "m^2/s^2"}, g.size());
   fill_ = start_.add({"fill", "1"}, g.size());
   numbers_ = start_.add({"numbers", "1"}, kLiquidNumbers);
@@ -120,7 +121,8 @@ LiquidFields Liquid::fields(State& s) const {
   f.position = s.f64(kPosition).data(), f.velocity = s.f64(velocity_).data();
   if (affine_) f.affine = s.f64(affine_).data();
   f.pressure = s.f64(pressure_).data(), f.fill = s.f64(fill_).data();
-  f.lifted = &s.f64(numbers_)[kLifted], f.owed = &s.f64(numbers_)[kOwed];
+  f.lifted = &s.f64(numbers_)[kLifted];
+  if (owed_) f.owed = s.f64(owed_).data();
   return f;
 }
 

@@ -52,16 +52,17 @@ class Liquid final : public StagedSystem {
   size_t capacity_ = 0;  ///< particles at most
   double mass_ = 0;      ///< kg, of a particle
   State::Column velocity_ = 0, affine_ = 0, pressure_ = 0, fill_ = 0, numbers_ = 0;
-  /// 0: absent. `layers_`: each nozzle's next layer; `phase_`: spacings by which the liquid has come in since
-  /// the last particle, for every row of particles through an inflow.
-  State::Column dye_ = 0, id_column_ = 0, layers_ = 0, counts_ = 0, phase_ = 0;
+  /// 0: absent. `owed_`: what undoing compression has lifted a particle's body by and has not been taken from
+  /// its motion yet, m^2/s^2 per particle; `layers_`: each nozzle's next layer; `phase_`: spacings by which
+  /// the liquid has come in since the last particle, for every row of particles through an inflow.
+  State::Column owed_ = 0, dye_ = 0, id_column_ = 0, layers_ = 0, counts_ = 0, phase_ = 0;
   State start_;
 };
 
 template <class F>
 void Liquid::for_particle_columns(F&& f) const {
   f(kPosition), f(velocity_);
-  for (const State::Column c : {affine_, dye_, id_column_}) {
+  for (const State::Column c : {affine_, owed_, dye_, id_column_}) {
     if (c) f(c);
   }
 }
@@ -76,7 +77,6 @@ enum LiquidNumber : size_t {
   kMeanCompression,
   kMaxCompression,
   kLifted,  ///< m^2/s^2, energy over a particle's mass that undoing compression has given
-  kOwed,    ///< of that, what has not been taken from the motion yet; below 0: given too much
   kLiquidNumbers
 };
 

@@ -23,7 +23,8 @@ void LiquidFlow::bind(const FlowModel& m, std::span<const LiquidInlet> inlets, s
   const mac::MacGrid& g = m.grid;
   const size_t d = g.dimensions, n = g.size();
   affine_ = m.def.advection == GridFluidDef::Advection::apic;
-  width_ = 2 * d + (affine_ ? d * d : 0);
+  lifts_ = norm(m.gravity) > 0;
+  width_ = 2 * d + (affine_ ? d * d : 0) + (lifts_ ? 1 : 0);
   now_.reserve(most * width_), sorted_.reserve(most * width_);
   row_.reserve(most), rows_sorted_.reserve(most);
   order_.reserve(most, g.cell_count());
@@ -47,6 +48,7 @@ void LiquidFlow::bind(const FlowModel& m, std::span<const LiquidInlet> inlets, s
   }
   liquid_.assign(n, 0), fresh_.assign(n, 0), excess_.resize(g.cells[1] * g.cells[2]);
   for (Array* a : {&depth_, &work_}) a->assign(n, 0);
+  if (lifts_) body_.assign(n, 0), runs_.assign(n, 0), bodies_.reserve(g.cell_count() / 2 + 2);
   solver_.emplace(g, mirrors);
   solids_.bind(m), given_.bind(m, inlets);
   if (m.def.viscosity > 0) viscosity_.bind(m, solids_);
@@ -104,6 +106,7 @@ void LiquidFlow::load(const LiquidFields& f) {
         to[d + a] = f.velocity[3 * p + a];
       }
       if (affine_) std::copy_n(f.affine + d * d * p, d * d, to + 2 * d);
+      if (lifts_) to[width_ - 1] = f.owed[p];
       row_[p] = static_cast<uint32_t>(p);
     }
   });
@@ -121,6 +124,7 @@ void LiquidFlow::store(LiquidFields& f) {
         f.velocity[3 * row + a] = from[d + a];
       }
       if (affine_) std::copy_n(from + 2 * d, d * d, f.affine + d * d * row);
+      if (lifts_) f.owed[row] = from[width_ - 1];
     }
   });
 }
@@ -199,7 +203,7 @@ void LiquidFlow::spread(LiquidFields& f) {
   for (size_t c = 0; c < D; ++c) {
     mac::fold_periodic(g, mass_[c].data(), *arena_), mac::fold_periodic(g, u_[c].data(), *arena_);
   }
-  mac::fold_periodic(g, f.fill, *arena_);
+  mac::fold_cells(g, f.fill, *arena_);
 }
 
 void LiquidFlow::clear_of_obstacles(double* x, double* v) const {
@@ -287,7 +291,7 @@ double LiquidFlow::carry(double h) {
     for (size_t p = begin; p < end; ++p) {
       double *x = particle(now_, p), *v = x + D;
       if (given_.any() && in_nozzle<D>(x, h)) continue;
-      double middle[D], shift[D];
+      double middle[D], shift[D], lifted = 0;
       for (size_t c = 0; c < D; ++c) {
         const auto around = mac::around_particle<D>(g, c, x);
         const double u = mac::gather<D>(g, around, u_[c].data());
@@ -298,9 +302,10 @@ double LiquidFlow::carry(double h) {
           v[c] = u + keep * (v[c] - mac::gather<D>(g, around, before_[c].data()));
         }
         shift[c] = mac::gather<D>(g, around, shift_[c].data());
-        lift += weight[c] * shift[c];
+        lifted += weight[c] * shift[c];
         middle[c] = x[c] + 0.5 * h * u / g.spacing[c];
       }
+      if (lifts_) x[width_ - 1] += lifted, lift += lifted;
       hold<D>(middle, Beyond::stay);
       for (size_t c = 0; c < D; ++c) {
         const double u = mac::gather<D>(g, mac::around_particle<D>(g, c, middle), u_[c].data());
@@ -323,13 +328,15 @@ LiquidReport LiquidFlow::substep(LiquidFields& f, double t, double h) {
   plane ? spread<2>(f) : spread<3>(f);
   settle_faces(t, h);
   find_surface(f);
+  if (lifts_) number_bodies();
   if (model_->def.viscosity > 0) apply_viscosity(h, report);
   project(f, h, report);
   take_back_compression(f, report);
   continue_outwards();
   // Keeps particles out of where obstacles will be.
   place_obstacles(t + h);
-  pay_for_lift(f, plane ? carry<2>(h) : carry<3>(h), h);
+  *f.lifted += plane ? carry<2>(h) : carry<3>(h);
+  if (lifts_) pay_for_lift(h);
   return report;
 }
 

@@ -7,7 +7,8 @@
 //   apply_viscosity: viscosity, before the pressure (face_viscosity.h)
 //   carry: what particles keep of their own velocity (Zhu, Bridson 2005; Jiang et al. 2015), paths by the
 //          midpoint rule through the new velocity, extrapolated beyond the surface
-//   pay_for_lift: what the displacement has lifted the liquid by is taken from its motion (liquid_energy.cc)
+//   pay_for_lift: what the displacement has lifted a connected body of liquid by is taken from its motion
+//                 (liquid_energy.cc)
 // Scratch of one thread's run; everything that lasts is in the state.
 #pragma once
 #include "engine/kernels/mac/surface.h"
@@ -26,7 +27,8 @@ struct LiquidFields {
   double *position = nullptr, *velocity = nullptr;  ///< m, m/s; three per particle
   double* affine = nullptr;                         ///< 1/s; d x d per particle; null: flip
   double *pressure = nullptr, *fill = nullptr;      ///< m^2/s^2 and 1, in cells
-  double *lifted = nullptr, *owed = nullptr;        ///< m^2/s^2, energy over the mass of a particle
+  double* lifted = nullptr;                         ///< m^2/s^2, energy over the mass of a particle
+  double* owed = nullptr;  ///< m^2/s^2, per particle: what it has not paid for yet; null without gravity
 };
 
 /// Results of the last substep.
@@ -60,7 +62,9 @@ class LiquidFlow {
   /// m^2/s^2 summed over the particles, by which their displacement lifts them.
   template <size_t D>
   double carry(double h);
-  void pay_for_lift(LiquidFields& f, double lift, double h);
+  /// Finds the connected bodies of liquid, while the pressure's matrix is at hand.
+  void number_bodies();
+  void pay_for_lift(double h);
   void settle_faces(double t, double h);
   void find_surface(LiquidFields& f);
   void apply_viscosity(double h, LiquidReport& report);
@@ -90,9 +94,9 @@ class LiquidFlow {
   const FlowModel* model_ = nullptr;
   const ThreadArena* arena_ = nullptr;
   size_t rows_ = 0, most_ = 0,
-         width_ = 0;  ///< width_: numbers per particle: position in cells, velocity, slopes
-  bool affine_ = false;
-  std::array<mac::Sides, 3> sides_;  ///< faces on the box's sides keep their values
+         width_ = 0;  ///< width_: numbers per particle: position in cells, velocity, slopes, what it owes
+  bool affine_ = false, lifts_ = false;  ///< lifts_: there is gravity
+  std::array<mac::Sides, 3> sides_;      ///< faces on the box's sides keep their values
   mac::Sides cell_sides_;
   Array now_, sorted_;  ///< particles, in any order and sorted by cell
   std::vector<uint32_t> row_, rows_sorted_;
@@ -106,6 +110,14 @@ class LiquidFlow {
     double sum = 0, most = 0, cells = 0;
   };
   std::vector<Excess> excess_;  ///< of the fill of a row of cells
+  /// Sums over a connected body of liquid, then what becomes of its particles.
+  struct LiquidBody {
+    double particles = 0, owed = 0, moving = 0;  ///< m^2/s^2: owed, at last by each particle; moving
+    double mean[3] = {};                         ///< m/s
+    double keep = 1;                             ///< of the motion relative to the mean
+  };
+  std::vector<LiquidBody> bodies_;     ///< by number; 0: none
+  std::vector<uint32_t> body_, runs_;  ///< number of a cell's body; scratch
   std::array<std::vector<double>, 3> force_;
   std::optional<lattice::CutPoisson> solver_;
   FaceViscosity viscosity_;

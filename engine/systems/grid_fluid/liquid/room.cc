@@ -40,6 +40,14 @@ void Room::open(size_t a, size_t end, const ThreadArena& arena) {
 template <size_t D>
 double Room::sum_around(size_t at, const std::array<size_t, 3>& cell) const {
   double sum = 0;
+  // Beside a side the cell keeps what is spread beyond it (mac::fold_cells).
+  const auto weight = [&](size_t a, size_t d, size_t m) {
+    double w = weight_[d][m];
+    if (d != 1 || grid_.periodic[a]) return w;
+    if (cell[a] == 0) w += weight_[2][m];
+    if (cell[a] + 1 == grid_.cells[a]) w += weight_[0][m];
+    return w;
+  };
   // Neighbours along each axis; those beyond a side that is not periodic do not exist.
   const auto neighbour = [&](size_t a, size_t d, ptrdiff_t& step) {
     const auto s = static_cast<ptrdiff_t>(grid_.stride(a)), n = static_cast<ptrdiff_t>(grid_.cells[a]);
@@ -60,9 +68,9 @@ double Room::sum_around(size_t at, const std::array<size_t, 3>& cell) const {
         uint64_t bits = free_[at + static_cast<size_t>(step_i + step_j + step_k)];
         for (size_t k = 0; k < (D == 3 ? per_ : 1); ++k) {
           for (size_t j = 0; j < per_; ++j) {
-            const double w = (D == 3 ? weight_[dk][k] : 1) * weight_[dj][j];
+            const double w = (D == 3 ? weight(2, dk, k) : 1) * weight(1, dj, j);
             for (size_t i = 0; i < per_; ++i, bits >>= 1) {
-              if (bits & 1) sum += w * weight_[di][i];
+              if (bits & 1) sum += w * weight(0, di, i);
             }
           }
         }
