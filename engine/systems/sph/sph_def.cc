@@ -318,7 +318,9 @@ const DefTable& sph_table() {
                 "delta of delta-SPH, of solver wcsph")
         .integer("pbf_iterations", &D::pbf_iterations, between(1, 1000), "per substep, of solver pbf")
         .number("artificial_pressure", &D::artificial_pressure, "1", between(0, 1),
-                "of solver pbf, between particles that come too close, in units of relative density")
+                "of solver pbf, between particles that come too close, in units of relative density: keeps "
+                "drops apart "
+                "in pictures (0.05), but shortens the periods of waves by 5 %")
         .number("courant", &D::courant, "1", {.min = 0.01, .max = 0.8},
                 "spacings that a particle, or with wcsph a sound wave, may cross per substep")
         .integer("max_substeps", &D::max_substeps, between(1, 1e6), "of a step; a step that needs more fails")

@@ -73,7 +73,7 @@ struct SphDef : KillDefs {
   int max_iterations = 200;
   double sound_speed = 0, density_diffusion = 0.1;
   int pbf_iterations = 4;
-  double artificial_pressure = 0.05;
+  double artificial_pressure = 0;
   double courant = 0.4;
   int max_substeps = 10'000;
   Walls walls = Walls::slip;
