@@ -55,8 +55,7 @@ TEST(SphStability, APoolRestsForAMinute) {
 }
 
 // Once it has settled from its lattice, every particle of a pool is still: case fluid.hydrostatic asks for 1
-// % of sqrt(g H). With the density_error of 1e-4 that is the default, 20 rows of dfsph in f32 keep shaking at
-// 2 %.
+// % of sqrt(g H). In a liquid that hardly moves solves leave a tenth of the density_error.
 TEST(SphStability, EveryParticleOfASettledPoolIsStill) {
   constexpr double kDepth = 0.5;
   const auto fastest = [](Method solver, double spacing, double density_error) {
@@ -72,7 +71,7 @@ TEST(SphStability, EveryParticleOfASettledPoolIsStill) {
   EXPECT_LT(fastest(Method::wcsph, 0.05, 1e-4), 0.01);
   EXPECT_LT(fastest(Method::pbf, 0.05, 1e-4), 0.01);
   EXPECT_LT(fastest(Method::dfsph, 0.025, 1e-5), 0.01);
-  EXPECT_GT(fastest(Method::dfsph, 0.025, 1e-3), 0.01) << "control: solves that end early";
+  EXPECT_GT(fastest(Method::dfsph, 0.025, 1e-2), 0.01) << "control: solves that end early";
 }
 
 // Energy falls, mass stays, nothing leaves the box.

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <vector>
 
+#include "engine/base/text/short_number.h"
 #include "engine/core/commands/command_checks.h"
 #include "engine/core/state/real_column.h"
+#include "engine/systems/sph/start.h"
 
 namespace truestep::sph {
 
@@ -39,128 +41,27 @@ Sph::Sph(const SphDef& def, const BuildContext& context)
                    {"speed", "m/s"}};
   points.max_rows = setting_->capacity;
   set_parts({std::move(points)});
+  if (def.settle > 0) {
+    start_ = start_of(*setting_, gravity_);
+    come_to_rest(*setting_, gravity_, dt_, *start_);
+  } else {
+    skip_stage("settling", "not asked for");
+  }
   set_remedies({"a shorter step", "a larger spacing", "more max_substeps"});
 }
 
-namespace {
-
-Vec3 reach_of(const BodyDef& b) {
-  return b.shape == Shape::ball ? Vec3{b.radius, b.radius, b.radius} : b.half_extents;
+std::vector<PlanRow> Sph::plan() const {
+  std::vector<PlanRow> rows = StagedSystem::plan();
+  const double settle = setting_->def.settle;
+  if (settle > 0) {
+    rows.insert(rows.begin(), {PlanRow::Status::runs, "settling",
+                               "once, before time starts: " + short_number(settle, 3) + " s of steps"});
+  }
+  return rows;
 }
-
-/// Initial pressures of standing liquid: liquid on the side of the box to which gravity along an axis points,
-/// or on another body that stands. Falling liquid has none.
-class StandingLiquid {
- public:
-  StandingLiquid(const SphDef& d, const Vec3& gravity) : def_(d) {
-    const double g[3] = {gravity.x, gravity.y, gravity.z};
-    for (int a = 1; a < 3; ++a) axis_ = std::abs(g[a]) > std::abs(g[axis_]) ? a : axis_;
-    weight_ = std::abs(g[axis_]), up_ = g[axis_] < 0 ? 1 : -1;
-    if (d.wraps(axis_) || norm(gravity) > weight_ * (1 + 1e-9)) weight_ = 0;
-    const double floor = up_ > 0 ? along(d.low) : -along(d.high);
-    stands_.resize(d.bodies.size());
-    const auto bottom = [&](const BodyDef& b) { return up_ * along(b.center) - along(reach_of(b)); };
-    const auto on = [&](double low, double high) { return std::abs(low - high) <= 0.5 * d.spacing; };
-    for (size_t pass = 0; pass < d.bodies.size(); ++pass) {
-      for (size_t k = 0; k < d.bodies.size(); ++k) {
-        const double low = bottom(d.bodies[k]);
-        bool held = on(low, floor);
-        for (size_t j = 0; j < d.bodies.size() && !held; ++j) {
-          held = stands_[j] && on(low, bottom(d.bodies[j]) + 2 * along(reach_of(d.bodies[j])));
-        }
-        stands_[k] = held;
-      }
-    }
-  }
-  /// Pa, weight of the liquid above a point in body k.
-  double pressure(size_t k, const Vec3& place) const {
-    double out = 0;
-    for (size_t j = 0; j < def_.bodies.size() && stands_[k]; ++j) {
-      const BodyDef& b = def_.bodies[j];
-      const Vec3 from = place - b.center;
-      const double half = half_height(b, from), above = std::min(half - up_ * along(from), 2 * half);
-      if (stands_[j]) out += b.density.value_or(def_.density) * weight_ * std::max(above, 0.0);
-    }
-    return out;
-  }
-
- private:
-  double along(const Vec3& v) const { return axis_ == 0 ? v.x : axis_ == 1 ? v.y : v.z; }
-  /// m, half the length of a line along gravity inside a body; 0 where it misses.
-  double half_height(const BodyDef& b, const Vec3& from) const {
-    if (b.shape == Shape::ball) {
-      const double beside = norm2(from) - along(from) * along(from);
-      return std::sqrt(std::max(b.radius * b.radius - beside, 0.0));
-    }
-    const Vec3& half = b.half_extents;
-    const bool in_x = axis_ == 0 || std::abs(from.x) <= half.x,
-               in_y = axis_ == 1 || std::abs(from.y) <= half.y;
-    const bool in_z = axis_ == 2 || def_.dimension == 2 || std::abs(from.z) <= half.z;
-    return in_x && in_y && in_z ? along(half) : 0;
-  }
-  const SphDef& def_;
-  int axis_ = 0;
-  double weight_ = 0, up_ = 1;
-  std::vector<char> stands_;
-};
-
-/// Relative density of Tait's equation at this pressure over density (m^2/s^2): a seventh root by Newton's
-/// method.
-double density_at(double pressure, double sound) {
-  const double power = 1 + 7 * pressure / (sound * sound);
-  double out = power;
-  for (int k = 0; k < 200; ++k) {
-    const double cube = out * out * out, next = out - (cube * cube * out - power) / (7 * cube * cube);
-    if (!(next < out)) break;
-    out = next;
-  }
-  return out;
-}
-
-}  // namespace
 
 State Sph::initial_state() const {
-  const SphDef& d = setting_->def;
-  const size_t n = setting_->rows;
-  const Scalar real = d.precision == Precision::f32 ? Scalar::f32 : Scalar::f64;
-  State s;
-  s.add({"position", "m", real, 3, Role::position}, n);
-  s.add({"velocity", "m/s", real, 3, Role::velocity}, n);
-  s.add({"density", "1", real}, n);
-  s.add({"pressure", "Pa", real}, n);
-  s.add({"push", "m^2/s^2", real}, n);
-  s.add({"flow", "m^2/s^2", real}, n);
-  s.add({"gravity", "m/s^2", Scalar::f64, 3}, 1);
-  s.add({"report", "1", Scalar::f64, static_cast<uint32_t>(report::count + (d.solves_viscosity() ? 1 : 0))},
-        1);
-  if (setting_->ratio) s.add({"ratio", "1", real}, n);
-  if (setting_->counts) {
-    s.add({"emitter.next_layer", "1", Scalar::u64}, setting_->inlets.size());
-    s.add({"counts", "1", Scalar::u64}, counts::count);
-    for (State::Column c = 0; c < columns::per_particle_end; ++c) s.reserve(c, setting_->capacity);
-    if (setting_->ratio) s.reserve(setting_->ratio, setting_->capacity);
-  }
-  store3(s.f64(columns::gravity).data(), 0, gravity_);
-  RealColumn<double> x(s, columns::position), v(s, columns::velocity), density(s, columns::density);
-  const StandingLiquid standing(d, gravity_);
-  size_t i = 0;
-  for (size_t body = 0; body < d.bodies.size(); ++body) {
-    const BodyDef& b = d.bodies[body];
-    for (const Vec3& place : wet_places(*setting_, b)) {
-      const Vec3 r = place - b.center;
-      x.set_vector(i, place);
-      v.set_vector(i, b.velocity + cross(b.spin, r) +
-                          Vec3{b.strain.x * r.x, b.strain.y * r.y, b.strain.z * r.z} +
-                          setting_->initial_at(place));
-      // Standing water would ring for seconds if its weight had to compress it first.
-      const bool carried = d.solver == Method::wcsph;
-      density.set(i, carried ? density_at(standing.pressure(body, place) / d.density, setting_->sound) : 1);
-      if (setting_->ratio)
-        RealColumn<double>(s, setting_->ratio).set(i, b.density.value_or(d.density) / d.density);
-      ++i;
-    }
-  }
-  return s;
+  return start_ ? *start_ : start_of(*setting_, gravity_);
 }
 
 Ports Sph::ports() const {

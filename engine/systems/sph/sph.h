@@ -12,6 +12,7 @@ class Sph final : public StagedSystem {
   Sph(const SphDef& def, const BuildContext& context);
 
   State initial_state() const override;
+  std::vector<PlanRow> plan() const override;
   /// energy.kinetic, energy.gravity, energy.total; momenta; mass, centre, low and high of all particles;
   /// density.mean_error, density.max_error, courant, substeps, iterations of the last step.
   void observe(const State& state, double t, Observables& out) const override;
@@ -35,6 +36,7 @@ class Sph final : public StagedSystem {
   double dt_;  ///< s
   std::unique_ptr<const Setting> setting_;
   std::unique_ptr<const Solver> solver_;
+  std::optional<State> start_;  ///< where the liquid settles
 };
 
 std::unique_ptr<const System> build_sph(const void* def, const BuildContext& context);

@@ -30,6 +30,9 @@ struct BodyDef {
   Vec3 center, half_extents{0.1, 0.1, 0.1}, velocity, spin, strain;
   double radius = 0.1;
   std::optional<double> density;
+
+  /// Whether it has no velocity of its own at the start.
+  bool at_rest() const { return velocity == Vec3{} && spin == Vec3{} && strain == Vec3{}; }
 };
 
 /// A nozzle that emits liquid.
@@ -44,6 +47,8 @@ struct HollowDef {
   double radius = 0.1;
 
   bool contains(const Vec3& p) const;
+  /// As a wall that stands.
+  Collider solid() const;
 };
 
 struct SphDef : KillDefs {
@@ -53,6 +58,7 @@ struct SphDef : KillDefs {
   std::vector<BodyDef> bodies;
   std::vector<std::string> initial;
   std::vector<HollowDef> hollows;
+  double settle = 0;
   std::vector<InletDef> emitters;
   std::optional<int64_t> max_particles;
   Method solver = Method::dfsph;
@@ -67,7 +73,7 @@ struct SphDef : KillDefs {
   int max_iterations = 200;
   double sound_speed = 0, density_diffusion = 0.1;
   int pbf_iterations = 4;
-  double artificial_pressure = 0.05;
+  double artificial_pressure = 0;
   double courant = 0.4;
   int max_substeps = 10'000;
   Walls walls = Walls::slip;

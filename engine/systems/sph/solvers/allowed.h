@@ -16,21 +16,24 @@ class Allowed {
       : set_(set), viscous_(set.def.viscosity > 0 && !set.def.solves_viscosity()) {}
 
   /// s: the longest substep, and the longest without the limit of viscosity, in which the flow moves as far
-  /// as a substep may.
+  /// as a substep may. `crossed` is the part of that way which the fastest makes in it without falling: small
+  /// in a flow that hardly moves.
   struct Lengths {
-    double substep, flow;
+    double substep, flow, crossed;
   };
   /// `solids` (m/s) is the fastest of bodies and walls.
   Lengths operator()(const State& s, Fluid<D, T>& f, double solids, const Vec3& gravity,
                      const ThreadArena& arena) const {
     const SphDef& d = set_.def;
-    double out = std::min(by_speed(s, f, solids, gravity, arena), by_weight(s, f, gravity, arena));
+    const double speed = fastest(s, f, solids, arena);
+    double out = std::min(by_speed(speed, gravity), by_weight(s, f, gravity, arena));
     if (d.surface_tension > 0) {
       const double inertia = d.density * set_.lightest * d.spacing * d.spacing * d.spacing;
       out = std::min(out, kCapillary * std::sqrt(inertia / d.surface_tension));
     }
-    if (!viscous_) return {out, out};
-    return {std::min(out, kDiffusion * set_.support * set_.support / d.viscosity), out};
+    const double crossed = speed > 0 ? speed * out / (d.courant * d.spacing) : 0;
+    if (!viscous_) return {out, out, crossed};
+    return {std::min(out, kDiffusion * set_.support * set_.support / d.viscosity), out, crossed};
   }
 
   /// s, in which a particle falls as far as it may: with longer substeps a pool does not come to rest.
@@ -39,10 +42,9 @@ class Allowed {
   }
 
  private:
-  double by_speed(const State& s, Fluid<D, T>& f, double solids, const Vec3& gravity,
-                  const ThreadArena& arena) const {
+  /// m/s, of particles, nozzles and solids.
+  double fastest(const State& s, Fluid<D, T>& f, double solids, const ThreadArena& arena) const {
     const auto v = s.span<T>(columns::velocity);
-    const SphDef& d = set_.def;
     f.partial.assign((f.n + kBlockRows - 1) / kBlockRows, 0);
     arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
       double most = 0;
@@ -58,8 +60,13 @@ class Allowed {
     for (const double square : f.partial) {
       if (!(square <= most)) most = square;
     }
+    return std::sqrt(most);
+  }
+
+  double by_speed(double speed, const Vec3& gravity) const {
+    const SphDef& d = set_.def;
     const double sound = d.solver == Method::wcsph ? set_.sound / std::sqrt(set_.lightest) : 0;
-    const double half = 0.5 * (std::sqrt(most) + sound), reach = d.courant * d.spacing;
+    const double half = 0.5 * (speed + sound), reach = d.courant * d.spacing;
     // Speed that includes acceleration by gravity on the way.
     const double way = half + std::sqrt(half * half + norm(gravity) * reach);
     return way > 0 ? reach / way : way == 0 ? HUGE_VAL : way;

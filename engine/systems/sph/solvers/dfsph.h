@@ -29,16 +29,17 @@ class Dfsph {
     SolveResult flow, push;
   };
   /// A substep of `h` s. Of the compression that a substep may remove it removes the part `share`; it is the
-  /// part `part` of the time in which the flow moves as far as in a substep it may.
+  /// part `part` of the time in which the flow moves as far as in a substep it may. Its solves may leave the
+  /// part `tolerance` of the density error.
   struct Pace {
-    double h, share, part;
+    double h, share, part, tolerance;
   };
   /// Removes compression from the velocities (a torn region may close, by a part of the gap per substep),
   /// then makes them such that the density after a substep is the rest density, or nearer to it by `part`:
   /// corrected at once, in substeps that viscosity makes short, an error that the flow does not feel would
   /// take pressures that shake it.
   Solved solve(Fluid<D, T>& f, BodiesIn<D, T>& bodies, const Pace& pace, const ThreadArena& arena) const {
-    const double h = pace.h, error = h * h / pace.part;
+    const double h = pace.h, error = h * h / (pace.part * pace.tolerance);
     const T most = static_cast<T>(kMostAtOnce * pace.share), part = static_cast<T>(pace.part);
     const T step = static_cast<T>(h), per_step = 1 / step,
             closing = static_cast<T>(set_.closed ? 0 : kClosing / h);
