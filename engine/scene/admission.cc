@@ -29,7 +29,8 @@ Cost estimate(const Scene& scene) {
     sum.state_bytes += c.state_bytes;
     sum.workspace_bytes += c.workspace_bytes;
     sum.elements += c.elements;
-    sum.seconds_per_step += c.seconds_per_step * static_cast<double>(scene.substeps());
+    const double seconds = c.seconds_per_step * static_cast<double>(scene.substeps());
+    sum.seconds_per_step += seconds, sum.start_seconds += seconds * c.settles / scene.header.time.dt;
   };
   std::vector<Cost> own;
   for (const SceneSystem& s : scene.systems) {
@@ -54,6 +55,7 @@ void require_admission(const Cost& cost, const AdmissionLimits& limits) {
   check("memory", cost.state_bytes + cost.workspace_bytes, limits.memory_bytes, "B");
   check("number of elements", cost.elements, limits.elements, "1");
   check("time per step", cost.seconds_per_step, limits.seconds_per_step, "s");
+  check("time before the first step", cost.start_seconds, limits.start_seconds, "s");
   if (!issues.empty())
     throw Error("too_large", "the scene is larger than this server allows", std::move(issues));
 }

@@ -25,9 +25,8 @@ int motion(const MotionOptions& o) {
   if (!bvh && !glb && !o.output.ends_with(".gltf"))
     throw Error("unknown_format", "-o ends in .bvh, .gltf or .glb");
   const MotionFormat format = bvh ? MotionFormat::bvh : glb ? MotionFormat::glb : MotionFormat::gltf;
-  const AdmissionLimits limits{.memory_bytes = 16e9, .elements = 1e9, .seconds_per_step = 1e6};
-  Scene scene = require_scene(examine_scene(load_scene_document(o.scene), limits));
-  require_admission(estimate(scene), limits);
+  Scene scene = require_scene(examine_scene(load_scene_document(o.scene), kOwnMachine));
+  require_admission(estimate(scene), kOwnMachine);
   const double dt = scene.header.time.dt;
   const double seconds = o.seconds >= 0 ? o.seconds : scene.header.time.duration;
   const auto world = std::make_shared<const World>(std::move(scene));

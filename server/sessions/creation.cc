@@ -6,7 +6,7 @@ bool SceneDraft::heavy() const {
   constexpr double kElements = 2e4;
   constexpr double kStep = 0.02;  // s: building a world evaluates a step's matrices
   return !report.scene || report.scene->header.accuracy || !(cost.elements < kElements) ||
-         !(cost.seconds_per_step < kStep);
+         !(cost.seconds_per_step + cost.start_seconds < kStep);
 }
 
 SceneDraft read_draft(boost::json::value document) {

@@ -24,7 +24,8 @@ void step_twice(truestep::Scene scene) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  constexpr truestep::AdmissionLimits kSmall{.memory_bytes = 4e6, .elements = 500, .seconds_per_step = 1e-3};
+  constexpr truestep::AdmissionLimits kSmall{
+      .memory_bytes = 4e6, .elements = 500, .seconds_per_step = 1e-3, .start_seconds = 0.1};
   try {
     auto scene = truestep::parse_scene({reinterpret_cast<const char*>(data), size});
     const auto once = scene.canonical();

@@ -26,6 +26,8 @@ struct Cost {
   double workspace_bytes = 0;
   double elements = 0;          ///< particles + springs + ...
   double seconds_per_step = 0;  ///< on one core of a current server
+  double settles = 0;           ///< s of a system's own steps before time starts
+  double start_seconds = 0;     ///< what these take on one core, of a whole scene
 };
 
 /// Integrator part of a scene's system object: "integrator": "rk4" with its settings.

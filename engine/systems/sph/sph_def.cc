@@ -378,7 +378,8 @@ Cost sph_cost(const void* def) {
                                   (d.shifting.value_or(d.without_sides() ? 2 : 0) > 0 ? 5 : 0)) +
                              cells * 4 + n * 4 + bytes_of_mesh_walls(d),
           .elements = n,
-          .seconds_per_step = substeps * substep};
+          .seconds_per_step = substeps * substep,
+          .settles = d.settle};
 }
 
 }  // namespace truestep::sph

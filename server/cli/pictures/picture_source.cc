@@ -44,8 +44,7 @@ class SceneSource final : public PictureSource {
 
  private:
   std::shared_ptr<const World> make_world(const boost::json::value& document) const {
-    const AdmissionLimits limits{.memory_bytes = 16e9, .elements = 1e9, .seconds_per_step = 1e6};
-    require_admission(estimate(require_scene(examine_scene(document, limits))), limits);
+    require_admission(estimate(require_scene(examine_scene(document, kOwnMachine))), kOwnMachine);
     return std::make_shared<const World>(settle_accuracy(document, kAccuracySeconds, *arena_).scene);
   }
 

@@ -27,8 +27,7 @@ struct ReplayOptions {
 
 int replay_bundle(const ReplayOptions& options) {
   const Bundle bundle = read_bundle(load_bytes(options.bundle));
-  const AdmissionLimits limits{.memory_bytes = 16e9, .elements = 1e9, .seconds_per_step = 1e6};
-  require_admission(estimate(require_scene(read_scene(bundle.scene))), limits);
+  require_admission(estimate(require_scene(read_scene(bundle.scene))), kOwnMachine);
   const int threads =
       options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
   Progress progress(progress_style(options.progress), bundle.end.step);

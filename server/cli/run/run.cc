@@ -100,8 +100,7 @@ int run(const RunOptions& options) {
   DrawList unused;
   aim(options.look, unused);  // reports errors before anything is computed
   const json::value document = load_scene_document(options.scene);
-  const AdmissionLimits limits{.memory_bytes = 16e9, .elements = 1e9, .seconds_per_step = 1e6};
-  require_admission(estimate(require_scene(examine_scene(document, limits))), limits);
+  require_admission(estimate(require_scene(examine_scene(document, kOwnMachine))), kOwnMachine);
   const int threads =
       options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
   const auto arena = std::make_shared<const ThreadArena>(threads);
