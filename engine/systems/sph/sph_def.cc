@@ -327,8 +327,10 @@ const DefTable& sph_table() {
         .choice("walls", &D::walls, {"slip", "no_slip"},
                 "no_slip: the box and colliders drag viscous fluid along")
         .vector("lid_velocity", &D::lid_velocity, "m/s", any(), "of the upper side in y, parallel to it")
-        .choice("periodic", &D::periodic, {"none", "x", "y", "xy", "z", "xz", "yz", "xyz"},
-                "directions in which fluid that leaves the box re-enters at the other side");
+        .choice(
+            "periodic", &D::periodic, {"none", "x", "y", "xy", "z", "xz", "yz", "xyz"},
+            "directions in which fluid that leaves the box re-enters at the other side, where what reaches "
+            "through this one acts too");
     // The rest is common to all systems of points.
     add_kill_rows(table);
     add_collider_rows(table, &D::colliders);
