@@ -54,7 +54,7 @@ Fall fall(const std::string& walls) {
   return {before, after(40)};
 }
 
-// At four spacings a radius the liquid sees a ball a tenth of a spacing larger in a tube as much narrower:
+// At four spacings a radius the liquid sees a ball an eighth of a spacing larger in a tube as much narrower:
 // less weight in it, more drag and more of it by the tube, together 17 %; a sixth of a spacing makes 23 %.
 TEST(ImmersionDrag, ABallFallsAlongATubeAtItsTerminalSpeed) {
   const double l = kRadius / kTube, l3 = l * l * l, l5 = l3 * l * l;
