@@ -131,7 +131,7 @@ class BodiesIn {
       const T* v = f.v.data() + 4 * t.slot;
       const Vec3 slip = bodies_[t.body].velocity_at(t.arm) - Vec3{double{v[0]}, double{v[1]}, double{v[2]}};
       const Vec3 along = slip - t.normal * dot(slip, t.normal);
-      exchange(f, t, along * (nu * setting_->wall.friction(t.distance, least)));
+      exchange(f, t, along * (nu * t.full * setting_->wall.friction(t.distance, least)));
     }
   }
 
@@ -139,6 +139,7 @@ class BodiesIn {
   struct Touch {
     uint32_t slot, body;
     double share, distance, part;  ///< part: that of the body in the share of all walls
+    double full;                   ///< 1, the slope across its surface over that of a flat face
     Vec3 slope, arm, normal;       ///< slope: 1/m, into the body
   };
   /// In units of squared gravity: a stronger acceleration is an impact and does not last.
@@ -220,8 +221,8 @@ class BodiesIn {
           const VolumeMap::At shape = map.at(local, near->normal);
           const Vec3 n = frame.direction(near->normal);
           list.push_back({static_cast<uint32_t>(i), static_cast<uint32_t>(k), flat.share * shape.share,
-                          near->distance, 0, frame.direction(shape.slope) * flat.slope,
-                          x - n * near->distance - frame.position, n});
+                          near->distance, 0, std::max(-dot(shape.slope, near->normal), 0.0),
+                          frame.direction(shape.slope) * flat.slope, x - n * near->distance - frame.position, n});
         }
       }
     }

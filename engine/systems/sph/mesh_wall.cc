@@ -114,6 +114,7 @@ std::optional<MeshWall::At> MeshWall::at(const Vec3& x, double t, const HalfSpac
   At out{.surface = *near, .across = map->lean_at(local) * flat.slope, .axes = frame.rotation};
   out.share = std::clamp(flat.share * shape.share, 0.0, 1.0);
   out.slope = frame.direction(shape.slope) * flat.slope;
+  out.full = std::max(-dot(shape.slope, frame.inverse_direction(near->normal)), 0.0);
   out.velocity = collider.velocity_at(x, t);
   return out;
 }

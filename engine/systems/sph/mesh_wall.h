@@ -38,6 +38,7 @@ struct MeshWall {
     Surface surface;
     double share = 0;   ///< 1, of the kernel
     Vec3 slope;         ///< 1/m, into the wall
+    double full = 1;    ///< 1, the slope across the surface over that of a flat wall
     Vec3 velocity;      ///< m/s
     Symmetric3 across;  ///< 1, in the mesh's axes: `leaning` of walls.h over the weight
     Rotation axes;

@@ -71,15 +71,15 @@ class BoxWalls {
     return out;
   }
 
-  /// visit(distance, normal into the fluid, velocity) for every wall within the kernel's reach of x at time
-  /// t.
+  /// visit(distance, normal into the fluid, velocity, slope across it over that of a flat wall) for every
+  /// wall within the kernel's reach of x at time t.
   template <class Visit>
   void near(const double* x, double t, const Visit& visit) const {
     const Walls w = walls_at(x, t);
-    for (size_t k = 0; k < w.count; ++k) visit(w.wall[k].d, w.wall[k].n, w.wall[k].velocity);
+    for (size_t k = 0; k < w.count; ++k) visit(w.wall[k].d, w.wall[k].n, w.wall[k].velocity, 1.0);
     each_mesh(place_of(x), t, set_.support, [&](const MeshWall& mesh, const Vec3& place) {
-      const auto near = mesh.surface(place, t, set_.support, set_.support);
-      if (near) visit(near->distance, near->normal, mesh.collider.velocity_at(place, t));
+      const auto at = mesh.at(place, t, set_.wall, set_.support);
+      if (at) visit(at->surface.distance, at->surface.normal, at->velocity, at->full);
     });
   }
 
@@ -147,10 +147,10 @@ class BoxWalls {
   /// m/s^2, drag of no-slip walls on a particle at x with velocity v.
   Vec3 drag(const double* x, const Vec3& v, double t) const {
     Vec3 out;
-    near(x, t, [&](double d, const Vec3& n, const Vec3& velocity) {
+    near(x, t, [&](double d, const Vec3& n, const Vec3& velocity, double full) {
       const Vec3 slip = velocity - v;
       const Vec3 along = slip - n * dot(slip, n);
-      out += along * (set_.def.viscosity * set_.wall.friction(d, kLeastGap * set_.def.spacing));
+      out += along * (set_.def.viscosity * full * set_.wall.friction(d, kLeastGap * set_.def.spacing));
     });
     return out;
   }

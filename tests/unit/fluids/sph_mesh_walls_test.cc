@@ -65,6 +65,29 @@ TEST(SphMeshWalls, AFaceIsThatOfABox) {
   EXPECT_LT(walled(lower, {0.5, 0.425, 0.5}).share, 0.8 * walled(box, {0.5, 0.425, 0.5}).share);
 }
 
+/// m/s^2, of walls that stand, on liquid at a place that moves along z at 1 m/s.
+double held(SphDef d, const Vec3& x) {
+  d.walls = Walls::no_slip, d.viscosity = 1;
+  const auto set = settle(d, "s", {});
+  const double place[3] = {x.x, x.y, x.z};
+  return -BoxWalls<3, double>(*set).drag(place, {0, 0, 1}, 0).z;
+}
+
+// A wall holds liquid by as much of it as a kernel reaches: at an edge half of what a face does, to what the
+// map's cells miss there (below), in a corner more. A ball that fell in a tube was held by flat faces all
+// round.
+TEST(SphMeshWalls, HoldByAsMuchAsIsThere) {
+  const Vec3 center{0.5, 0.3, 0.5}, half{0.3, 0.1, 0.3};
+  const SphDef mesh = room_with({box_of_triangles(center, half)});
+  for (const double d : {0.025, 0.05}) {
+    const double flat = held(mesh, {0.5, 0.4 + d, 0.5});
+    EXPECT_NEAR(flat, held(room_with({box_collider(center, half)}), {0.5, 0.4 + d, 0.5}), 0.01 * flat) << d;
+    EXPECT_NEAR(held(mesh, {0.8, 0.4 + d, 0.5}), 0.5 * flat, 0.13 * flat) << d;
+  }
+  EXPECT_GT(held(mesh, {0.5, 0.425, 0.5}), 1.5 * held(mesh, {0.5, 0.45, 0.5}))
+      << "control: farther off, less";
+}
+
 /// The same in a corner of a container whose sides are the coordinate planes, by a sum over small cells.
 Walled summed(const SphDef& d, const Vec3& x) {
   constexpr int kHalf = 40;

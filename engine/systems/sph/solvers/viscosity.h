@@ -160,8 +160,8 @@ class ImplicitViscosity {
       for (size_t i = begin; i < end; ++i) {
         double m[kHold] = {};
         const double x[3] = {double{f.x[0][i]}, double{f.x[1][i]}, D == 3 ? double{f.x[2][i]} : 0};
-        walls_.near(x, t, [&](double d, const Vec3& n, const Vec3& velocity) {
-          const double by = nu * set_.wall.friction(d, least);
+        walls_.near(x, t, [&](double d, const Vec3& n, const Vec3& velocity, double full) {
+          const double by = nu * full * set_.wall.friction(d, least);
           const Vec3 drag = (velocity - n * dot(velocity, n)) * by;
           m[0] += by * (1 - n.x * n.x), m[1] += by * (1 - n.y * n.y), m[2] += by * (1 - n.z * n.z);
           m[3] -= by * n.x * n.y, m[4] -= by * n.x * n.z, m[5] -= by * n.y * n.z;
