@@ -222,7 +222,8 @@ class BodiesIn {
           const Vec3 n = frame.direction(near->normal);
           list.push_back({static_cast<uint32_t>(i), static_cast<uint32_t>(k), flat.share * shape.share,
                           near->distance, 0, std::max(-dot(shape.slope, near->normal), 0.0),
-                          frame.direction(shape.slope) * flat.slope, x - n * near->distance - frame.position, n});
+                          frame.direction(shape.slope) * flat.slope, x - n * near->distance - frame.position,
+                          n});
         }
       }
     }
