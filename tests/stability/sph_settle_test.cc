@@ -37,6 +37,7 @@ TEST(SphSettle, EveryParticleOfAPoolIsStillFromTheStart) {
   EXPECT_LT(fastest(pool(2, 20, Method::dfsph, 20), 10), 0.01);
   EXPECT_LT(fastest(pool(3, 8, Method::dfsph, 20), 10), 0.01);
   EXPECT_LT(fastest(pool(2, 20, Method::pbf, 20), 10), 0.01);
+  EXPECT_LT(fastest(pool(3, 8, Method::pbf, 20), 10), 0.01);
   EXPECT_LT(fastest(pool(2, 10, Method::wcsph, 20), 5), 0.01);
   for (const Method solver : {Method::dfsph, Method::wcsph, Method::pbf}) {
     EXPECT_GT(fastest(pool(2, 10, solver, 0), 2), 0.02)
