@@ -18,7 +18,7 @@ constexpr int kImpactRounds = 64;
 /// of it: walls and towers lean where positions are corrected separately from velocities.
 constexpr double kGentlePush = 0.25;
 /// Sweeps of pushes where heavy bodies are lightened: pushes that are taken back do not add up.
-constexpr int kLighterSweeps = 8;
+constexpr int kLighterSweeps = 6;
 /// rad/s; the axis of rotation of slower bodies changes by less than the resolution of a float.
 constexpr double kSlowSpin = 1e-2;
 

@@ -12,7 +12,7 @@ namespace truestep::rigid3d {
 namespace {
 /// Mass that a body may have while it is pushed out of others, as a multiple of the lightest of its island: a
 /// sweep lifts a heavy body through a light one by the ratio of their masses only.
-constexpr double kMostHeavier = 3;
+constexpr double kMostHeavier = 4;
 /// Weights of its lighter body that a deep contact must bear for that. A light body that bears less is not
 /// held by others, and moves out itself.
 constexpr double kPressed = 2;
