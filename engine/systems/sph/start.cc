@@ -7,6 +7,7 @@
 #include "engine/base/interrupt.h"
 #include "engine/base/random.h"
 #include "engine/core/state/real_column.h"
+#include "engine/systems/sph/repeated.h"
 
 namespace truestep::sph {
 
@@ -144,7 +145,10 @@ Setting still_setting(const Setting& whole) {
   set.colliders = {};
   for (Collider c : whole.colliders.colliders()) c.motion = {}, set.colliders.add(std::move(c));
   for (MeshWall& m : set.meshes) m.collider.motion = {};
-  for (const HollowDef& h : d.hollows) set.colliders.add(h.solid());
+  for (const HollowDef& h : d.hollows) {
+    set.images.push_back(images_of(d, h.solid()));
+    set.colliders.add(h.solid());
+  }
   set.rows = 0;
   for (const BodyDef& b : d.bodies) set.rows += wet_places(set, b).size();
   set.capacity = set.rows;

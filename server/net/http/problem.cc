@@ -2,6 +2,7 @@
 
 #include <boost/json.hpp>
 
+#include "engine/base/interrupt.h"
 #include "engine/base/log.h"
 #include "engine/base/text/utf8.h"
 #include "engine/scene/json/json_write.h"
@@ -133,6 +134,8 @@ Response problem(const Request& request, std::string_view code, std::string_view
 }
 
 Response problem(const Request& request, const Error& error) {
+  // Work for a request is interrupted only when the service ends.
+  if (dynamic_cast<const Interrupted*>(&error)) return problem(request, "draining", "try again later");
   if (problem_kind(error.code()).code == "internal")
     return problem(request, static_cast<const std::exception&>(error));
   json::object extra;

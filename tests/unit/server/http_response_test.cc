@@ -5,6 +5,7 @@
 #include <string>
 
 #include "engine/base/errors.h"
+#include "engine/base/interrupt.h"
 #include "server/net/access/digest.h"
 #include "server/net/http/problem.h"
 #include "server/net/http/request_parser.h"
@@ -120,6 +121,7 @@ TEST(Problem, HasTheMembersOfTheStandardAndOurs) {
   EXPECT_EQ(internal.status, 500);
   EXPECT_EQ(internal.body_bytes().find("secret"), std::string_view::npos)
       << "internal errors show their trace id only";
+  EXPECT_EQ(problem(r, Interrupted()).status, 503) << "work that ends with the service";
 }
 
 TEST(ResponseHead, CannotBeInjected) {
