@@ -67,7 +67,11 @@ class BodiesIn {
     arena.for_blocks(bodies_.size(), 1, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k) find(f, k);
     });
+    size_t count = 0;
+    for (const auto& list : touching_) count += list.size();
     touches_.clear();
+    // An emptied vector would grow to what it is given, again with every particle more.
+    if (count > touches_.capacity()) touches_.reserve(count + count / 2);
     for (const auto& list : touching_) touches_.insert(touches_.end(), list.begin(), list.end());
     merge(f);
     weigh();

@@ -17,8 +17,9 @@ using Columns = XpbdColumns;
 
 namespace {
 
-// Most substeps that tension, and what pushes points out of solids, may ask for in a step, and the largest q allowed: 2 is the
-// limit of stability. A rope that breaks up has gained energy; a push that is too long has only put a point where it belongs.
+// Most substeps that tension, and what pushes points out of solids, may ask for in a step, and the largest q
+// allowed: 2 is the limit of stability. A rope that breaks up has gained energy; a push that is too long has
+// only put a point where it belongs.
 constexpr int kMostSubsteps = 10000, kMostByContact = 1000;
 constexpr double kMostQ = 0.5;
 
