@@ -164,9 +164,9 @@ class Rules(unittest.TestCase):
 
     def test_the_formatter_sees_a_badly_formatted_file(self):
         shutil.copy(Path(__file__).resolve().parents[2] / ".clang-format", self.root)
-        self.assertEqual(formatting.unformatted(self.root, "engine/base/errors.h"), "")
+        self.assertEqual(formatting.unformatted(self.root, ["engine/base/errors.h"]), [])
         self.write("engine/base/errors.h", "int   x ;\n", "a")
-        self.assertIn("errors.h", formatting.unformatted(self.root, "engine/base/errors.h"))
+        self.assertIn("errors.h", formatting.unformatted(self.root, ["engine/base/errors.h", "engine/base/utf8.h"])[0])
 
 
 if __name__ == "__main__":

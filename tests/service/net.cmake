@@ -2,7 +2,7 @@
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 
 add_executable(net_echo ${PROJECT_SOURCE_DIR}/tests/service/fixtures/net_echo.cc)
-target_link_libraries(net_echo PRIVATE truestep_server)
+target_link_libraries(net_echo PRIVATE truestep_service)
 
 if(NOT TRUESTEP_CHECKS_FOLDER)
   return()

@@ -195,7 +195,13 @@ TEST(Campaign, StiffClothOnSolids) {
 // Loads that swing on a taut rope by a soft spring: its pull was given to the rope in the direction of the
 // step's start, and the correction for the rest, linear, lengthened the rope (1601933: 9.8 J beside 104).
 TEST(Campaign, SwingingLoadsOnSoftSprings) {
-  judge_seeds({1601198, 1601933, 1602557});
+  judge_seeds({1601198, 1601933, 1602557, 8001872, 8003120, 8008583});
+}
+
+// Loads on stiff springs at the ends of light ropes: the pull was given to the rope where its end had just
+// been thrown, to the other side in every step (7500830: 347 J beside 13).
+TEST(Campaign, SwingingLoadsOnStiffSprings) {
+  judge_seeds({7500830, 8008376, 10005476, 10010057, 10013618, 10019603, 10022831});
 }
 
 // Particles that cross much of a body's size in a step and hit it with friction and restitution: the energy

@@ -87,12 +87,12 @@ void Attachment::begin(const CoupledStates& s, const StepInput& in) const {
   Points a(s.a, a_), b(s.b, b_);
   if (def_.link == AttachmentDef::Link::rigid) {
     const auto& live = live_pairs(a, b, in, Wanted::links);
-    if (answered_.any()) return give_last(s, a, b, live);
+    if (answered_.any()) return give_last(s, in.h, a, b, live);
     double* start = in.workspace.doubles(kStart, 3 * pairs_.size()).data();
     for (const Live& p : live) store3(start, p.pair, separation(a, p.a, b, p.b));
     return;
   }
-  give_last(s, a, b, live_pairs(a, b, in, Wanted::solved));
+  give_last(s, in.h, a, b, live_pairs(a, b, in, Wanted::solved));
   const auto& live = live_pairs(a, b, in, Wanted::kicked);
   Exchange sum;
   pull(a, b, live, 0.5 * in.h, sum);
@@ -183,7 +183,7 @@ void Attachment::match_velocities(Points& a, Points& b, const std::vector<Live>&
 
 State Attachment::initial_state() const {
   State s = exchange_state();
-  if (answered_.any()) s.add({kPairImpulse, "N s", Scalar::f64, 6}, pairs_.size());
+  if (answered_.any()) s.add({kPairForce, "N", Scalar::f64, 6}, pairs_.size());
   return s;
 }
 

@@ -66,7 +66,7 @@ class Attachment final : public Coupling {
   struct FreePair {
     Vec3 r, u;
   };
-  void give_last(const CoupledStates& s, Points& a, Points& b, const std::vector<Live>& live) const;
+  void give_last(const CoupledStates& s, double h, Points& a, Points& b, const std::vector<Live>& live) const;
   void ask(AnsweredPair& q, double rest, const Vec3& r, const Vec3& u, double h) const;
   void solve_pairs(const CoupledStates& s, const StepInput& in, const std::vector<Live>& live,
                    Exchange& sum) const;

@@ -16,13 +16,13 @@ constexpr double kSameDirection = 1e-6;
 
 }  // namespace
 
-// Forces typically last for many steps: both sides include the last step's impulses in their own, nonlinear
+// Forces typically last for many steps: both sides include the last step's forces in their own, nonlinear
 // step, and the linear response (answered_pairs.h) only has to cover what has changed since.
-void Attachment::give_last(const CoupledStates& s, Points& a, Points& b,
+void Attachment::give_last(const CoupledStates& s, double h, Points& a, Points& b,
                            const std::vector<Live>& live) const {
-  const double* last = pair_impulses(s.own);
+  const double* last = pair_forces(s.own);
   if (!last) return;
-  for (const Live& p : live) exchange_impulse(a, p.a, p.wa, b, p.b, p.wb, lasting(last, p.pair));
+  for (const Live& p : live) exchange_impulse(a, p.a, p.wa, b, p.b, p.wb, lasting(last, p.pair) * h);
 }
 
 // The equation for a pair at r and u without its impulse J, in the direction n at its end; r' = r + h W J and
@@ -58,13 +58,13 @@ void Attachment::solve_pairs(const CoupledStates& s, const StepInput& in, const 
                              Exchange& sum) const {
   if (live.empty()) return;
   Points a(s.a, a_), b(s.b, b_);
-  double* last = pair_impulses(s.own);
+  double* last = pair_forces(s.own);
   auto& pairs = in.workspace.object<std::vector<AnsweredPair>>("attachment.answered");
   auto& free = in.workspace.object<std::vector<FreePair>>("attachment.free");
   pairs.clear(), free.clear();
   for (const Live& p : live) {
     pairs.push_back({.a = p.a, .b = p.b, .wa = p.wa, .wb = p.wb});
-    if (last) pairs.back().given = lasting(last, p.pair);
+    if (last) pairs.back().given = lasting(last, p.pair) * in.h;
   }
   answered_.answer_given(s, in, pairs);
   for (const AnsweredPair& p : pairs) {
@@ -86,9 +86,7 @@ void Attachment::solve_pairs(const CoupledStates& s, const StepInput& in, const 
     const Vec3 u = approach(a, p.a, b, p.b);
     const double u2 = live[i].rest == 0 ? norm2(u) : dot(u, p.n) * dot(u, p.n);
     sum.add(p.impulse, def_.link == AttachmentDef::Link::spring ? in.h * def_.damping * u2 : 0);
-    if (!last) continue;
-    store3(last, 2 * live[i].pair + 1, load3(last, 2 * live[i].pair));
-    store3(last, 2 * live[i].pair, p.impulse);
+    if (last) pass_on(last, live[i].pair, p.impulse / in.h);
   }
   if (def_.link == AttachmentDef::Link::rigid) close_lengths(s, in, live, pairs, sum);
 }

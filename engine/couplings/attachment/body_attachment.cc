@@ -27,6 +27,11 @@ size_t named_row(int64_t index, size_t rows, const std::string& id, const char* 
          n > 0 ? std::to_string(-n) + " to " + std::to_string(n - 1) : "there is no such row");
 }
 
+/// Fraction of a spring's stretch that may change in a substep for its force to be predicted. Of 20,000
+/// bodies on ropes none gains energy, nor do any that did with other bounds from 0.1 to 0.2; with 0.03 long
+/// springs gain (two of 8,000), without a bound stiff ones (five of 8,000).
+constexpr double kSteady = 0.15;
+
 }  // namespace
 
 std::unique_ptr<const BodyAttachment> BodyAttachment::make(const AttachmentDef& def,
@@ -60,7 +65,7 @@ std::unique_ptr<const BodyAttachment> BodyAttachment::make(const AttachmentDef& 
 
 State BodyAttachment::initial_state() const {
   State s = exchange_state();
-  if (rigid() && sides_.together()) s.add({kPairImpulse, "N s", Scalar::f64, 6}, pairs_.size());
+  if (sides_.together()) s.add({kPairForce, "N", Scalar::f64, 6}, pairs_.size());
   return s;
 }
 
@@ -113,9 +118,36 @@ void BodyAttachment::begin(const CoupledStates& s, const StepInput& in) const {
       store3(start, k, separation(points, i, bodies, j, pairs_[k].place));
     });
   }
-  if (rigid() && sides_.together()) give_last(s, in, sum);
-  if (!rigid() && sides_.together()) give_first(s, in, sum);
+  if (sides_.together()) give_last(s, in, sum);
   book_sum(s.own, sum);
+}
+
+// Loads typically last for many steps: both sides include the last forces in their own step, so that whatever
+// is held is loaded while it moves; a rope left slack for a step would be straightened by its load along
+// directions that it no longer has. A soft spring's force is that of its stretch, no larger than at the start
+// and towards where both ends are moving: the last one lags by a step, from which a load on a long spring
+// gained a tenth of its energy in two swings. A stiff spring's is not: what is predicted from a stretch that
+// changes within the step feeds on itself, in its size and in the direction in which a light end was thrown.
+void BodyAttachment::give_last(const CoupledStates& s, const StepInput& in, Exchange& sum) const {
+  Points points(this->points(s), sides_.points());
+  Bodies bodies(this->bodies(s), sides_.bodies(), &in.workspace);
+  double* last = pair_forces(s.own);
+  if (!last) return;
+  for (const Live& l : live(points, bodies, in)) {
+    Vec3 force = l.kicked ? Vec3{} : lasting(last, l.pair);
+    if (!rigid() && !l.kicked) {
+      const Vec3 r = separation(points, l.link.rows[0], bodies, l.link.body, l.place);
+      const Vec3 change = l.link.relative(points, bodies) * in.h, later = r + change;
+      const double stretch = norm(r) - l.rest;
+      if (norm(change) <= kSteady * stretch) {
+        force = normalized(later) * (-def_.stiffness * std::min(stretch, norm(later) - l.rest));
+      }
+    }
+    pass_on(last, l.pair, force);
+    if (force == Vec3{}) continue;
+    give(l.link, force * in.h, points, bodies, in.h);
+    sum.add(force * -in.h, 0);
+  }
 }
 
 // A body takes its part as a force acting throughout the step.

@@ -62,7 +62,6 @@ class BodyAttachment final : public Coupling {
   void pull(const std::vector<Live>& live, Points& points, Bodies& bodies, double h, Exchange& sum) const;
   void damp(const std::vector<Live>& live, Points& points, Bodies& bodies, double h, Exchange& sum) const;
   static void give(const BodyLink& link, const Vec3& impulse, Points& points, Bodies& bodies, double h);
-  void give_first(const CoupledStates& s, const StepInput& in, Exchange& sum) const;
   void give_last(const CoupledStates& s, const StepInput& in, Exchange& sum) const;
   void solve_springs(const CoupledStates& s, const StepInput& in, std::vector<Live>& live,
                      Exchange& sum) const;

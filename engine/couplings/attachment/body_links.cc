@@ -16,29 +16,13 @@ constexpr double kAccuracy = 1e-12;
 
 }  // namespace
 
-// Forces typically last for many steps: both sides include the last impulses in their own step.
-void BodyAttachment::give_last(const CoupledStates& s, const StepInput& in, Exchange& sum) const {
-  Points points(this->points(s), sides_.points());
-  Bodies bodies(this->bodies(s), sides_.bodies(), &in.workspace);
-  double* last = pair_impulses(s.own);
-  if (!last) return;
-  for (const Live& l : live(points, bodies, in)) {
-    const Vec3 j = lasting(last, l.pair);
-    store3(last, 2 * l.pair + 1, load3(last, 2 * l.pair));
-    store3(last, 2 * l.pair, j);
-    if (j == Vec3{}) continue;
-    give(l.link, j, points, bodies, in.h);
-    sum.add(-j, 0);
-  }
-}
-
 // Newton's method for the lengths at the end, both sides solved as one.
 void BodyAttachment::solve_links(const CoupledStates& s, const StepInput& in, std::vector<Live>& all,
                                  Exchange& sum) const {
   Points points(this->points(s), sides_.points());
   Bodies bodies(this->bodies(s), sides_.bodies(), &in.workspace);
   auto& links = in.workspace.object<std::vector<AnsweredLink>>("body_attachment.links");
-  double* last = pair_impulses(s.own);
+  double* last = pair_forces(s.own);
   for (int solution = 0; solution < kMostSolutions; ++solution) {
     links.clear();
     double worst = 0;
@@ -57,7 +41,7 @@ void BodyAttachment::solve_links(const CoupledStates& s, const StepInput& in, st
     sides_.move(this->points(s), this->bodies(s), in, links);
     for (size_t k = 0; k < links.size(); ++k) {
       sum.add(-links[k].impulse, 0);
-      if (last) store3(last, 2 * all[k].pair, load3(last, 2 * all[k].pair) + links[k].impulse);
+      if (last) store3(last, 2 * all[k].pair, load3(last, 2 * all[k].pair) + links[k].impulse / in.h);
     }
   }
 }

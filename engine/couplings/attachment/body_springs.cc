@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/couplings/attachment/body_attachment.h"
+#include "engine/couplings/attachment/links.h"
 #include "engine/couplings/attachment/places.h"
 
 namespace truestep::attachment {
@@ -67,28 +68,6 @@ void BodyAttachment::damp(const std::vector<Live>& live, Points& points, Bodies&
   }
 }
 
-// The pull of a stretched spring, so that whatever it holds is loaded while it moves: a rope left slack for a
-// step would be straightened by its load along directions that it no longer has. Its direction is that
-// towards which both ends are moving: the rest of the impulse turns a taut rope by its linear response and
-// lengthens it by the square of that angle, from which a swinging load gained energy. Its size is no larger
-// than at the start, since a stretch predicted for a stiff spring feeds on itself.
-void BodyAttachment::give_first(const CoupledStates& s, const StepInput& in, Exchange& sum) const {
-  Points points(this->points(s), sides_.points());
-  Bodies bodies(this->bodies(s), sides_.bodies(), &in.workspace);
-  double* given = in.workspace.doubles("body_attachment.given", 3 * pairs_.size()).data();
-  for (const Live& l : live(points, bodies, in)) {
-    if (l.kicked) continue;
-    const Vec3 r = separation(points, l.link.rows[0], bodies, l.link.body, l.place);
-    const Vec3 later = r + l.link.relative(points, bodies) * in.h;
-    const double stretch = std::min(norm(r), norm(later)) - l.rest;
-    const Vec3 j = stretch > 0 ? normalized(later) * (-in.h * def_.stiffness * stretch) : Vec3{};
-    store3(given, l.pair, j);
-    if (j == Vec3{}) continue;
-    give(l.link, j, points, bodies, in.h);
-    sum.add(-j, 0);
-  }
-}
-
 // J = -h f(r', u') with f = K r' - k L n + c (u'.n) n; the equations are in attachment_solve.cc.
 void BodyAttachment::solve_springs(const CoupledStates& s, const StepInput& in, std::vector<Live>& all,
                                    Exchange& sum) const {
@@ -97,12 +76,11 @@ void BodyAttachment::solve_springs(const CoupledStates& s, const StepInput& in, 
   auto& links = in.workspace.object<std::vector<AnsweredLink>>("body_attachment.links");
   links.clear();
   const double k = def_.stiffness, c = def_.damping, h = in.h;
-  const double* given =
-      sides_.together() ? in.workspace.doubles("body_attachment.given", 3 * pairs_.size()).data() : nullptr;
+  double* last = pair_forces(s.own);  // what begin() has given
   for (const Live& l : all) {
     if (l.kicked) continue;
     const Vec3 r = separation(points, l.link.rows[0], bodies, l.link.body, l.place);
-    const Vec3 u = l.link.relative(points, bodies), j0 = given ? load3(given, l.pair) : Vec3{};
+    const Vec3 u = l.link.relative(points, bodies), j0 = last ? load3(last, 2 * l.pair) * h : Vec3{};
     AnsweredLink a;
     a.link = l.link, a.n = l.rest == 0 ? Vec3{} : normalized(r);
     a.give = 1, a.along = std::sqrt(h * (h * k + c));
@@ -120,10 +98,14 @@ void BodyAttachment::solve_springs(const CoupledStates& s, const StepInput& in, 
   if (links.empty()) return;
   sides_.solve(this->points(s), this->bodies(s), in, links, kAccuracy, 3 * links.size() + 10);
   sides_.move(this->points(s), this->bodies(s), in, links);
-  for (const AnsweredLink& a : links) {
-    const Vec3 u = a.link.relative(points, bodies);
-    const double u2 = a.n == Vec3{} ? norm2(u) : dot(u, a.n) * dot(u, a.n);
-    sum.add(-a.impulse, h * c * u2);
+  const AnsweredLink* a = links.data();
+  for (const Live& l : all) {
+    if (l.kicked) continue;
+    const Vec3 u = a->link.relative(points, bodies);
+    const double u2 = a->n == Vec3{} ? norm2(u) : dot(u, a->n) * dot(u, a->n);
+    sum.add(-a->impulse, h * c * u2);
+    if (last) store3(last, 2 * l.pair, load3(last, 2 * l.pair) + a->impulse / h);
+    ++a;
   }
 }
 

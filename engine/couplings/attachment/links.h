@@ -14,18 +14,23 @@ inline constexpr int kMostSweeps = 200;
 /// Maximum number of Newton steps for the lengths and directions at the substep's end.
 inline constexpr int kMostSolutions = 30;
 
-/// Column of the impulses in the last two substeps, when a side responds as a whole.
-inline constexpr const char* kPairImpulse = "pair_impulse";
+/// Column of the mean forces in the last two substeps, N, when a side responds as a whole.
+inline constexpr const char* kPairForce = "pair_force";
 /// The column; null in states of the same scene under other methods, on which remedies are tried.
-inline double* pair_impulses(State& own) {
-  const auto c = own.find(kPairImpulse);
+inline double* pair_forces(State& own) {
+  const auto c = own.find(kPairForce);
   return c ? own.f64(*c).data() : nullptr;
 }
-/// The common part of a pair's last two impulses: forces last, blows do not.
+/// The common part of a pair's last two forces, N: loads last, blows do not.
 inline Vec3 lasting(const double* last, size_t pair) {
-  const Vec3 j = load3(last, 2 * pair), before = load3(last, 2 * pair + 1);
-  const double d = dot(j, before), jj = norm2(j);
-  return d > 0 ? j * std::min(1.0, d / jj) : Vec3{};
+  const Vec3 f = load3(last, 2 * pair), before = load3(last, 2 * pair + 1);
+  const double d = dot(f, before), ff = norm2(f);
+  return d > 0 ? f * std::min(1.0, d / ff) : Vec3{};
+}
+/// Makes room for the force of a new substep.
+inline void pass_on(double* last, size_t pair, const Vec3& force) {
+  store3(last, 2 * pair + 1, load3(last, 2 * pair));
+  store3(last, 2 * pair, force);
 }
 
 /// Position and velocity of point j of b relative to point i of a.
