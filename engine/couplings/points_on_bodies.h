@@ -1,16 +1,19 @@
 // Impulses between points and bodies, where points may respond together with everything tied to them
 // (core/equations/impulse_answer.h) and bodies by their mass and inertia. A link joins a blend of points, q =
 // sum b_i x_i, to a place on a body; u = q' less the velocity of that place, J the impulse on the points, -J
-// on the body at q, W J the change of u by all impulses:
+// on the body there (at q, or at a given place when the link has a length), W J the change of u by all
+// impulses:
 //   J = S y,  (give + S W S) y = right,   S = along n n^T + across (1 - n n^T) for every link,
 // symmetric positive semidefinite, solved by conjugate gradients (Saad 2003, algorithm 6.18) with one solve
 // of the points' equations per iteration.
 #pragma once
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "engine/core/coupling.h"
 #include "engine/core/equations/impulse_answer.h"
+#include "engine/math/quaternion.h"
 
 namespace truestep {
 
@@ -20,6 +23,7 @@ struct BodyLink {
   std::array<double, 3> weights{1, 0, 0};
   uint32_t count = 1, body = 0;
   enum class Body : uint8_t { moves, stays } answers = Body::moves;  ///< stays: it sleeps
+  std::optional<Vec3> held;  ///< m, in the body's frame: where it is held, if not where the points are
 
   Vec3 blend(auto&& of_row) const {
     Vec3 sum;
@@ -29,8 +33,11 @@ struct BodyLink {
   Vec3 place(const auto& points) const {
     return blend([&](size_t i) { return points.place(i); });
   }
-  Vec3 arm(const auto& points, const auto& bodies) const { return place(points) - bodies.place(body); }
-  /// m/s, velocity of the points relative to the body at their place.
+  /// m, from the body's centre of mass to where it is pushed.
+  Vec3 arm(const auto& points, const auto& bodies) const {
+    return held ? rotation(bodies.orientation(body)).apply(*held) : place(points) - bodies.place(body);
+  }
+  /// m/s, velocity of the points relative to the body where it is pushed.
   Vec3 relative(const auto& points, const auto& bodies) const {
     return blend([&](size_t i) { return points.velocity(i); }) -
            bodies.velocity_at(body, arm(points, bodies));
@@ -41,7 +48,7 @@ struct BodyLink {
     for (uint32_t i = 0; i < count; ++i) k += weights[i] * weights[i] * points.inverse_mass(rows[i]);
     return k;
   }
-  /// Impulse (N s) on the points and the opposite on the body, at the points' place.
+  /// Impulse (N s) on the points and the opposite on the body.
   void push(Points& points, Bodies& bodies, const Vec3& j) const {
     if (answers == Body::moves) bodies.push(body, arm(points, bodies), -j);
     for (uint32_t i = 0; i < count; ++i) {

@@ -20,9 +20,17 @@ constexpr double kSameDirection = 1e-6;
 // step, and the linear response (answered_pairs.h) only has to cover what has changed since.
 void Attachment::give_last(const CoupledStates& s, double h, Points& a, Points& b,
                            const std::vector<Live>& live) const {
-  const double* last = pair_forces(s.own);
+  double* last = pair_forces(s.own);
   if (!last) return;
-  for (const Live& p : live) exchange_impulse(a, p.a, p.wa, b, p.b, p.wb, lasting(last, p.pair) * h);
+  for (const Live& p : live) {
+    Vec3 force = lasting(last, p.pair);
+    if (p.rest > 0) {
+      const Vec3 r = separation(a, p.a, b, p.b);
+      force = turned(force, r, r + approach(a, p.a, b, p.b) * h);
+    }
+    pass_on(last, p.pair, force);
+    exchange_impulse(a, p.a, p.wa, b, p.b, p.wb, force * h);
+  }
 }
 
 // The equation for a pair at r and u without its impulse J, in the direction n at its end; r' = r + h W J and
@@ -64,7 +72,7 @@ void Attachment::solve_pairs(const CoupledStates& s, const StepInput& in, const 
   pairs.clear(), free.clear();
   for (const Live& p : live) {
     pairs.push_back({.a = p.a, .b = p.b, .wa = p.wa, .wb = p.wb});
-    if (last) pairs.back().given = lasting(last, p.pair) * in.h;
+    if (last) pairs.back().given = load3(last, 2 * p.pair) * in.h;
   }
   answered_.answer_given(s, in, pairs);
   for (const AnsweredPair& p : pairs) {
@@ -86,7 +94,7 @@ void Attachment::solve_pairs(const CoupledStates& s, const StepInput& in, const 
     const Vec3 u = approach(a, p.a, b, p.b);
     const double u2 = live[i].rest == 0 ? norm2(u) : dot(u, p.n) * dot(u, p.n);
     sum.add(p.impulse, def_.link == AttachmentDef::Link::spring ? in.h * def_.damping * u2 : 0);
-    if (last) pass_on(last, live[i].pair, p.impulse / in.h);
+    if (last) store3(last, 2 * live[i].pair, p.impulse / in.h);
   }
   if (def_.link == AttachmentDef::Link::rigid) close_lengths(s, in, live, pairs, sum);
 }

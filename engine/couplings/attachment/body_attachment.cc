@@ -89,7 +89,7 @@ std::vector<BodyAttachment::Live>& BodyAttachment::live(const Points& points, co
   out.clear();
   each(points, bodies, [&](size_t k, uint32_t i, uint32_t j) {
     Live l{k, {}, pairs_[k].place, pairs_[k].rest, {}, false};
-    l.link.rows[0] = i, l.link.body = j;
+    l.link.rows[0] = i, l.link.body = j, l.link.held = pairs_[k].place;
     if (!rigid()) {
       // A spring kicked at the start is also kicked at the end; responses of jointed bodies change along the
       // way.
@@ -135,12 +135,14 @@ void BodyAttachment::give_last(const CoupledStates& s, const StepInput& in, Exch
   if (!last) return;
   for (const Live& l : live(points, bodies, in)) {
     Vec3 force = l.kicked ? Vec3{} : lasting(last, l.pair);
-    if (!rigid() && !l.kicked) {
+    if (!l.kicked && (!rigid() || l.rest > 0)) {
       const Vec3 r = separation(points, l.link.rows[0], bodies, l.link.body, l.place);
       const Vec3 change = l.link.relative(points, bodies) * in.h, later = r + change;
       const double stretch = norm(r) - l.rest;
-      if (norm(change) <= kSteady * stretch) {
+      if (!rigid() && norm(change) <= kSteady * stretch) {
         force = normalized(later) * (-def_.stiffness * std::min(stretch, norm(later) - l.rest));
+      } else if (l.rest > 0) {
+        force = turned(force, r, later);
       }
     }
     pass_on(last, l.pair, force);

@@ -13,9 +13,9 @@ namespace {
 
 /// Relative accuracy of the solution.
 constexpr double kAccuracy = 1e-12;
-/// Smallest stretch for which a spring's transverse part is solved: the impulse given at the start has a
-/// direction, too.
-constexpr double kLeastTurned = 1e-9;
+/// Fraction of an impulse that the force at the end may differ by.
+constexpr double kSolved = 1e-6;
+constexpr double kRounding = 1e-15;  ///< of lengths
 
 }  // namespace
 
@@ -68,44 +68,57 @@ void BodyAttachment::damp(const std::vector<Live>& live, Points& points, Bodies&
   }
 }
 
-// J = -h f(r', u') with f = K r' - k L n + c (u'.n) n; the equations are in attachment_solve.cc.
+// J = -h f(r', u') with f = K r' - k L n + c (u'.n) n; the equations are in attachment_solve.cc. A spring
+// without length acts in every direction, one with a length along itself only: what begin() has given beside
+// that stays, as it does with rigid links. Newton's method: a stiff spring that the last solution has turned
+// is longer.
 void BodyAttachment::solve_springs(const CoupledStates& s, const StepInput& in, std::vector<Live>& all,
                                    Exchange& sum) const {
   Points points(this->points(s), sides_.points());
   Bodies bodies(this->bodies(s), sides_.bodies(), &in.workspace);
   auto& links = in.workspace.object<std::vector<AnsweredLink>>("body_attachment.links");
-  links.clear();
+  // N s, in so far; begin() has given the last forces.
+  double* impulse = in.workspace.doubles("body_attachment.impulse", 3 * pairs_.size()).data();
   const double k = def_.stiffness, c = def_.damping, h = in.h;
-  double* last = pair_forces(s.own);  // what begin() has given
-  for (const Live& l : all) {
-    if (l.kicked) continue;
-    const Vec3 r = separation(points, l.link.rows[0], bodies, l.link.body, l.place);
-    const Vec3 u = l.link.relative(points, bodies), j0 = last ? load3(last, 2 * l.pair) * h : Vec3{};
-    AnsweredLink a;
-    a.link = l.link, a.n = l.rest == 0 ? Vec3{} : normalized(r);
-    a.give = 1, a.along = std::sqrt(h * (h * k + c));
-    if (l.rest == 0) {
-      a.across = a.along;
-      a.right = (r * k + u * c) * (-h / a.along) - j0 / a.along;
-    } else {
-      a.across = h * std::sqrt(k * std::max(kLeastTurned, 1 - l.rest / std::max(norm(r), l.rest)));
-      const double along = dot(j0, a.n);
-      a.right = a.n * (-h / a.along * (k * (dot(r, a.n) - l.rest) + c * dot(u, a.n)) - along / a.along) -
-                (j0 - a.n * along) / a.across;
+  double* last = pair_forces(s.own);
+  for (const Live& l : all) store3(impulse, l.pair, last ? load3(last, 2 * l.pair) * h : Vec3{});
+  for (int solution = 0; solution < kMostSolutions; ++solution) {
+    links.clear();
+    bool solved = true;
+    for (const Live& l : all) {
+      if (l.kicked) continue;
+      const Vec3 r = separation(points, l.link.rows[0], bodies, l.link.body, l.place);
+      const Vec3 u = l.link.relative(points, bodies), j0 = load3(impulse, l.pair);
+      AnsweredLink a;
+      a.link = l.link, a.n = l.rest == 0 ? Vec3{} : normalized(r);
+      a.give = 1, a.along = std::sqrt(h * (h * k + c));
+      const Vec3 missing = l.rest == 0
+                               ? (r * k + u * c) * -h - j0
+                               : a.n * (-h * (k * (dot(r, a.n) - l.rest) + c * dot(u, a.n)) - dot(j0, a.n));
+      a.across = l.rest == 0 ? a.along : 0;
+      a.right = missing / a.along;
+      const double rounding = kRounding * h * k * (norm(r) + norm(l.link.place(points)));
+      solved = solved && norm(missing) <= kSolved * norm(j0) + rounding;
+      links.push_back(a);
     }
-    links.push_back(a);
+    if (links.empty() || solved) break;
+    sides_.solve(this->points(s), this->bodies(s), in, links, kAccuracy, 3 * links.size() + 10);
+    sides_.move(this->points(s), this->bodies(s), in, links);
+    const AnsweredLink* a = links.data();
+    for (const Live& l : all) {
+      if (l.kicked) continue;
+      store3(impulse, l.pair, load3(impulse, l.pair) + a->impulse);
+      sum.add(-a->impulse, 0);
+      ++a;
+    }
   }
-  if (links.empty()) return;
-  sides_.solve(this->points(s), this->bodies(s), in, links, kAccuracy, 3 * links.size() + 10);
-  sides_.move(this->points(s), this->bodies(s), in, links);
-  const AnsweredLink* a = links.data();
   for (const Live& l : all) {
     if (l.kicked) continue;
-    const Vec3 u = a->link.relative(points, bodies);
-    const double u2 = a->n == Vec3{} ? norm2(u) : dot(u, a->n) * dot(u, a->n);
-    sum.add(-a->impulse, h * c * u2);
-    if (last) store3(last, 2 * l.pair, load3(last, 2 * l.pair) + a->impulse / h);
-    ++a;
+    const Vec3 r = separation(points, l.link.rows[0], bodies, l.link.body, l.place),
+               u = l.link.relative(points, bodies);
+    const double u2 = l.rest == 0 ? norm2(u) : dot(u, normalized(r)) * dot(u, normalized(r));
+    sum.add({}, h * c * u2);
+    if (last) store3(last, 2 * l.pair, load3(impulse, l.pair) / h);
   }
 }
 

@@ -114,9 +114,13 @@ void bodies_on_ropes(Dice& d, Trial& t) {
       {"type", "attachment"},      {"id", "tie"}, {"a", "a"}, {"b", "b"}, {"a_points", json::array{-1}},
       {"b_points", json::array{0}}};
   tie["link"] = d.of({"spring", "rigid"});
-  // Seeds from here on have stiff ties, too.
-  constexpr uint64_t kStiffToo = 10'000'000;
+  // Seeds from here on have stiff ties, too, and from the second on bodies below the ropes' ends.
+  constexpr uint64_t kStiffToo = 10'000'000, kBelowToo = 20'000'000;
   if (tie["link"] == "spring") tie["stiffness"] = d.spread(1e2, t.seed < kStiffToo ? 1e4 : 1e7);
+  if (t.seed >= kBelowToo) {
+    json::object& lower = system_of(t, 1)["bodies"].as_array()[0].as_object();
+    lower["position"] = vec(length + d.between(-0.5, 0.5), 3 - d.between(0.1, 1));
+  }
   t.scene["couplings"] = json::array{tie};
   t.rules.gain = 0.02;
 }
