@@ -1,12 +1,12 @@
 // The coupling type "attachment" between points and rigid bodies: pairs (point i, place p on body k), r = x_i
 // - p, u its velocity relative to the body there, K = w_i + n . K_k n.
 // Spring: J = -h/2 (k (|r| - L) + c u.n) n on the point at both ends of the substep, -J on the body at p;
-// stiffer springs, h sqrt(k K) > 1, are solved together with both sides as in attachment.h.
-// Rigid link: |r| = L by RATTLE (Andersen 1983) between point and body, along the link's direction at the
-// substep's start; with L = 0 the two places coincide and J has any direction. When the points are solved
-// implicitly, the link's impulse is that of both solved as one (points_on_bodies.h), and its lasting part is
-// given to both before their own steps.
-// The angular momentum that a position correction would change is given to the body's spin
+// stiffer springs, h sqrt(k K) > 1, are solved together with both sides as in attachment.h, those with a
+// length L > 0 along themselves only, like rigid links. Rigid link: |r| = L by RATTLE (Andersen 1983) between
+// point and body, along the link's direction at the substep's start; with L = 0 the two places coincide and J
+// has any direction. When the points are solved implicitly, the link's impulse is that of both solved as one
+// (points_on_bodies.h), and its lasting part, like that of a stiff spring, is given to both before their own
+// steps. The angular momentum that a position correction would change is given to the body's spin
 // (core/ports/body_port.h).
 #pragma once
 #include <memory>
