@@ -61,10 +61,8 @@ double BodiesIn::push(const MpmDef& def, const Vec3& gravity, double h, Visit vi
     const auto momentum_of = [&](const Vec3& spin) {
       return free_rotation::momentum({b.orientation, spin}, b.moments);
     };
-    TouchedBody body{b.mass,
-                     {momentum_of({1, 0, 0}), momentum_of({0, 1, 0}), momentum_of({0, 0, 1})},
-                     b.velocity,
-                     b.spin};
+    TouchedBody body{
+        b.mass, {momentum_of({1, 0, 0}), momentum_of({0, 1, 0}), momentum_of({0, 0, 1})}, b.velocity, b.spin};
     touch(nodes_, body, static_cast<Hold>(def.contact), def.body_friction);
     Vec3 impulse, twist;
     for (size_t k = 0; k < nodes_.size(); ++k) {

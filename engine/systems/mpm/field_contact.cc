@@ -10,7 +10,8 @@ void FieldContact<D, Nodes, T>::reserve(size_t slots) {
 }
 
 template <int D, int Nodes, class T>
-double FieldContact<D, Nodes, T>::act(G& g, const Setting& set, double t, double h, const ThreadArena& arena) {
+double FieldContact<D, Nodes, T>::act(G& g, const Setting& set, double t, double h,
+                                      const ThreadArena& arena) {
   find_places(g);
   arena.for_blocks(places_.size(), 1, [&](size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k) {
@@ -128,7 +129,8 @@ bool FieldContact<D, Nodes, T>::parts(const Place& p, size_t many, const Vec3& w
 }
 
 template <int D, int Nodes, class T>
-double FieldContact<D, Nodes, T>::meet_pair(G& g, const Setting& set, const Place& p, size_t n, size_t a, size_t b, double t, double h) {
+double FieldContact<D, Nodes, T>::meet_pair(G& g, const Setting& set, const Place& p, size_t n, size_t a,
+                                            size_t b, double t, double h) {
   T *one = node_of(g, a, n), *other = node_of(g, b, n);
   FieldNode of_a{double{one[0]}, {double{one[1]}, double{one[2]}, double{one[3]}}},
       of_b{double{other[0]}, {double{other[1]}, double{other[2]}, double{other[3]}}};
@@ -157,7 +159,8 @@ double FieldContact<D, Nodes, T>::meet_pair(G& g, const Setting& set, const Plac
 }
 
 template <int D, int Nodes, class T>
-double FieldContact<D, Nodes, T>::settle(G& g, const Setting& set, size_t block, size_t n, const Vec3& to, double t) {
+double FieldContact<D, Nodes, T>::settle(G& g, const Setting& set, size_t block, size_t n, const Vec3& to,
+                                         double t) {
   T* node = node_of(g, block, n);
   const Vec3T<T> wish{static_cast<T>(to.x), static_cast<T>(to.y), static_cast<T>(to.z)};
   const Vec3T<T> v = g.held(set, g.place_of(set.def, g.blocks.blocks[block], n), t, wish);

@@ -107,7 +107,8 @@ class FieldContact {
   /// any surface between them within 60 degrees of perpendicular to that line.
   bool parts(const Place& p, size_t many, const Vec3& w) const;
 
-  double meet_pair(G& g, const Setting& set, const Place& p, size_t n, size_t a, size_t b, double t, double h);
+  double meet_pair(G& g, const Setting& set, const Place& p, size_t n, size_t a, size_t b, double t,
+                   double h);
 
   /// Sets a node's velocity as far as walls allow. Returns the square of its speed.
   double settle(G& g, const Setting& set, size_t block, size_t n, const Vec3& to, double t);

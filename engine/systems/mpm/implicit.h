@@ -47,7 +47,8 @@ class Implicit {
   static M gradient_of(const Stencils<D, Nodes, double>& at, const double* tile, double per_second);
   /// Visits every group of particles: visit(piece, slot, how many, stencil, h times the gradient of `nodes`,
   /// index of the tile).
-  using Visit = FunctionRef<void(const Piece&, size_t, int, const Stencils<D, Nodes, double>&, const M&, size_t)>;
+  using Visit =
+      FunctionRef<void(const Piece&, size_t, int, const Stencils<D, Nodes, double>&, const M&, size_t)>;
   void for_groups(G& g, const Vector& nodes, const ThreadArena& arena, Visit visit);
   /// out = the forces on nodes, times h (N s), of the stress `stress_of(piece, slot, h C)` of all particles,
   /// J/m^3 (P F^T of the substep's start).

@@ -17,7 +17,8 @@ void Implicit<D, Nodes>::reserve(const G& g, size_t slots) {
 }
 
 template <int D, int Nodes>
-auto Implicit<D, Nodes>::solve(G& g, const Setting& set, double t, double h, double pull, const ThreadArena& arena) -> Report {
+auto Implicit<D, Nodes>::solve(G& g, const Setting& set, double t, double h, double pull,
+                               const ThreadArena& arena) -> Report {
   h_ = h, set_ = &set;
   const size_t n = g.nodes.size();
   for (Vector* v : {&v_, &anchor_, &gradient_, &step_, &r_, &p_, &q_, &z_}) v->resize(n);
@@ -62,7 +63,8 @@ void Implicit<D, Nodes>::start(G& g, const ThreadArena& arena) {
 }
 
 template <int D, int Nodes>
-auto Implicit<D, Nodes>::gradient_of(const Stencils<D, Nodes, double>& at, const double* tile, double per_second) -> M {
+auto Implicit<D, Nodes>::gradient_of(const Stencils<D, Nodes, double>& at, const double* tile,
+                                     double per_second) -> M {
   alignas(64) double rows[G::kRowNumbers];
   for (int lane = 0; lane < W::kLanes; ++lane)
     gather<D, Nodes, G::Size::kReach, G::Size::kRow>(at, lane, tile, rows);
@@ -97,7 +99,8 @@ void Implicit<D, Nodes>::for_groups(G& g, const Vector& nodes, const ThreadArena
 }
 
 template <int D, int Nodes>
-void Implicit<D, Nodes>::impulses(G& g, const Vector& nodes, Vector& out, const ThreadArena& arena, StressOf stress_of) {
+void Implicit<D, Nodes>::impulses(G& g, const Vector& nodes, Vector& out, const ThreadArena& arena,
+                                  StressOf stress_of) {
   const double dx = set_->def.cell, second = Spline<Nodes, double>::kSecond * dx * dx;
   g.tiles.resize(g.blocks.owners.size() * G::kTileNumbers);
   std::fill(g.tiles.begin(), g.tiles.end(), 0.0);
@@ -118,8 +121,7 @@ void Implicit<D, Nodes>::impulses(G& g, const Vector& nodes, Vector& out, const 
              });
   arena.for_blocks(g.blocks.blocks.size(), 8, [&](size_t begin, size_t end) {
     for (size_t k = begin; k < end; ++k)
-      Tiles<D, Nodes, double>::sum(g.blocks, g.blocks.blocks[k], g.tiles,
-                                   out.data() + k * G::kBlockNumbers);
+      Tiles<D, Nodes, double>::sum(g.blocks, g.blocks.blocks[k], g.tiles, out.data() + k * G::kBlockNumbers);
   });
 }
 
@@ -196,16 +198,16 @@ void Implicit<D, Nodes>::invert_blocks(G& g, const ThreadArena& arena) {
   g.tiles.resize(g.blocks.owners.size() * G::kTileNumbers);
   for (const Entries entries : {Entries::diagonal, Entries::others}) {
     std::fill(g.tiles.begin(), g.tiles.end(), 0.0);
-    for_groups(g, v_, arena,
-               [&](const Piece& piece, size_t, int many, const Stencils<D, Nodes, double>& at, const M&,
-                   size_t k) {
-                 double* tile = g.tiles.data() + k * G::kTileNumbers;
-                 const double both = piece.volume * (piece.material.lambda + piece.material.mu),
-                              own = piece.volume * piece.material.mu;
-                 for (int lane = 0; lane < many; ++lane)
-                   add_node_blocks<D, Nodes, G::Size::kReach, G::Size::kRow>(at, lane, per_second, both,
-                                                                             own, entries, tile);
-               });
+    for_groups(
+        g, v_, arena,
+        [&](const Piece& piece, size_t, int many, const Stencils<D, Nodes, double>& at, const M&, size_t k) {
+          double* tile = g.tiles.data() + k * G::kTileNumbers;
+          const double both = piece.volume * (piece.material.lambda + piece.material.mu),
+                       own = piece.volume * piece.material.mu;
+          for (int lane = 0; lane < many; ++lane)
+            add_node_blocks<D, Nodes, G::Size::kReach, G::Size::kRow>(at, lane, per_second, both, own,
+                                                                      entries, tile);
+        });
     Vector& out = entries == Entries::diagonal ? q_ : p_;
     arena.for_blocks(g.blocks.blocks.size(), 8, [&](size_t begin, size_t end) {
       for (size_t k = begin; k < end; ++k)

@@ -102,7 +102,8 @@ size_t BodiesIn<D, T>::map(const Solid* solid) {
 }
 
 template <int D, class T>
-void BodiesIn<D, T>::change(Fluid<D, T>& f, size_t k, const Vec3& impulse, const Vec3& twist, const Vec3& by) {
+void BodiesIn<D, T>::change(Fluid<D, T>& f, size_t k, const Vec3& impulse, const Vec3& twist,
+                            const Vec3& by) {
   ImmersedBody& b = bodies_[k];
   const ImmersedBody::Answer before{b.velocity, b.spin};
   b.give(impulse, twist);

@@ -10,16 +10,14 @@ auto BoxWalls<D, T>::walls_at(const double* x, double t) const -> Walls {
     if (d.wraps(a)) continue;
     const double below = x[a] - low_[a], above = high_[a] - x[a];
     if (below < set_.support) out.wall[out.count++] = {below, axis(a, 1), Vec3{}};
-    if (above < set_.support)
-      out.wall[out.count++] = {above, axis(a, -1), a == 1 ? d.lid_velocity : Vec3{}};
+    if (above < set_.support) out.wall[out.count++] = {above, axis(a, -1), a == 1 ? d.lid_velocity : Vec3{}};
   }
   out.sides = out.count;
   if (set_.colliders.empty()) return out;
   NearSurface near[Walls::kColliders];
   const size_t n =
       surfaces_within(set_.colliders, set_.images, {x[0], x[1], D == 3 ? x[2] : 0}, t, set_.support, near);
-  for (size_t k = 0; k < n; ++k)
-    out.wall[out.count++] = {near[k].distance, near[k].normal, near[k].velocity};
+  for (size_t k = 0; k < n; ++k) out.wall[out.count++] = {near[k].distance, near[k].normal, near[k].velocity};
   return out;
 }
 

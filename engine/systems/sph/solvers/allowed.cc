@@ -39,7 +39,8 @@ double Allowed<D, T>::by_speed(double speed, const Vec3& gravity) const {
 }
 
 template <int D, class T>
-double Allowed<D, T>::by_weight(const State& s, Fluid<D, T>& f, const Vec3& gravity, const ThreadArena& arena) const {
+double Allowed<D, T>::by_weight(const State& s, Fluid<D, T>& f, const Vec3& gravity,
+                                const ThreadArena& arena) const {
   const SphDef& d = set_.def;
   const double g = norm(gravity);
   if (!(g > 0) || d.solver == Method::wcsph) return HUGE_VAL;

@@ -3,7 +3,8 @@
 namespace truestep::sph {
 
 template <int D, class T>
-auto Dfsph<D, T>::solve(Fluid<D, T>& f, BodiesIn<D, T>& bodies, const Pace& pace, const ThreadArena& arena) const -> Solved {
+auto Dfsph<D, T>::solve(Fluid<D, T>& f, BodiesIn<D, T>& bodies, const Pace& pace,
+                        const ThreadArena& arena) const -> Solved {
   const double h = pace.h, error = h * h / (pace.part * pace.tolerance);
   const T most = static_cast<T>(kMostAtOnce * pace.share), part = static_cast<T>(pace.part);
   const T step = static_cast<T>(h), per_step = 1 / step,

@@ -3,7 +3,8 @@
 namespace truestep::sph {
 
 template <int D, class T>
-void Pbf<D, T>::correct(Fluid<D, T>& f, BodiesIn<D, T>& bodies, double t, double h, const ThreadArena& arena) const {
+void Pbf<D, T>::correct(Fluid<D, T>& f, BodiesIn<D, T>& bodies, double t, double h,
+                        const ThreadArena& arena) const {
   const T relief = static_cast<T>(kRelief / (set_.def.spacing * set_.def.spacing));
   const bool any = bodies.any();
   std::fill(f.flow.begin(), f.flow.end(), T{0});

@@ -112,7 +112,7 @@ struct InterfacePair {
 
 template <int D, class T>
 void shrink_interface(Fluid<D, T>& f, T strength, const PlaneInterface& plane, T support,
-                             const ThreadArena& arena) {
+                      const ThreadArena& arena) {
   using W = Wide<T>;
   find_interface(f, plane, support, arena);
   const W hold = W::all(static_cast<T>(plane.hold));

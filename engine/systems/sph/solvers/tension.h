@@ -14,6 +14,6 @@ void draw_together(Fluid<D, T>& f, T strength, T support, const ThreadArena& are
 /// Adds the forces of the interface's energy to f.a; `strength` = e / (H m) (m/s^2).
 template <int D, class T>
 void shrink_interface(Fluid<D, T>& f, T strength, const PlaneInterface& plane, T support,
-                             const ThreadArena& arena);
+                      const ThreadArena& arena);
 
 }  // namespace truestep::sph

@@ -43,7 +43,8 @@ int ImplicitViscosity<D, T>::solve(Fluid<D, T>& f, double t, double h, const Thr
 }
 
 template <int D, class T>
-void ImplicitViscosity<D, T>::multiply(Fluid<D, T>& f, const Aligned<T>& u, T strength, const ThreadArena& arena) const {
+void ImplicitViscosity<D, T>::multiply(Fluid<D, T>& f, const Aligned<T>& u, T strength,
+                                       const ThreadArena& arena) const {
   const bool turning = turns();
   f.each(arena, [&](size_t i, const Chunk<T>& c, size_t begin, size_t end) {
     W sums[D];

@@ -3,7 +3,8 @@
 namespace truestep::sph {
 
 template <int D, class T>
-void Wcsph<D, T>::advance(Fluid<D, T>& f, BodiesIn<D, T>& bodies, const Vec3& gravity, double h, const ThreadArena& arena) const {
+void Wcsph<D, T>::advance(Fluid<D, T>& f, BodiesIn<D, T>& bodies, const Vec3& gravity, double h,
+                          const ThreadArena& arena) const {
   const T sound = static_cast<T>(set_.sound), step = static_cast<T>(h);
   arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) f.push[i] = tait(f.delta[i], sound) / (f.delta[i] * f.delta[i]);

@@ -19,7 +19,8 @@ class Wcsph {
   explicit Wcsph(const Setting& set) : set_(set) {}
 
   /// Velocities and densities (f.delta, which here is not list()'s sum) after h s.
-  void advance(Fluid<D, T>& f, BodiesIn<D, T>& bodies, const Vec3& gravity, double h, const ThreadArena& arena) const;
+  void advance(Fluid<D, T>& f, BodiesIn<D, T>& bodies, const Vec3& gravity, double h,
+               const ThreadArena& arena) const;
 
  private:
   using W = Wide<T>;
