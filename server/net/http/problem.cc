@@ -151,7 +151,7 @@ Response problem(const Request& request, const Error& error) {
 }
 
 Response problem(const Request& request, const std::exception& error) {
-  spdlog::error("internal error, trace {}: {} {}: {}", request.trace_id(), request.method_text,
+  log_error("internal error, trace {}: {} {}: {}", request.trace_id(), request.method_text,
                 request.raw_path, error.what());
   return problem(request, "internal", {});
 }
