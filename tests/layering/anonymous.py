@@ -37,6 +37,12 @@ def closing(text, start):
     return len(text)
 
 
+def end_of_statement(text, start):
+    """The semicolon after the bracket at `start` and what belongs to it."""
+    end = text.find(";", closing(text, start))
+    return end if end >= 0 else len(text)
+
+
 def without_template(text):
     while match := re.match(r"\s*template\s*<", text):
         depth, at = 1, match.end()
@@ -92,6 +98,14 @@ def declared(head, has_body):
     return [match[1] for piece in pieces(head) if (match := VARIABLE.search(re.split("[={]", piece)[0].rstrip()))]
 
 
+def is_function(head):
+    """Whether a body belongs to a function; parameters may have defaults."""
+    while (start := head.find("(")) >= 0:
+        head = head[:start] + "<>" + head[closing(head, start) + 1:]
+    return re.search(r">\s*(const|noexcept|override|->[^={;]*|requires[^={;]*)*\s*$", head) is not None \
+        and "=" not in re.sub(r"operator\s*\W+", "", head) and "<>" in head
+
+
 def private_names(text):
     """(qualified name, line) of what a file alone sees."""
     text = DIRECTIVE.sub(blank, SILENT.sub(blank, text))
@@ -111,11 +125,11 @@ def private_names(text):
                 start = at + 1
             else:
                 private = "{anonymous}" in spaces or re.match(r"(?:template\s*<.*>\s*)?static\s", head)
-                function = re.search(r"\)\s*(const|noexcept|override|->[^={;]*|requires[^={;]*)*\s*$", head) is not None and "=" not in head
+                function = is_function(head)
                 if head and (private or head.startswith("namespace ")):
                     line = text.count("\n", 0, at - len(text[start:at].lstrip())) + 1
                     if letter == "{" and not function and not TYPE.match(without_template(head)) and not ENUMERATION.match(head):
-                        at = text.find(";", closing(text, at))
+                        at = end_of_statement(text, at)
                         head, letter = text[start:at], ";"
                     names = declared(head, letter == "{")
                     if letter == "{" and ENUMERATION.match(head):
@@ -123,9 +137,7 @@ def private_names(text):
                     for name in names:
                         yield "::".join([*(s for s in spaces if s != "{anonymous}"), name]), line
                 if letter == "{":
-                    at = closing(text, at)
-                    if not function:
-                        at = text.find(";", at) if text.find(";", at) >= 0 else len(text)
+                    at = closing(text, at) if function else end_of_statement(text, at)
                 start = at + 1
         at += 1
 
