@@ -132,7 +132,7 @@ void RecordingCatalogue::settle(Row& row, RecordingThread& thread) {
     case RecoveryOutcome::kRecovered:
       f.state = RecordingFate::repaired;
       log_warn("recording {} was not finished: {} of {} frames kept", file, report.frames_kept,
-                   report.frames_found);
+               report.frames_found);
       break;
     default:
       f.state = RecordingFate::damaged;

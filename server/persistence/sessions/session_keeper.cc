@@ -107,8 +107,7 @@ bool SessionKeeper::write(const LogRecord& record) {
 }
 
 void SessionKeeper::lose(const Error& e) {
-  if (problem_.empty())
-    log_warn("session {} is not kept: {}", folder().path().filename().string(), e.what());
+  if (problem_.empty()) log_warn("session {} is not kept: {}", folder().path().filename().string(), e.what());
   problem_ = e.what();
   tried_at_ = SteadyClock::now();
 }
