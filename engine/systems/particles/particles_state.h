@@ -81,4 +81,11 @@ std::optional<size_t> row_of(const State& s, uint64_t id);
 /// the integrator's columns of the same length, and springs that lost an end.
 void remove_rows(State& s, std::span<const uint8_t> dead, Workspace& workspace);
 
+inline uint64_t& counter(State& s, Counter c) {
+  return s.span<uint64_t>(columns::counters)[static_cast<size_t>(c)];
+}
+inline uint64_t counter(const State& s, Counter c) {
+  return s.span<uint64_t>(columns::counters)[static_cast<size_t>(c)];
+}
+
 }  // namespace truestep::particles
