@@ -2,12 +2,26 @@
 
 namespace truestep {
 
+System::System() = default;
+System::~System() = default;
+
+void System::set_parts(std::vector<PartInfo> parts) {
+  parts_ = std::move(parts);
+}
+
+void System::set_remedies(std::vector<std::string> remedies) {
+  remedies_ = std::move(remedies);
+}
+
 std::optional<FieldPlace> System::find_field(std::string_view name) const {
   for (size_t p = 0; p < parts_.size(); ++p) {
     if (const auto f = parts_[p].find(name)) return FieldPlace{p, *f};
   }
   return std::nullopt;
 }
+
+StagedSystem::StagedSystem() = default;
+StagedSystem::~StagedSystem() = default;
 
 void StagedSystem::step(State& state, const StepInput& input) const {
   for (const Stage& stage : stages_) {

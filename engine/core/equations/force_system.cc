@@ -22,6 +22,8 @@ ForceSystem::ForceSystem(std::unique_ptr<const ForceField> field, const Integrat
   set_integration({&method_, &options_, field_.get()});
 }
 
+ForceSystem::~ForceSystem() = default;
+
 void ForceSystem::add_integration_stage(const std::string& why) {
   add_stage(
       "integrate",

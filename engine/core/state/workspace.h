@@ -14,36 +14,34 @@ namespace truestep {
 
 class Workspace {
  public:
+  Workspace();
+  ~Workspace();
+  Workspace(Workspace&&) noexcept;
+  Workspace& operator=(Workspace&&) noexcept;
+
   /// n elements under `key` with unspecified contents; the memory is reused from step to step. Spans
   /// obtained earlier under other keys stay valid.
-  std::span<double> doubles(std::string_view key, size_t n) { return object<Buffer>(key).get(n); }
+  std::span<double> doubles(std::string_view key, size_t n);
 
   /// The object of type T under `key`, default-constructed at first use. A key belongs to one type.
   template <class T>
   T& object(std::string_view key) {
-    for (Slot& s : slots_) {
-      if (s.key == key && *s.type == typeid(T)) return *static_cast<T*>(s.object.get());
-    }
-    slots_.push_back({std::string(key), &typeid(T), std::make_shared<T>()});
-    return *static_cast<T*>(slots_.back().object.get());
+    if (void* there = find(key, typeid(T))) return *static_cast<T*>(there);
+    return *static_cast<T*>(add(key, typeid(T), std::make_shared<T>()));
   }
 
   /// Forgets everything.
-  void clear() { slots_.clear(); }
+  void clear();
 
  private:
-  struct Buffer {
-    std::vector<double, CacheLineAllocator<double>> data;
-    std::span<double> get(size_t n) {
-      if (data.size() < n) data.resize(n);
-      return {data.data(), n};
-    }
-  };
   struct Slot {
     std::string key;
     const std::type_info* type;
     std::shared_ptr<void> object;
   };
+  void* find(std::string_view key, const std::type_info& type) const;
+  void* add(std::string_view key, const std::type_info& type, std::shared_ptr<void> object);
+
   std::vector<Slot> slots_;
 };
 
