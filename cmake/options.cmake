@@ -11,8 +11,8 @@ add_link_options(-pie)
 if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release)
 endif()
-# Folders with the loops of steps say more, those that read and tell less (cmake/unity.cmake).
-set(CMAKE_CXX_FLAGS_RELEASE "-O2")
+# Folders without the loops of steps say less (cmake/unity.cmake).
+set(CMAKE_CXX_FLAGS_RELEASE "-O3")
 
 option(TRUESTEP_WERROR "Warnings end the build (of gcc)" $ENV{TRUESTEP_WERROR})
 

@@ -8,12 +8,12 @@
 # find them in the compiler cache.
 set(joined_bytes 45000)
 
-# Folders below engine/ that loop over numbers, and the names of the files in them that do not. Loops are worth -O3.
+# Folders below engine/ that loop over numbers, and the names of the files in them that do not. Loops are worth -O3, which is what is not said otherwise.
 set(loop_folders "^(collision|integrators|kernels|lattice|math|neighbours|rigid|systems)(/|$)")
-set(loop_options $<$<CONFIG:Release>:-O3>)
 set(not_loops "_(build|check|checks|commands|cost|def|drawing|model|names|observe|output|outputs|state|tables|texts)\\.cc$|^rows_")
 # What reads, writes and tells rather than computes: less inlining is a third of the compiler's time and nobody's.
 set(quick_folders "^(api|cli|core/def|geometry/read|net/access|operations|persistence|reference|scene|session/snapshot|sessions|sinks|studies)(/|$)")
+set(plain_options $<$<CONFIG:Release>:-O2>)
 set(quick_options $<$<CONFIG:Release>:-O1> $<$<CONFIG:Release>:-finline-small-functions>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # Of strings that are put together or moved: gcc 12 warns of what is not there.
@@ -37,8 +37,8 @@ list(TRANSFORM libm_exceptions REPLACE ":.*" "")
 function(add_folder_options file folder name)
   if(folder MATCHES "${quick_folders}" OR (folder MATCHES "${loop_folders}" AND name MATCHES "${not_loops}"))
     set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS ${quick_options})
-  elseif(folder MATCHES "${loop_folders}")
-    set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS ${loop_options})
+  elseif(NOT folder MATCHES "${loop_folders}")
+    set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS ${plain_options})
   endif()
   if(access_options AND folder MATCHES "${access_folders}")
     set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS ${access_options})

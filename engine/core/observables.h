@@ -20,13 +20,8 @@ using WantedObservables = std::function<bool(std::string_view)>;
 
 class Observables {
  public:
-  Observables();
-  explicit Observables(WantedObservables wanted);
-  ~Observables();
-  Observables(const Observables&);
-  Observables(Observables&&) noexcept;
-  Observables& operator=(const Observables&);
-  Observables& operator=(Observables&&) noexcept;
+  Observables() = default;
+  explicit Observables(WantedObservables wanted) : wanted_(std::move(wanted)) {}
   /// Others may be left out: those that take a pass of their own should be.
   bool wants(std::string_view name) const { return !wanted_ || wanted_(name); }
   void add(std::string_view name, double value, std::string_view unit);

@@ -1,5 +1,8 @@
 #include "engine/core/system.h"
 
+template class std::vector<truestep::PlanRow>;
+template class std::vector<truestep::Stage>;
+
 namespace truestep {
 
 System::System() = default;
@@ -13,15 +16,15 @@ void System::set_remedies(std::vector<std::string> remedies) {
   remedies_ = std::move(remedies);
 }
 
+StagedSystem::StagedSystem() = default;
+StagedSystem::~StagedSystem() = default;
+
 std::optional<FieldPlace> System::find_field(std::string_view name) const {
   for (size_t p = 0; p < parts_.size(); ++p) {
     if (const auto f = parts_[p].find(name)) return FieldPlace{p, *f};
   }
   return std::nullopt;
 }
-
-StagedSystem::StagedSystem() = default;
-StagedSystem::~StagedSystem() = default;
 
 void StagedSystem::step(State& state, const StepInput& input) const {
   for (const Stage& stage : stages_) {

@@ -67,6 +67,8 @@ enum class Limit : uint8_t {
 class System {
  public:
   System();
+  System(const System&) = delete;
+  System& operator=(const System&) = delete;
   virtual ~System();
 
   virtual State initial_state() const = 0;
@@ -154,3 +156,7 @@ class StagedSystem : public System {
 };
 
 }  // namespace truestep
+
+// Every system makes these; their members are compiled once, in system.cc.
+extern template class std::vector<truestep::PlanRow>;
+extern template class std::vector<truestep::Stage>;

@@ -23,7 +23,9 @@ CLEAN = {
     "engine/systems/sph/step.cc": HEAD + '#include "engine/kernels/drag.h"\n#include <vector>\n'
                                   "namespace truestep::sph {\nstruct Drag {\n  struct Inner {};\n};\nnamespace {\nstruct Own {};\nenum { kOwn };\n}\n}\n",
     "engine/sinks/picture/gl.cc": HEAD + "#include <GL/osmesa.h>\n",
-    "server/main.cc": HEAD + '#include <boost/asio.hpp>\n#include "engine/sinks/picture.h"\n',
+    "server/main.cc": HEAD + '#include "engine/sinks/picture.h"\n',
+    "server/net/timer.cc": HEAD + "#include <boost/asio/steady_timer.hpp>\n",
+    "server/cli/arguments.cc": HEAD + "#include <CLI/CLI.hpp>\n",
 }
 # rule: (file, text added at its end), each a fault of its own.
 FAULTS = [
@@ -34,6 +36,9 @@ FAULTS = [
     ("includes", "engine/systems/sph/step.cc", '#include "server/cli/cli.h"\n', "the server"),
     ("includes", "engine/sinks/picture/gl.cc", "#include <sys/socket.h>\n", "a socket"),
     ("includes", "engine/base/errors.h", "#include <boost/beast/http.hpp>\n", "HTTP"),
+    ("includes", "server/main.cc", "#include <boost/asio/post.hpp>\n", "Asio outside server/net"),
+    ("includes", "server/main.cc", "#include <boost/beast.hpp>\n", "Beast outside server/net"),
+    ("includes", "server/net/timer.cc", "#include <CLI/App.hpp>\n", "CLI11 outside its file"),
     ("includes", "engine/systems/sph/step.cc", "#include <GL/gl.h>\n", "GL outside the picture sink"),
     ("includes", "server/main.cc", '#include "engine/systems/sph/step.h"\n', "physics in the server"),
     ("includes", "server/main.cc", '#  include "engine/kernels/drag.h"\n', "physics, spaces before include"),

@@ -1,3 +1,4 @@
+// Refusals of commands that every system shares.
 #include "engine/core/commands/command_checks.h"
 
 namespace truestep {

@@ -6,6 +6,8 @@
 
 namespace truestep {
 
+ForceSystem::~ForceSystem() = default;
+
 ForceSystem::ForceSystem(std::unique_ptr<const ForceField> field, const Integrator& method,
                          IntegratorOptions options)
     : field_(std::move(field)), method_(method), options_(options) {
@@ -21,8 +23,6 @@ ForceSystem::ForceSystem(std::unique_ptr<const ForceField> field, const Integrat
   set_parts({std::move(part)});
   set_integration({&method_, &options_, field_.get()});
 }
-
-ForceSystem::~ForceSystem() = default;
 
 void ForceSystem::add_integration_stage(const std::string& why) {
   add_stage(

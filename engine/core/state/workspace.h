@@ -15,9 +15,11 @@ namespace truestep {
 class Workspace {
  public:
   Workspace();
-  ~Workspace();
+  Workspace(const Workspace&);
   Workspace(Workspace&&) noexcept;
+  Workspace& operator=(const Workspace&);
   Workspace& operator=(Workspace&&) noexcept;
+  ~Workspace();
 
   /// n elements under `key` with unspecified contents; the memory is reused from step to step. Spans
   /// obtained earlier under other keys stay valid.
@@ -26,22 +28,23 @@ class Workspace {
   /// The object of type T under `key`, default-constructed at first use. A key belongs to one type.
   template <class T>
   T& object(std::string_view key) {
-    if (void* there = find(key, typeid(T))) return *static_cast<T*>(there);
-    return *static_cast<T*>(add(key, typeid(T), std::make_shared<T>()));
+    if (void* found = find(key, typeid(T))) return *static_cast<T*>(found);
+    return *static_cast<T*>(keep(key, typeid(T), std::make_shared<T>()));
   }
 
   /// Forgets everything.
   void clear();
 
  private:
+  /// Null: nothing of this type is kept under `key`.
+  void* find(std::string_view key, const std::type_info& type);
+  void* keep(std::string_view key, const std::type_info& type, std::shared_ptr<void> object);
+
   struct Slot {
     std::string key;
     const std::type_info* type;
     std::shared_ptr<void> object;
   };
-  void* find(std::string_view key, const std::type_info& type) const;
-  void* add(std::string_view key, const std::type_info& type, std::shared_ptr<void> object);
-
   std::vector<Slot> slots_;
 };
 

@@ -112,7 +112,7 @@ SavedSession read_saved_session(const SessionFolder& folder, std::optional<uint6
       out.complete = complete;
       return out;
     } catch (const Error& e) {
-      spdlog::error("session {}: state {} cannot be used: {}", out.about.id, c.number, e.what());
+      log_error("session {}: state {} cannot be used: {}", out.about.id, c.number, e.what());
       why = e.what();
     }
   }
