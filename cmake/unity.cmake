@@ -8,7 +8,8 @@
 # find them in the compiler cache.
 set(joined_bytes 45000)
 
-# Folders below engine/ that loop over numbers, and the names of the files in them that do not. Loops are worth -O3, which is what is not said otherwise.
+# Folders below engine/ that loop over numbers, and the names of the files in them that do not. Loops are worth -O3,
+# which is what is not said otherwise.
 set(loop_folders "^(collision|integrators|kernels|lattice|math|neighbours|rigid|systems)(/|$)")
 set(not_loops "_(build|check|checks|commands|cost|def|drawing|model|names|observe|output|outputs|state|tables|texts)\\.cc$|^rows_")
 # What reads, writes and tells rather than computes: less inlining is a third of the compiler's time and nobody's.
@@ -37,7 +38,7 @@ list(TRANSFORM libm_exceptions REPLACE ":.*" "")
 function(add_folder_options file folder name)
   if(folder MATCHES "${quick_folders}" OR (folder MATCHES "${loop_folders}" AND name MATCHES "${not_loops}"))
     set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS ${quick_options})
-  elseif(NOT folder MATCHES "${loop_folders}")
+  elseif(plain_options AND NOT folder MATCHES "${loop_folders}")
     set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS ${plain_options})
   endif()
   if(access_options AND folder MATCHES "${access_folders}")
@@ -133,7 +134,7 @@ function(join_sources target)
       set(options "")
     endif()
     set(kind ${folder})
-    if(options)
+    if(NOT options STREQUAL plain_options)
       string(MD5 sum "${options}")
       string(SUBSTRING ${sum} 0 4 sum)
       set(kind ${folder}_${sum})
