@@ -10,10 +10,10 @@ set(joined_bytes 45000)
 
 # Folders below engine/ that loop over numbers, and the names of the files in them that do not. Loops are worth -O3,
 # which is what is not said otherwise.
-set(loop_folders "^(collision|integrators|kernels|lattice|math|neighbours|rigid|systems)(/|$)")
+set(loop_folders "^(collision|integrators|kernels|lattice|math|neighbours|rigid|sinks/stream|systems)(/|$)")
 set(not_loops "_(build|check|checks|commands|cost|def|drawing|model|names|observe|output|outputs|state|tables|texts)\\.cc$|^rows_")
 # What reads, writes and tells rather than computes: less inlining is a third of the compiler's time and nobody's.
-set(quick_folders "^(api|cli|core/def|geometry/read|net/access|operations|persistence|reference|scene|session/snapshot|sessions|sinks|studies)(/|$)")
+set(quick_folders "^(api|cli|core/def|geometry/read|net/access|operations|persistence|reference|scene|session/snapshot|sessions|sinks/motion|sinks/recording|studies)(/|$)")
 set(plain_options $<$<CONFIG:Release>:-O2>)
 set(quick_options $<$<CONFIG:Release>:-O1> $<$<CONFIG:Release>:-finline-small-functions>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
