@@ -9,8 +9,10 @@
 set(joined_bytes 45000)
 
 # Folders below engine/ that loop over numbers, and the names of the files in them that do not. Loops are worth -O3,
-# which is what is not said otherwise.
-set(loop_folders "^(collision|integrators|kernels|lattice|math|neighbours|rigid|sinks/stream|systems)(/|$)")
+# which is what is not said otherwise; what is neither has plain_options.
+set(loop_folders "^(collision|integrators|kernels|lattice|math|neighbours|rigid|systems)(/|$)")
+# Loops over the numbers of a frame, which may be compiled with others.
+set(joined_loop_folders "^sinks/stream")
 set(not_loops "_(build|check|checks|commands|cost|def|drawing|model|names|observe|output|outputs|state|tables|texts)\\.cc$|^rows_")
 # What reads, writes and tells rather than computes: less inlining is a third of the compiler's time and nobody's.
 set(quick_folders "^(api|cli|core/def|geometry/read|net/access|operations|persistence|reference|scene|session/snapshot|sessions|sinks/motion|sinks/recording|studies)(/|$)")
@@ -38,7 +40,7 @@ list(TRANSFORM libm_exceptions REPLACE ":.*" "")
 function(add_folder_options file folder name)
   if(folder MATCHES "${quick_folders}" OR (folder MATCHES "${loop_folders}" AND name MATCHES "${not_loops}"))
     set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS ${quick_options})
-  elseif(plain_options AND NOT folder MATCHES "${loop_folders}")
+  elseif(plain_options AND NOT folder MATCHES "${loop_folders}" AND NOT folder MATCHES "${joined_loop_folders}")
     set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS ${plain_options})
   endif()
   if(access_options AND folder MATCHES "${access_folders}")
