@@ -11,7 +11,7 @@ namespace truestep {
 /// Error "bad_command" about one member of a command ("index", "value" ...).
 [[noreturn]] inline void refuse_command(const std::string& member, const std::string& code,
                                         const std::string& why, const std::string& allowed = "") {
-  throw Error("bad_command", why, {{"/" + member, code, why, "", allowed, "", ""}});
+  throw Error("bad_command", why, {"/" + member, code, why, "", allowed, "", ""});
 }
 
 inline bool finite(const Vec3& v) {
