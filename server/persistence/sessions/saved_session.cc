@@ -111,7 +111,8 @@ SavedSession read_saved_session(const SessionFolder& folder, std::optional<uint6
       out.complete = complete;
       return out;
     } catch (const Error& e) {
-      spdlog::error("session {}: state {} cannot be used: {}", out.about.id, c.number, e.what());
+      log_error(
+          {"session ", out.about.id, ": state ", std::to_string(c.number), " cannot be used: ", e.what()});
       why = e.what();
     }
   }
