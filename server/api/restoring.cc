@@ -120,7 +120,7 @@ std::unique_ptr<SessionArchive> open_archive(const AppOptions& options, MemoryBu
     return std::make_unique<SessionArchive>(std::filesystem::path(options.data_dir) / "sessions",
                                             *options.keep_sessions, memory);
   } catch (const Error& e) {
-    log_warning({"sessions are not kept: ", e.what()});
+    log_warn("sessions are not kept: {}", e.what());
     return nullptr;
   }
 }

@@ -15,7 +15,7 @@ namespace json = boost::json;
 
 namespace {
 
-struct Options {
+struct RecordingOptions {
   std::string file, other, output, format = "csv";
   std::vector<std::string> systems;
   uint64_t every = 1;
@@ -63,7 +63,7 @@ json::object describe(RecordingReader& reader) {
   return out;
 }
 
-int info(const Options& o) {
+int info(const RecordingOptions& o) {
   RecordingReader reader = open_recording(o.file);
   const json::object d = describe(reader);
   if (o.json) {
@@ -87,7 +87,7 @@ int info(const Options& o) {
   return kExitOk;
 }
 
-int export_files(const Options& o) {
+int export_files(const RecordingOptions& o) {
   RecordingReader reader = open_recording(o.file);
   ExportOptions e;
   e.format = export_format(o.format);
@@ -98,7 +98,7 @@ int export_files(const Options& o) {
   return kExitOk;
 }
 
-int diff(const Options& o) {
+int diff(const RecordingOptions& o) {
   const auto thread = std::make_shared<RecordingThread>();
   RecordingReader a = open_recording(o.file, thread), b = open_recording(o.other, thread);
   const auto d = first_difference(a, b, o.tolerance);
@@ -129,7 +129,7 @@ int diff(const Options& o) {
 }  // namespace
 
 void add_recording_commands(Arguments app, int& exit_code) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<RecordingOptions>();
   Arguments i = app.add_subcommand("info", "contents of a recording");
   i.add_option("file", o->file, "recording").required();
   i.add_flag("--json", o->json, "JSON on standard output");

@@ -86,7 +86,7 @@ std::chrono::seconds pause_between_sweeps(const AppOptions& options) {
 void sweep(App& app) {
   for (const EntryPtr& entry : app.store.expire()) unload(app, entry);
   if (app.archive) {
-    for (const std::string& id : app.archive->sweep()) log_info({"session ", id, " is no longer kept"});
+    for (const std::string& id : app.archive->sweep()) log_info("session {} is no longer kept", id);
   }
   app.recordings.sweep();
   // Returns memory freed by large sessions and studies to the operating system.
@@ -109,7 +109,7 @@ class LastResort {
       : thread_([this, end = std::chrono::steady_clock::now() + patience] {
           std::unique_lock lock(mutex_);
           if (over_.wait_until(lock, end, [this] { return ended_; })) return;
-          log_warning({"work still running is abandoned"});
+          log_warn("work still running is abandoned");
           std::_Exit(kExitOk);
         }) {}
   ~LastResort() {
@@ -163,14 +163,14 @@ FolderLock lock_data_folder(std::string& folder) {
     return FolderLock(folder);
   } catch (const Error& e) {
     if (e.code() != "folder_unusable") throw;
-    log_warning({"no recordings, and no session outlives the server: ", e.what()});
+    log_warn("no recordings, and no session outlives the server: {}", e.what());
     folder.clear();
     return {};
   }
 }
 
 int serve(const ServeOptions& options) {
-  set_log_level(options.log_level);
+  start_log(options.log_level);
   AppOptions settings = app_options(options);
   if (settings.data_dir.empty()) settings.data_dir = default_data_dir();
   // Before reading anything in the folder: recordings of another running server must not be repaired.
@@ -184,20 +184,19 @@ int serve(const ServeOptions& options) {
   mallopt(M_MMAP_THRESHOLD, 1 << 20);
   // A closed peer or log pipe shows up as an error of write().
   ::signal(SIGPIPE, SIG_IGN);
-  ignore_log_failures();
   net::Termination termination;
   app.repairing = true;
   app.recordings.read_folder();
   server.start();
   std::cout << "Truestep " << version() << " listening on " << server.url() << std::endl;
   if (app.archive) {
-    for (const std::string& what : app.archive->damage()) log_error({what});
+    for (const std::string& what : app.archive->damage()) log_error("{}", what);
   }
   app.recordings.repair(*app.recording_thread);
   app.repairing = false;
 
   termination.wait(pause_between_sweeps(app.options), [&app] { sweep(app); });
-  log_info({"shutting down"});
+  log_info("shutting down");
   shut_down(server, app);
   return kExitOk;
 }

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct Options {
+struct StudyOptions {
   std::string kind, scene, output, refine, progress = "auto";
   std::vector<std::string> set;
   int threads = 0;
@@ -102,7 +102,7 @@ void print_table(const StudyResult& result) {
   }
 }
 
-int study(const Options& o) {
+int study(const StudyOptions& o) {
   std::string kind = o.kind;
   std::replace(kind.begin(), kind.end(), '-', '_');
   json::object document{{"kind", kind}, {"scene", load_scene_document(o.scene)}};
@@ -157,7 +157,7 @@ int study(const Options& o) {
 }  // namespace
 
 void add_study_command(Arguments app, int& exit_code) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<StudyOptions>();
   Arguments c = app.add_subcommand(
       "study", "measures a scene: work-precision, convergence, stability, cross-check, sweep");
   std::vector<std::string> kinds;

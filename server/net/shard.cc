@@ -29,7 +29,7 @@ void Shard::run() {
       io().run();
       return;
     } catch (const std::exception& e) {
-      log_error({"network thread: ", e.what()});
+      log_error("network thread: {}", e.what());
     }
   }
 }
@@ -46,7 +46,7 @@ void Shard::adopt(Socket socket) {
       try {
         std::rethrow_exception(failure);
       } catch (const std::exception& e) {
-        log_error({"a connection ended with: ", e.what()});
+        log_error("a connection ended with: {}", e.what());
       }
     }
     connections_.erase(at);

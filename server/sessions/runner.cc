@@ -179,7 +179,7 @@ void Runner::left_alone(const EntryPtr& entry) {
     entry->jobs.leaving.reset();
     if (entry->streams > 0 || entry->keep_running || !entry->session.playing()) return;
     if (entry->watched()) return left_alone(entry);
-    log_info({"session ", entry->id, ": paused, no viewers"});
+    log_info("session {}: paused, no viewers", entry->id);
     entry->session.pause();
     entry->jobs.due = 0;
     entry->paused_unwatched = true;

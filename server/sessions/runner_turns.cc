@@ -239,7 +239,7 @@ void Runner::turn(const EntryPtr& entry, LaneKind kind) {
           one_step(entry, lock, next == Next::silent_step ? Session::Output::silent : Session::Output::aloud);
     } catch (const std::exception& e) {
       // Out of memory, for example: the step is abandoned and the client that asked for it is told why.
-      log_error({"session ", entry->id, ": ", e.what()});
+      log_error("session {}: {}", entry->id, e.what());
       entry->session.pause();
       if (job) {
         job->error = std::current_exception();

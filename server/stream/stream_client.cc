@@ -140,7 +140,7 @@ void StreamClient::report(const std::exception_ptr& error, const std::string& re
     send(problem_message(e.code(), e.what(), request_id,
                          e.issues().empty() ? "" : e.issues().front().pointer));
   } catch (const std::exception& e) {
-    log_error({"stream: ", e.what()});
+    log_error("stream: {}", e.what());
     send(problem_message("internal", "", request_id, ""));
   }
 }

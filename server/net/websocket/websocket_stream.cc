@@ -233,7 +233,7 @@ Task<> BeastWebSocket::run() {
   try {
     handler_->on_open(self);
   } catch (const std::exception& e) {
-    log_error({"stream of ", remote_, ": ", e.what()});
+    log_error("stream of {}: {}", remote_, e.what());
     close(1011, "internal error");
   }
   boost::beast::flat_buffer message;
@@ -259,7 +259,7 @@ void BeastWebSocket::deliver(std::string_view message) {
   } catch (const Error& e) {
     close(1008, e.what());
   } catch (const std::exception& e) {
-    log_error({"stream of ", remote_, ": ", e.what()});
+    log_error("stream of {}: {}", remote_, e.what());
     close(1011, "internal error");
   }
 }
