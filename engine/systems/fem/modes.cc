@@ -58,8 +58,8 @@ std::vector<double> natural_frequencies(const FemField& field, int count) {
   factors.analyze(a);
   if (factors.factorize(a) != BlockLdlt::Outcome::positive_definite) {
     throw Error("scene_invalid", "the body's stiffness at rest is not positive definite",
-                {{"/modes", "no_frequencies", "the body's stiffness at rest is not positive definite", "", "",
-                  "", ""}});
+                {"/modes", "no_frequencies", "the body's stiffness at rest is not positive definite", "", "",
+                 "", ""});
   }
 
   DenseColumns y(n, m), my(n, m);
