@@ -1,7 +1,7 @@
 # join_sources(TARGET): compiles the small files of a folder several at a time, so that the headers that they share are read once:
 # half of what most files take. No file is named here. Alone stay
 #   - files with options, definitions or include folders of their own, and those that tests/layering makes exceptions for;
-#   - the loops of steps: gcc inlines a function of any size where a file calls it once, and calls it where five joined files call
+#   - most loops of steps: gcc inlines a function of any size where a file calls it once, and calls it where five joined files call
 #     it five times (rods took half as long again, bodies in space an eighth). Under sanitizers nobody counts that.
 # Two files of a folder cannot have the same name in their anonymous namespaces: tests/layering (anonymous) says which.
 # The joined sources are written here rather than by UNITY_BUILD, which names files by their absolute paths: no other clone would
@@ -10,12 +10,12 @@ set(joined_bytes 45000)
 
 # Folders below engine/ that loop over numbers, and the names of the files in them that do not. Loops are worth -O3,
 # which is what is not said otherwise; what is neither has plain_options.
-set(loop_folders "^(collision|integrators|kernels|lattice|math|neighbours|rigid|systems)(/|$)")
-# Loops over the numbers of a frame, which may be compiled with others.
-set(joined_loop_folders "^sinks/stream")
-set(not_loops "_(build|check|checks|commands|cost|def|drawing|model|names|observe|output|outputs|state|tables|texts)\\.cc$|^rows_")
+set(loop_folders "^(integrators|kernels|lattice|math|neighbours|rigid|systems)(/|$)")
+# Loops that may be compiled with others: what they call stands in the same file.
+set(joined_loop_folders "^(collision|sinks/stream)(/|$)")
+set(not_loops "_(build|check|checks|commands|cost|def|drawing|files|method|model|names|observe|output|outputs|resolution|state|tables|texts)\\.cc$|^rows_")
 # What reads, writes and tells rather than computes: less inlining is a third of the compiler's time and nobody's.
-set(quick_folders "^(api|cli|core/def|geometry/read|net/access|operations|persistence|reference|scene|session/snapshot|sessions|sinks/motion|sinks/recording|studies)(/|$)")
+set(quick_folders "^(api|cli|core/def|geometry/read|net/access|operations|persistence|reference|scene|session/snapshot|sessions|sinks/motion|sinks/recording|studies|systems/ode/compiler)(/|$)")
 set(plain_options $<$<CONFIG:Release>:-O2>)
 set(quick_options $<$<CONFIG:Release>:-O1> $<$<CONFIG:Release>:-finline-small-functions>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
@@ -42,7 +42,7 @@ set(systems_not_loops "(^|_)(body|clip|columns|come_and_go|mesh|model|network|re
 function(is_loops out folder name)
   get_filename_component(last ${folder} NAME)
   set(loops OFF)
-  if(folder MATCHES "${loop_folders}" AND NOT name MATCHES "${not_loops}")
+  if(folder MATCHES "${loop_folders}|${joined_loop_folders}" AND NOT name MATCHES "${not_loops}")
     set(loops ON)
   endif()
   if(folder MATCHES "^systems/" AND (name STREQUAL "${last}.cc" OR name MATCHES "${systems_not_loops}" OR folder MATCHES "/compiler$"))
@@ -54,7 +54,7 @@ endfunction()
 # add_folder_options(FILE FOLDER NAME): how much a source is optimised is what its folder says.
 function(add_folder_options file folder name)
   is_loops(loops ${folder} ${name})
-  if(folder MATCHES "${quick_folders}" OR (folder MATCHES "${loop_folders}" AND NOT loops))
+  if(folder MATCHES "${quick_folders}" OR (folder MATCHES "${loop_folders}|${joined_loop_folders}" AND NOT loops))
     set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS ${quick_options})
   elseif(plain_options AND NOT folder MATCHES "${loop_folders}" AND NOT folder MATCHES "${joined_loop_folders}")
     set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS ${plain_options})
@@ -77,7 +77,7 @@ function(stays_alone out file folder name)
   file(RELATIVE_PATH path ${PROJECT_SOURCE_DIR} ${file})
   if(path IN_LIST libm_exceptions)
     set(alone ON)
-  elseif(loops AND NOT TRUESTEP_SANITIZE)
+  elseif(loops AND folder MATCHES "${loop_folders}" AND NOT folder MATCHES "${quick_folders}" AND NOT TRUESTEP_SANITIZE)
     set(alone ON)
   endif()
   set(${out} ${alone} PARENT_SCOPE)
