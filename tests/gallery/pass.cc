@@ -1,8 +1,9 @@
-// gallery_pass SCENE.json [--golden FILE] [--control expect|golden|memory|threads|resumed]: everything that a scene of the
-// gallery promises, by two starts, each in a process of its own. The first runs its duration with one thread: what it
-// expects to measure, its memory beside its estimate, hashes on the way, its state in the middle. The second has eight
-// threads: the first 40 steps once more, then on from the saved state; its hashes are those of the first.
-// FILE has lines `name hash`: after 40 steps (or the last, of shorter scenes), for scenes whose hash is committed.
+// gallery_pass SCENE.json [--golden FILE] [--control expect|golden|memory|threads|resumed]: everything that a
+// scene of the gallery promises, by two starts, each in a process of its own. The first runs its duration
+// with one thread: what it expects to measure, its memory beside its estimate, hashes on the way, its state
+// in the middle. The second has eight threads: the first steps once more, then on from the saved state; its
+// hashes are those of the first. FILE has lines `name hash`: after 40 steps (or the last, of shorter scenes),
+// for scenes whose hash is committed.
 // --control alters one thing; exit code 0 if that is found and nothing else.
 #include <sys/mman.h>
 #include <sys/wait.h>

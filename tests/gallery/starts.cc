@@ -19,8 +19,9 @@
 namespace truestep::gallery_pass {
 namespace {
 
-constexpr uint64_t kSteps = 40;    // that both starts have in common, from the beginning and from the saved state
-constexpr int kThreadsBeside = 8;  // of the second start
+constexpr uint64_t kGoldenStep = 40;  // steps to a committed hash
+constexpr uint64_t kResumed = 20;     // from the saved state
+constexpr int kThreadsBeside = 8;     // of the second start
 
 std::string text_of(const std::filesystem::path& file) {
   std::ostringstream text;
@@ -33,7 +34,9 @@ Scene scene_of(const Wish& wish) {
   return settle_accuracy(parse_json(text_of(wish.scene)), kAccuracySeconds, ThreadArena(1)).scene;
 }
 
-std::shared_ptr<const ThreadArena> arena(int threads) { return std::make_shared<const ThreadArena>(threads); }
+std::shared_ptr<const ThreadArena> arena(int threads) {
+  return std::make_shared<const ThreadArena>(threads);
+}
 
 void save(const Session& session, const std::filesystem::path& file) {
   const auto bytes = session.state().serialize();
@@ -48,11 +51,13 @@ WorldState saved(const std::filesystem::path& file) {
   return WorldState::deserialize(bytes);
 }
 
-// The steps at which hashes are taken, from how many the scene has.
+// The steps at which hashes are taken, from how many the scene has: the second start repeats a tenth and goes
+// on from the middle.
 void choose_steps(uint64_t steps, Marks& marks) {
-  marks.early_step = std::min(kSteps, steps);
+  marks.golden_step = std::min(kGoldenStep, steps);
+  marks.early_step = std::min(marks.golden_step, std::max<uint64_t>(10, steps / 10));
   marks.saved_step = steps / 2;
-  marks.last_step = std::min(marks.saved_step + kSteps, steps);
+  marks.last_step = std::min(marks.saved_step + kResumed, steps);
 }
 
 unsigned judge(const Verdict& v) {
@@ -76,18 +81,21 @@ unsigned judge_golden(const Wish& wish, uint64_t hash) {
     if (name != wish.scene.stem().string()) continue;
     if (wish.control == kGolden) golden ^= 1;
     if (golden == hash) return 0;
-    std::cout << "the committed hash is " << std::hex << golden << std::dec << ", see tests/gallery/golden_hashes.txt\n";
+    std::cout << "the committed hash is " << std::hex << golden << std::dec
+              << ", see tests/gallery/golden_hashes.txt\n";
     return kGolden;
   }
   return 0;
 }
 
-unsigned judge_memory(const Wish& wish, double estimated, const testing::WeighedMemory& memory, size_t systems) {
+unsigned judge_memory(const Wish& wish, double estimated, const testing::WeighedMemory& memory,
+                      size_t systems) {
   if (kSlowdown > 1) return 0;  // the sanitizers' own memory is not estimated
   if (wish.control == kMemory) estimated *= 3;
   std::cout << "memory " << memory.bytes() << " B, estimated " << estimated << " B\n";
   if (!testing::memory_is_off(estimated, memory.bytes(), static_cast<double>(systems))) return 0;
-  std::cout << "the estimate of memory is beyond " << testing::kLeastRatio << " to " << testing::kMostRatio << " of it\n";
+  std::cout << "the estimate of memory is beyond " << testing::kLeastRatio << " to " << testing::kMostRatio
+            << " of it\n";
   return kMemory;
 }
 
@@ -119,6 +127,7 @@ unsigned first_start(const Wish& wish, Marks& marks) {
   for (uint64_t n = 1; n <= steps && session.step(1) == 1; ++n) {
     memory.after_step(n);
     if (expectations.needs_every_step() || n == steps) expectations.add(session.observe());
+    if (n == marks.golden_step) marks.golden_hash = session.hash();
     if (n == marks.early_step) marks.early_hash = session.hash();
     if (n == marks.saved_step) save(session, wish.state);
     if (n == marks.last_step) marks.last_hash = session.hash();
@@ -128,8 +137,8 @@ unsigned first_start(const Wish& wish, Marks& marks) {
   if (steps < memory.kSteps) memory.look();
   unsigned found = judge_memory(wish, memory.estimated(), memory, systems);
   for (const Verdict& v : expectations.verdicts()) found |= judge(v);
-  std::cout << "step " << marks.early_step << ' ' << std::hex << marks.early_hash << std::dec << '\n';
-  return found | judge_golden(wish, marks.early_hash);
+  std::cout << "step " << marks.golden_step << ' ' << std::hex << marks.golden_hash << std::dec << '\n';
+  return found | judge_golden(wish, marks.golden_hash);
 }
 
 unsigned second_start(const Wish& wish, const Marks& marks) {

@@ -24,6 +24,7 @@ struct Wish {
 /// Steps and the hashes after them.
 struct Marks {
   uint64_t early_step = 0, early_hash = 0;
+  uint64_t golden_step = 0, golden_hash = 0;
   uint64_t saved_step = 0, last_step = 0, last_hash = 0;
   unsigned found = 0;
 };

@@ -1,6 +1,6 @@
-// gallery_hashes FOLDER [NAME...]: prints, for every scene of a folder (or those named), its name, 40 and its state's hash
-// after so many steps, on which all builds must agree; 8 steps if the state is large, because one of the builds may be
-// slow. `--all-steps` instead of a name: 40 of all.
+// gallery_hashes FOLDER [NAME...]: prints, for every scene of a folder (or those named), its name, 40 and its
+// state's hash after so many steps, on which all builds must agree; 8 steps if the state is large, because
+// one of the builds may be slow. `--all-steps` instead of a name: 40 of all.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -35,7 +35,8 @@ int main(int count, char** words) {
   std::vector<std::filesystem::path> scenes;
   for (const auto& entry : std::filesystem::directory_iterator(words[1])) {
     const std::filesystem::path& file = entry.path();
-    if (file.extension() == ".json" && (wanted.empty() || wanted.contains(file.stem()))) scenes.push_back(file);
+    if (file.extension() == ".json" && (wanted.empty() || wanted.contains(file.stem())))
+      scenes.push_back(file);
   }
   std::sort(scenes.begin(), scenes.end());
   const auto arena = std::make_shared<const truestep::ThreadArena>(1);
@@ -45,6 +46,7 @@ int main(int count, char** words) {
     const bool large = session.state().serialize().size() > kLarge;
     const uint64_t steps = large && !all_steps ? kFewSteps : kSteps;
     session.step(steps);
-    std::cout << file.stem().string() << ' ' << steps << ' ' << std::hex << session.hash() << std::dec << '\n';
+    std::cout << file.stem().string() << ' ' << steps << ' ' << std::hex << session.hash() << std::dec
+              << '\n';
   }
 }

@@ -43,7 +43,9 @@ double forget_peak() {
 
 }  // namespace
 
-void return_large_blocks() { mallopt(M_MMAP_THRESHOLD, 1 << 20); }
+void return_large_blocks() {
+  mallopt(M_MMAP_THRESHOLD, 1 << 20);
+}
 
 WeighedMemory::WeighedMemory(double estimated_bytes)
     : estimated_(estimated_bytes), held_before_(allocated()), peak_before_(forget_peak()) {}
@@ -59,7 +61,9 @@ bool WeighedMemory::look() {
   return std::abs(bytes() - last) <= 0.01 * last && ratio() > 0.8 && ratio() < 1.35;
 }
 
-double WeighedMemory::bytes() const { return std::max(held_, grown_ - kCoarse); }
+double WeighedMemory::bytes() const {
+  return std::max(held_, grown_ - kCoarse);
+}
 
 bool memory_is_off(double estimated_bytes, double bytes, double systems) {
   const double ratio = estimated_bytes / bytes;

@@ -220,7 +220,8 @@ int main(int count, char** arguments) {
     for (int again = 0; again < 2 && judge == "time" && time_is_off(f, machine); ++again) {
       f = figures(*rows[k].scene);
     }
-    const bool memory = testing::memory_is_off(f.estimated_bytes, f.bytes, f.systems), time = time_is_off(f, machine);
+    const bool memory = testing::memory_is_off(f.estimated_bytes, f.bytes, f.systems),
+               time = time_is_off(f, machine);
     wrong += (judge != "time" && memory) || (judge != "memory" && time);
     std::printf(
         "%-28s %10.0f %12.0f %12.0f %6.2f %10.2e %10.2e %6.2f %5.0f%s%s\n", rows[k].scene->name.data(),
