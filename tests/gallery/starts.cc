@@ -57,7 +57,7 @@ void choose_steps(uint64_t steps, Marks& marks) {
   marks.golden_step = std::min(kGoldenStep, steps);
   marks.early_step = std::min(marks.golden_step, std::max<uint64_t>(10, steps / 10));
   marks.saved_step = steps / 2;
-  marks.last_step = std::min(marks.saved_step + kResumed, steps);
+  marks.last_step = std::min(marks.saved_step + kFewSteps, steps);
 }
 
 unsigned judge(const Verdict& v) {
