@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """targets.py BUILD CTEST_OPTION...: the build targets that tests need which these options choose, one a line. Tests of
 executables that are not built yet are found in their sources. `fuzz_targets` are those in the tree of the preset asan,
-`venv` the tests' Python packages. What nothing is known of may need anything: tests_full."""
+`venv` stands for Python packages, Chromium and what else only the tier full installs. What nothing is known of may need anything: tests_full."""
 import json
 import re
 import subprocess
@@ -58,7 +58,7 @@ def main():
         targets |= set(re.findall(re.escape(f"{build}/bin/") + r"(\w+)", text))
         if "build/asan" in text or '"fuzz"' in text:
             targets.add("fuzz_targets")
-        if "build/venv" in text:
+        if "build/venv" in text or '"browser"' in text or "tests/service" in text:
             targets.add("venv")
         if "layering" in text or "readme_test" in text:
             targets.add("truestep")
@@ -68,7 +68,7 @@ def main():
         if all(re.search(label, kind) for label in labels) and \
                 any(all(re.search(pattern, name) for pattern in names) for name in in_sources(kind)):
             targets.add(f"test_{kind}")
-    print("\n".join(sorted(targets or {"tests_full"})))
+    print("\n".join(sorted(targets or {"tests_full", "venv"})))
 
 
 if __name__ == "__main__":
