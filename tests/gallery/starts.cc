@@ -20,7 +20,7 @@ namespace truestep::gallery_pass {
 namespace {
 
 constexpr uint64_t kGoldenStep = 40;  // steps to a committed hash
-constexpr uint64_t kResumed = 20;     // from the saved state
+constexpr uint64_t kFewSteps = 20;    // from the saved state
 constexpr int kThreadsBeside = 8;     // of the second start
 
 std::string text_of(const std::filesystem::path& file) {
