@@ -22,10 +22,6 @@ def chosen(options):
         for list_, short, long in ((names, "-R", "--tests-regex"), (labels, "-L", "--label-regex")):
             if word in (short, long) and rest:
                 list_.append(rest.pop(0))
-            elif word.startswith(long + "="):
-                list_.append(word.split("=", 1)[1])
-            elif word.startswith(short) and len(word) > 2 and not word.startswith("-LE"):
-                list_.append(word[2:])
     return names, labels
 
 

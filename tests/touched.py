@@ -51,22 +51,16 @@ def scenes_of(paths):
     return chosen
 
 
-def main():
-    paths = changed(sys.argv[1] if len(sys.argv) > 1 else "HEAD~1")
+def arguments(paths):
     served = any(SERVED.search(path) for path in paths)
     physics = [path for path in paths if path.startswith("engine/") and path.endswith((".cc", ".h")) and not SERVED.search(path)]
-    names = []
-    if served:
-        print("service")
-    if physics:
-        print("gallery")
-        names = scenes_of(physics)
-    parts = ["^service[.]"] * served + [f"^gallery[.]({'|'.join(names)})$"] * bool(names)
-    if parts:
-        print(f"-R\n{'|'.join(parts)}")
-    if served:
-        print(f"-E\n{LONG}")
+    names = scenes_of(physics) if physics else []
+    parts = ["service"] * served + ["gallery"] * bool(names)
+    wanted = ["^service[.]"] * served + [f"^gallery[.]({'|'.join(names)})$"] * bool(names)
+    return parts + ["-R", "|".join(wanted)] * bool(parts) + ["-E", LONG] * served
 
 
 if __name__ == "__main__":
-    main()
+    found = arguments(changed(sys.argv[1] if len(sys.argv) > 1 else "HEAD~1"))
+    if found:
+        print("\n".join(found))
