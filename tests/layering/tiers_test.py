@@ -25,7 +25,7 @@ class Tiers(unittest.TestCase):
                              stderr=subprocess.DEVNULL, text=True, check=True)
         tests = json.loads(run.stdout)["tests"]
         labels = {t["name"]: next((p["value"] for p in t["properties"] if p["name"] == "LABELS"), []) for t in tests}
-        tiers = {name: {"default", "deep", "single"} & set(values) for name, values in labels.items()}
+        tiers = {name: {"default", "deep"} & set(values) for name, values in labels.items()}
         self.assertEqual([name for name, found in tiers.items() if len(found) > 1], [])
         for tier, one in (("default", "gallery.arch"), ("deep", "fuzz.obj")):
             self.assertEqual(tiers[one], {tier})
