@@ -70,7 +70,7 @@ unsigned judge(const Verdict& v) {
   if (v.expected.max) std::cout << ", at most " << *v.expected.max;
   if (v.expected.equals) std::cout << ", expected " << *v.expected.equals << " +- " << v.expected.tolerance;
   std::cout << '\n';
-  return v.met ? 0 : kExpect;
+  return v.met ? 0U : unsigned{kExpect};
 }
 
 unsigned judge_golden(const Wish& wish, uint64_t hash) {
