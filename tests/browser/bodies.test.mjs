@@ -4,6 +4,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { openChromium, patience, serveBinary } from "./chromium.mjs";
+import { settled } from "./pixels.mjs";
 
 let url;
 let stop;
@@ -115,7 +116,7 @@ test("contacts and joints are drawn on request only", async () => {
   await ask(`/v1/sessions/${id}/step`, { steps: 30 });
   await until(async () => (await page.textContent("#read-step")) === "30", "step 30");
   const view = async () => {
-    await page.waitForTimeout(600);
+    await settled(page);
     return page.screenshot({ clip: { x: 300, y: 100, width: 680, height: 560 } });
   };
   const plain = await view();

@@ -6,7 +6,7 @@ import { readFileSync } from "node:fs";
 import path from "node:path";
 import { after, before, test } from "node:test";
 import { openChromium, serveBinary, web } from "./chromium.mjs";
-import { open, pixels } from "./pixels.mjs";
+import { open, pixels, settled } from "./pixels.mjs";
 
 let url;
 let stop;
@@ -21,7 +21,7 @@ before(async () => {
   // On a light background ink stands out. How the view fits its camera's picture into the window is seen from a plate.
   await open(page, url, sceneOf({ type: "heat", cells: [60, 60], initial: "1" }, { range: [0, 1] }, front));
   await page.keyboard.press("l");
-  await page.waitForTimeout(300);
+  await settled(page);
   const yellow = (await pixels(page, clip)).where((r, g, b) => r > 200 && g > 180 && b < 120);
   const [low, high] = [Math.min, Math.max].map((most) => [0, 1].map((c) => yellow.reduce((v, at) => most(v, at[c]), yellow[0][c])));
   view = { metre: high[0] + 1 - low[0], middle: [0, 1].map((c) => (low[c] + high[c]) / 2) };
@@ -63,7 +63,7 @@ const sceneOf = (system, viewer, camera) => ({
 /** Shows a scene; {at(right, up), ink(right, up)}: the pixel there, in metres, and the darkest within two pixels. */
 async function shown(system, viewer, camera = front) {
   await open(page, url, sceneOf(system, viewer, camera));
-  await page.waitForTimeout(300);
+  await settled(page);
   const shot = await pixels(page, clip);
   const at = (right, up) => shot.at(view.middle[0] + (right - 0.5) * view.metre, view.middle[1] - (up - 0.5) * view.metre);
   const ink = (right, up) => {

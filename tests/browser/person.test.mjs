@@ -138,8 +138,13 @@ test("an address makes scene, time and camera again when its session is gone", a
   await page.focus("#view");
   await page.keyboard.press("ArrowLeft");
   await until(page, () => /eye=/.test(page.url()) && /t=/.test(page.url()), "the address says so");
-  await page.waitForTimeout(2600);
-  const address = page.url();
+  let address = "";
+  await until(page, async () => {
+    const before = address;
+    address = page.url();
+    await page.waitForTimeout(2600);
+    return page.url() === address && address === before;
+  }, "the address stands still");
   const time = Number(/t=([\d.]+)/.exec(address)[1]);
   const id = new URL(address).searchParams.get("session");
   await page.goto("about:blank");

@@ -4,7 +4,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { openChromium, serveBinary } from "./chromium.mjs";
-import { ask, open, pixels, until } from "./pixels.mjs";
+import { ask, open, pixels, settled, until } from "./pixels.mjs";
 
 let url;
 let stop;
@@ -112,7 +112,7 @@ for (const { width, height, free } of windows) {
         await ask(url, `/v1/sessions/${id}/step`, { steps: 1 });
         await page.waitForTimeout(350);
       }
-      await page.waitForTimeout(900);
+      await settled(page);
       const picture = await pixels(page, { x: 0, y: 0, width, height });
       for (const [what, wanted] of [["ball", isRed], ["box", (r, g, b) => b > 60 && b > 2 * r && b > 2 * g && b - g > 60]]) {
         const found = picture.where(wanted).filter(([, y]) => y > free.top && y < free.bottom);
@@ -178,7 +178,7 @@ test("one colour bar explains the colours of all systems", async () => {
   const one = (id, x, speed) => ({ type: "rigid3d", id, sleeping: false, bodies: [{ type: "sphere", radius: 0.4, position: [x, 0, 0], velocity: [0, 0, speed] }] });
   const yellow = async (systems) => {
     await open(page, url, { ...weightless, viewer: { color_by: "speed", camera: { eye: [0, 0, 9], target: [0, 0, 0] } }, systems });
-    await page.waitForTimeout(500);
+    await settled(page);
     return (await pixels(page, whole)).where((r, g, b) => r > 110 && g > 100 && b < 0.6 * r);
   };
   const both = await yellow([one("slow", -1.5, 1), one("fast", 1.5, 4)]);

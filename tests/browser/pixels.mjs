@@ -11,6 +11,19 @@ export async function until(page, condition, what) {
   }
 }
 
+const middle = { x: 300, y: 100, width: 680, height: 560 };
+
+/** Waits until the picture of a paused scene stands still: keys, cameras and bodies on their way need no fixed time. */
+export async function settled(page, clip = middle) {
+  let last = Buffer.alloc(0);
+  await until(page, async () => {
+    const before = last;
+    await page.waitForTimeout(300);
+    last = await page.screenshot({ clip });
+    return last.equals(before);
+  }, "the picture stands still");
+}
+
 /** The pixels of a part of the page: {width, height, at(x, y) -> [r, g, b]}, coordinates of the page. */
 export async function pixels(page, clip) {
   await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));

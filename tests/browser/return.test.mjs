@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { openChromium, serveBinary } from "./chromium.mjs";
-import { ask, open, pixels, until } from "./pixels.mjs";
+import { ask, open, pixels, settled, until } from "./pixels.mjs";
 
 let url;
 let stop;
@@ -45,7 +45,7 @@ test("play makes a session again that was deleted under the page, where it was",
   await until(page, async () => (await shownTime()) > 0.3, "it plays");
   await page.click("#play");
   await until(page, async () => (await page.getAttribute("#play", "aria-label")) === "Play", "it is paused");
-  await page.waitForTimeout(500);
+  await settled(page);
   const time = await shownTime();
   const id = new URL(page.url()).searchParams.get("session");
   await fetch(`${url}/v1/sessions/${id}`, { method: "DELETE" });
@@ -114,7 +114,7 @@ test("a page that leaves a session does not take it away from another page", asy
 test("water whose gravity is along z lies, seen from its camera", async () => {
   const pool = { type: "heightfield_wave", id: "pool", cells: [32, 32], size: [8, 8], origin: [-4, -4, 0], bed: "-0.3" };
   await open(page, url, { time: { dt: 0.01 }, gravity: [0, 0, -9.81], viewer: { color_map: "water", range: [-1, 1], height: 1, camera: { eye: [0, -8.5, 8], target: [0, 0, 0] } }, systems: [pool] });
-  await page.waitForTimeout(900);
+  await settled(page);
   const rows = new Map();
   for (const [x, y] of (await pixels(page, { x: 0, y: 60, width: 1280, height: 640 })).where((r, g, b) => b > 90 && b > 1.3 * r)) {
     const [low, high] = rows.get(y) ?? [x, x];
@@ -131,7 +131,7 @@ test("a grid coloured by a number carries no arrows of its velocity", async () =
   const flow = { type: "grid_fluid", id: "flow", cells: [32, 32], size: [1, 1], viscosity: 0.1, initial: ["1", "0"], side: { kind: "periodic" } };
   const dark = async (color_by) => {
     await open(page, url, { time: { dt: 0.01 }, gravity: [0, 0, 0], viewer: { color_by, range: [-1, 1] }, systems: [flow] });
-    await page.waitForTimeout(500);
+    await settled(page);
     return (await pixels(page, { x: 500, y: 250, width: 280, height: 250 })).where((r, g, b) => r + g + b < 120).length;
   };
   assert.equal(await dark("vorticity"), 0);
@@ -142,7 +142,7 @@ test("the names of axes are read in full on a phone", async () => {
   await page.setViewportSize({ width: 390, height: 844 });
   await page.goto(`${url}/?gallery=robertson`);
   await until(page, async () => (await page.$$('.labels [data-kind="axis"]')).length > 1, "axes have names");
-  await page.waitForTimeout(800);
+  await settled(page, { x: 0, y: 100, width: 390, height: 560 });
   const ends = await page.$$eval('.labels [data-kind="axis"]', (names) => names.map((name) => [name.textContent, name.getBoundingClientRect().left, name.getBoundingClientRect().right]));
   for (const [name, left, right] of ends) assert.ok(left >= 0 && right <= 390, `${name} goes from ${left} to ${right}`);
   await page.setViewportSize({ width: 1280, height: 800 });

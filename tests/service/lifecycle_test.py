@@ -143,13 +143,15 @@ class Lifecycle(unittest.TestCase):
         heavy = [self.service.create(HEAVY) for _ in range(2)]
         peers = [self.raw("POST", s["links"]["step"], b'{"steps": 100000}') for s in heavy]
         small = self.service.create(ROPE)
-        took = []
+
+        def stepped():
+            return sum(self.service.get(s["links"]["self"]).json()["step"] for s in heavy)
+
+        before = stepped()
         for _ in range(100):
-            start = time.monotonic()
             self.service.post(small["links"]["step"], {"steps": 1})
-            took.append(time.monotonic() - start)
-        # Measured 2 ms; an answer that waits for a step of the others takes a hundred times as long.
-        self.assertLess(sorted(took)[95], patience(0.1))
+        # Counted in the others' steps, whatever the machine does beside: whoever waited for them would see two hundred.
+        self.assertLess(stepped() - before, 50)
         for peer, s in zip(peers, heavy):
             peer.close()
             self.service.request("DELETE", s["links"]["self"])

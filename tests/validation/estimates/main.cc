@@ -5,7 +5,6 @@
 // and more than 64 KiB per system off. --judge time: if it is below half of the usual step's time or above
 // twice that of the busiest steps, after the median of all scenes has calibrated the machine's speed; a
 // benchmark, because other users of the machine's caches change a step's time as much.
-#include <malloc.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -25,6 +24,7 @@
 #include "engine/scene/json/json.h"
 #include "engine/session/session.h"
 #include "scaled_scene.h"
+#include "tests/support/weighed_memory.h"
 
 namespace {
 
@@ -42,36 +42,7 @@ double cpu_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-double allocated() {
-  const struct mallinfo2 m = mallinfo2();
-  return static_cast<double>(m.uordblks) + static_cast<double>(m.hblkhd);
-}
-
-// Peak memory from the kernel since `forget_peak`.
-double peak_bytes() {
-  std::FILE* status = std::fopen("/proc/self/status", "r");
-  char line[256];
-  double kilobytes = 0;
-  while (std::fgets(line, sizeof line, status)) {
-    if (std::sscanf(line, "VmHWM: %lf", &kilobytes) == 1) break;
-  }
-  std::fclose(status);
-  return 1024 * kilobytes;
-}
-void forget_peak() {
-  if (std::FILE* f = std::fopen("/proc/self/clear_refs", "w")) {
-    std::fputs("5", f);
-    std::fclose(f);
-  }
-}
-
-// What the kernel adds to the requested memory: pages of the program, the allocator's slack.
-constexpr double kCoarse = 8e6;
-
 constexpr size_t kRow = 24;
-
-// Estimated over true memory.
-constexpr double kLeast = 0.7, kMost = 1.5;
 
 // A scene's busiest stretch: the largest median of several consecutive steps, without the first, which builds
 // what later ones reuse. Before it sources are not full; after it everything sleeps.
@@ -106,27 +77,14 @@ Figures measure(const boost::json::value& document, double most_seconds, Until u
   f.estimated_seconds = cost.seconds_per_step;
   f.elements = cost.elements;
   f.systems = static_cast<double>(scene.systems.size());
-  malloc_trim(0);
-  forget_peak();
-  const double before = allocated(), peak_before = peak_bytes();
+  testing::WeighedMemory memory(f.estimated_bytes);
   Session session(std::make_shared<const World>(std::move(scene)), arena, {.history_bytes = 0});
   std::vector<double> took;
   const double start = cpu_seconds();
-  double grown = 0, held = 0;
-  bool within = true;
-  const auto weight = [&] { return std::max(held, grown - kCoarse); };
-  // Whether it is the same as half as many steps ago.
-  const auto weigh = [&] {
-    const double last = weight();
-    grown = peak_bytes() - peak_before, held = allocated() - before;
-    const double ratio = f.estimated_bytes / weight();
-    within = ratio >= kLeast && ratio <= kMost;
-    return std::abs(weight() - last) <= 0.01 * last && ratio > 0.8 && ratio < 1.35;
-  };
-  constexpr size_t kFewest = 32, kWeighed = 120, kLongest = 600;
+  constexpr size_t kFewest = memory.kFewest, kWeighed = memory.kSteps, kLongest = 600;
   const auto go_on = [&] {
     const double spent = cpu_seconds() - start;
-    const double longest = until == Until::kSettled && !within ? 60 : 10;
+    const double longest = until == Until::kSettled && !memory.within() ? 60 : 10;
     return spent < most_seconds || (took.size() < kWeighed && spent < longest * most_seconds);
   };
   while (took.empty() || (took.size() < kLongest && go_on())) {
@@ -139,12 +97,12 @@ Figures measure(const boost::json::value& document, double most_seconds, Until u
     took.push_back(cpu_seconds() - begun);
     // Memory after a failure is meaningless: the last weighing before it counts.
     if (took.size() == kWeighed || (took.size() < kWeighed && std::has_single_bit(took.size()))) {
-      const bool rests = weigh();
+      const bool rests = memory.look();
       const size_t enough = cpu_seconds() - start > most_seconds ? kFewest / 4 : kFewest;
       if (until == Until::kSettled && rests && took.size() >= enough) break;
     }
   }
-  f.bytes = weight();
+  f.bytes = memory.bytes();
   if (!took.empty()) {
     f.steps = static_cast<double>(took.size());
     f.seconds = busiest(took);
@@ -176,14 +134,6 @@ std::optional<Figures> measure_apart(const boost::json::value& document, double 
   int status = 0;
   waitpid(child, &status, 0);
   return got && status == 0 ? std::optional(f) : std::nullopt;
-}
-
-// The cost of a handful of rows or a short formula cannot be separated from that of their system.
-bool memory_is_off(const Figures& f) {
-  constexpr double kSmall = 64 << 10;
-  const double ratio = f.estimated_bytes / f.bytes;
-  return !(ratio >= kLeast && ratio <= kMost) &&
-         !(std::abs(f.estimated_bytes - f.bytes) <= kSmall * f.systems);
 }
 
 // `machine`: speed relative to the machine of the estimates. A step of some microseconds is mostly overhead,
@@ -242,8 +192,7 @@ int main(int count, char** arguments) {
       ->check(CLI::IsMember({"memory", "time"}));
   app.add_option("scenes", wanted, "of the gallery");
   CLI11_PARSE(app, count, arguments);
-  // As in the service: memory released by a growing large vector is returned at once.
-  mallopt(M_MMAP_THRESHOLD, 1 << 20);
+  testing::return_large_blocks();
 
   const auto figures = [&](const GalleryScene& scene) {
     const auto measured = measure_apart(fitting(parse_json(scene.text), times, most_bytes), seconds,
@@ -271,7 +220,8 @@ int main(int count, char** arguments) {
     for (int again = 0; again < 2 && judge == "time" && time_is_off(f, machine); ++again) {
       f = figures(*rows[k].scene);
     }
-    const bool memory = memory_is_off(f), time = time_is_off(f, machine);
+    const bool memory = testing::memory_is_off(f.estimated_bytes, f.bytes, f.systems),
+               time = time_is_off(f, machine);
     wrong += (judge != "time" && memory) || (judge != "memory" && time);
     std::printf(
         "%-28s %10.0f %12.0f %12.0f %6.2f %10.2e %10.2e %6.2f %5.0f%s%s\n", rows[k].scene->name.data(),
