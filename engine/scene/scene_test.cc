@@ -24,8 +24,9 @@ bool is_word(std::string_view name) {
 const DefTable& refusal_table() {
   static const DefTable t =
       TableOf<TestRefusal>("a scene that must be refused")
-          .text("code", &TestRefusal::code, "of a fault, e.g. out_of_range; any when left out")
-          .text("pointer", &TestRefusal::pointer, "JSON pointer of the fault; any when left out")
+          .text("code", &TestRefusal::code, "of its faults, e.g. out_of_range; any when left out")
+          .text("pointer", &TestRefusal::pointer, "JSON pointer of its faults; any when left out")
+          .text("did_you_mean", &TestRefusal::did_you_mean, "what is suggested; anything when left out")
           .build();
   return t;
 }
@@ -34,7 +35,8 @@ const DefTable& case_table() {
   static const DefTable t =
       TableOf<TestCase>("a scene to be tested for itself")
           .text("name", &TestCase::name, "name in reports")
-          .object("refused", &TestCase::refused, refusal_table(), "the scene must be refused with this fault")
+          .object("refused", &TestCase::refused, refusal_table(),
+                  "the scene must be refused, with this fault and no other")
           .choice("instability", &TestCase::instability, {"never", "allowed", "expected"},
                   "whether the run may or must end with an instability; what came before is then not judged")
           .build();

@@ -41,9 +41,9 @@ struct TestAxis {
 /// What becomes of the run.
 enum class TestEnding : uint8_t { runs, may_fail, fails };
 
-/// A scene that is not to be accepted: the code of a fault and its pointer (either may be empty: any).
+/// A scene that is not to be accepted: code, pointer and suggestion of all its faults (empty: any).
 struct TestRefusal {
-  std::string code, pointer;
+  std::string code, pointer, did_you_mean;
 };
 
 /// A scene to be run for itself, beside others of the same file; `expect` replaces that of the scene.
