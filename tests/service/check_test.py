@@ -50,7 +50,8 @@ class Check(unittest.TestCase):
             self.assertIn(part, line)
         self.assertTrue(end.startswith("0 passed, 1 failed"))
         scene = json.loads(self.check("--json").stdout)["scenes"][0]
-        self.assertEqual((scene["runs"], scene["passed"], len(scene["findings"])), (2, False, 1))
+        self.assertEqual((len(scene["runs"]), scene["passed"], len(scene["findings"])), (2, False, 1))
+        self.assertAlmostEqual(scene["runs"][0]["measured"]["ball.position.y"], -4.905, delta=0.06)
 
     def test_a_control_that_does_not_fail_is_a_failure(self):
         self.save("control.json", {**FALLING, "test": {"control": [{"set": {"/gravity/0": 1}, "fails": ["ball.position.y"], "why": "it falls"}]}})

@@ -7,6 +7,7 @@
 #include <regex>
 #include <thread>
 
+#include "engine/base/hash.h"
 #include "engine/scene/json/json_write.h"
 #include "server/cli/exit_codes.h"
 #include "server/cli/run/checked_files.h"
@@ -42,6 +43,24 @@ json::object describe(const CheckFinding& f) {
           {"measured", known ? json::value(*f.measured) : json::value(nullptr)},
           {"wanted", f.wanted},
           {"detail", f.detail}};
+}
+
+/// What each run of a scene measured.
+json::array describe_runs(const SceneCheck& check) {
+  json::array out;
+  for (size_t i = 0; i < check.size(); ++i) {
+    const TrialResult& r = check.result(i);
+    json::object measured;
+    for (const Verdict& v : r.verdicts) {
+      const bool known = v.measured && std::isfinite(*v.measured);
+      measured[v.expected.quantity] = known ? json::value(*v.measured) : json::value(nullptr);
+    }
+    out.push_back(json::object{{"variation", check.variation(i)},
+                               {"steps", r.steps},
+                               {"state_hash", hex64(r.hash)},
+                               {"measured", std::move(measured)}});
+  }
+  return out;
 }
 
 std::string issues_of(const Error& e) {
@@ -83,7 +102,7 @@ int report(const std::vector<CheckedFile>& files, double wall, const CheckOption
       failed += !findings.empty();
     }
     json::object row{{"file", f.path}, {"passed", findings.empty()}, {"cpu_seconds", f.cpu_seconds}};
-    if (f.check) row["runs"] = f.check->size();
+    if (f.check) row["runs"] = describe_runs(*f.check);
     row["findings"] = std::move(findings);
     scenes.push_back(std::move(row));
   }
