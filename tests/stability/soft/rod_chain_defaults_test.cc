@@ -26,11 +26,11 @@ struct ChainRun {
     const auto n = static_cast<int>(std::lround(s / session.world().dt()));
     for (int k = 0; k < n && session.step(1) == 1; ++k) {
       const double e = value("energy.total") - start;
-      rise = std::max(rise, e), fall = std::min(fall, e), gap = std::max(gap, value("joints.gap"));
+      rise = std::max(rise, e), fall = std::min(fall, e);
     }
   }
   Session session;
-  double start = 0, rise = 0, fall = 0, gap = 0;
+  double start = 0, rise = 0, fall = 0;
 };
 
 /// J, the largest deviation of the energy of two rods on soft springs within a second, in steps of h.
