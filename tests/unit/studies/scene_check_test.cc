@@ -11,7 +11,7 @@ namespace truestep {
 namespace {
 
 /// A ball falls by g t^2 / 2 = 4.905 m in a second; `test` is the value of "test".
-boost::json::value falling(const std::string& test) {
+boost::json::value falling_ball(const std::string& test) {
   return parse_json(R"({"time": {"dt": "10 ms", "duration": 1}, "systems": [{"type": "rigid3d", "id": "a",
     "bodies": [{"type": "sphere", "radius": 0.1, "position": [0, 0, 0]}]}],
     "probes": [{"id": "ball", "system": "a", "index": 0}],
@@ -21,7 +21,7 @@ boost::json::value falling(const std::string& test) {
 }
 
 std::vector<CheckFinding> findings(const std::string& test, size_t runs) {
-  SceneCheck check(falling(test));
+  SceneCheck check(falling_ball(test));
   EXPECT_EQ(check.size(), runs) << test;
   for (size_t i = 0; i < check.size(); ++i) check.run(i);
   return check.findings();
@@ -90,8 +90,8 @@ TEST(SceneCheck, FaultsOfTheTestAreFaultsOfTheScene) {
   for (const char* test : {R"({"vary": {"speed": [1]}})", R"({"vary": {"dt": 1}})", R"({"contrl": []})", "3",
                            R"({"control": [{"set": {"gravity": 1}}]})", R"({"same": ["dt"]})",
                            R"({"control": [{"case": "none"}]})", R"({"commands": [{}]})"}) {
-    EXPECT_THROW(SceneCheck{falling(test)}, Error) << test;
-    EXPECT_FALSE(read_scene(falling(test)).scene.has_value()) << test;
+    EXPECT_THROW(SceneCheck{falling_ball(test)}, Error) << test;
+    EXPECT_FALSE(read_scene(falling_ball(test)).scene.has_value()) << test;
   }
 }
 
