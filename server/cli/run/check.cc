@@ -1,9 +1,9 @@
 #include "server/cli/run/check.h"
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
 #include <iostream>
+#include <memory>
 #include <regex>
 #include <thread>
 
@@ -147,16 +147,16 @@ int check(const CheckOptions& options) {
 
 }  // namespace
 
-void add_check_command(CLI::App& app, int& exit_code) {
+void add_check_command(Arguments app, int& exit_code) {
   auto o = std::make_shared<CheckOptions>();
-  CLI::App* c = app.add_subcommand(
+  Arguments c = app.add_subcommand(
       "check", "runs scenes, varied as their \"test\" says, and compares them with what they expect");
-  c->add_option("paths", o->paths, "scene files, and folders with such")->required();
-  c->add_option("-R,--filter", o->filter, "only files whose path matches this regular expression");
-  c->add_option("-j,--jobs", o->jobs, "runs at a time (default: one per core)")->check(CLI::Range(1, 1024));
-  c->add_flag("--json", o->json, "the result as one JSON object on standard output");
-  c->add_flag("--list", o->list, "lists the files and their numbers of runs instead");
-  c->callback([o, &exit_code] { exit_code = check(*o); });
+  c.add_option("paths", o->paths, "scene files, and folders with such").required();
+  c.add_option("-R,--filter", o->filter, "only files whose path matches this regular expression");
+  c.add_option("-j,--jobs", o->jobs, "runs at a time (default: one per core)").in_range(1, 1024);
+  c.add_flag("--json", o->json, "the result as one JSON object on standard output");
+  c.add_flag("--list", o->list, "lists the files and their numbers of runs instead");
+  c.callback([o, &exit_code] { exit_code = check(*o); });
 }
 
 }  // namespace truestep
