@@ -101,6 +101,9 @@ TEST(DefaultMethod, OfFewStiffLinks) {
   SceneRun run(R"({"type": "articulation", "id": "a", "links": [
         {"joint": "ball", "shapes": [{"type": "box", "half_extents": [0.2, 0.05, 0.08], "position": [0.2, 0, 0]}]},
         {"joint": "hinge", "axis": [0, 0, 1], "offset": [0.4, 0, 0], "stiffness": 3e7,
+         "shapes": [{"type": "box", "half_extents": [0.2, 0.05, 0.08], "position": [0.2, 0, 0]}]},
+        {"joint": "universal", "axis": [0, 0, 1], "second_axis": [0, 1, 0], "offset": [0.4, 0, 0],
+         "stiffness": 1e7,
          "shapes": [{"type": "box", "half_extents": [0.2, 0.05, 0.08], "position": [0.2, 0, 0]}]}]})",
                1.0 / 60);
   EXPECT_EQ(run.method(), "radau5") << run.reason();
