@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <utility>
 
 #include "engine/math/expression/names.h"
@@ -43,25 +44,30 @@ size_t number_end(const std::string& text, size_t at) {
   return digits;
 }
 
-/// The argument of the call whose bracket opens at `open`: its end, and whether it is the only one.
-struct Argument {
+/// What stands in the bracket of a call: its arguments, and where it is closed.
+struct Call {
+  std::vector<std::string> arguments;
   size_t end = 0;
-  bool only = true;
 };
-Argument argument(const std::string& text, size_t open) {
-  Argument a;
+Call call_at(const std::string& text, size_t open) {
+  Call c;
   int depth = 0;
-  for (a.end = open; a.end < text.size(); ++a.end) {
-    if (text[a.end] == '(') ++depth;
-    if (text[a.end] == ')' && --depth == 0) return a;
-    if (text[a.end] == ',' && depth == 1) a.only = false;
+  size_t begin = open + 1;
+  for (c.end = open; c.end < text.size(); ++c.end) {
+    if (text[c.end] == '(') ++depth;
+    const bool closed = text[c.end] == ')' && --depth == 0;
+    if (closed || (text[c.end] == ',' && depth == 1)) {
+      c.arguments.push_back(trimmed(std::string_view(text).substr(begin, c.end - begin)));
+      begin = c.end + 1;
+    }
+    if (closed) return c;
   }
   throw ExpressionFault{open, "this bracket is never closed", ""};
 }
 
 /// Copies a text with its observables, and calls that `call` accepts, replaced by q0, q1 ...
-template <class Value, class Call>
-std::string replaced(const std::string& text, Value value, Call call) {
+template <class Value, class OfCall>
+std::string replaced(const std::string& text, Value value, OfCall call) {
   std::string out;
   for (size_t at = 0; at < text.size();) {
     size_t end = at + 1;
@@ -72,10 +78,10 @@ std::string replaced(const std::string& text, Value value, Call call) {
       const std::string name = text.substr(at, end - at);
       const size_t open = text.find_first_not_of(' ', end);
       if (open != text.npos && text[open] == '(') {
-        const Argument a = argument(text, open);
-        if (const auto number = call(name, trimmed(text.substr(open + 1, a.end - open - 1)), a.only, at)) {
+        const Call c = call_at(text, open);
+        if (const auto number = call(name, c.arguments, at)) {
           out += 'q' + std::to_string(*number);
-          end = a.end + 1;
+          end = c.end + 1;
         } else {
           out += name;
         }
@@ -88,6 +94,14 @@ std::string replaced(const std::string& text, Value value, Call call) {
     at = end;
   }
   return out;
+}
+
+/// A number that is written as one; empty otherwise.
+std::optional<double> as_number(const std::string& text) {
+  double value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [last, fault] = std::from_chars(text.data(), end, value);
+  return fault == std::errc() && last == end ? std::optional(value) : std::nullopt;
 }
 
 /// A text over q0 ... q(count - 1) and t.
@@ -124,7 +138,8 @@ QuantityTerm::QuantityTerm(const std::string& text) {
     names_.push_back(name);
     return names_.size() - 1;
   };
-  const std::string plain = replaced(text, number_of, [](auto&&...) { return std::optional<size_t>(); });
+  const auto no_reduction = [](auto&&...) { return std::optional<size_t>(); };
+  const std::string plain = replaced(text, number_of, no_reduction);
   program_ = compiled(plain, names_.size());
 }
 
@@ -139,10 +154,19 @@ std::optional<double> QuantityTerm::value(const Observables& values, double t) c
   return evaluated(*program_, found, t);
 }
 
-ExpectedQuantity::ExpectedQuantity(const std::string& given) {
-  const std::string text = given == "energy.drift" ? "drift(energy.total)" : trimmed(given);
+ExpectedQuantity::ExpectedQuantity(const std::string& text) {
+  try {
+    read(text == "energy.drift" ? "drift(energy.total)" : trimmed(text));
+  } catch (ExpressionFault& fault) {
+    // Its place is in what was left after names had been replaced.
+    fault.position = std::min(fault.position, text.size());
+    throw;
+  }
+}
+
+void ExpectedQuantity::read(const std::string& text) {
   const auto track = [this](Reduction reduction, const std::string& of) {
-    tracks_.push_back({reduction, QuantityTerm(of)});
+    tracks_.push_back({reduction, QuantityTerm(of), std::nullopt, std::nullopt});
     return tracks_.size() - 1;
   };
   const auto value = [&](const std::string& name) {
@@ -154,16 +178,24 @@ ExpectedQuantity::ExpectedQuantity(const std::string& given) {
     value(text);
     return;
   }
-  const std::string outer =
-      replaced(text, value, [&](const std::string& name, const std::string& of, bool only, size_t at) {
-        const auto row = std::find_if(std::begin(kReductions), std::end(kReductions),
-                                      [&](const auto& r) { return r.first == name; });
-        if (row == std::end(kReductions) || !only) return std::optional<size_t>();
-        const size_t number = track(row->second, of);
-        if (row->second == Reduction::drift && !tracks_[number].term.plain())
-          throw ExpressionFault{at, "drift takes one observable; change(...) takes an expression", "change"};
-        return std::optional<size_t>(number);
-      });
+  const auto reduced = [&](const std::string& name, const std::vector<std::string>& arguments, size_t at) {
+    const auto row = std::find_if(std::begin(kReductions), std::end(kReductions),
+                                  [&](const auto& r) { return r.first == name; });
+    // Of two arguments, min and max are the usual functions.
+    if (row == std::end(kReductions) || (arguments.size() != 1 && arguments.size() != 3))
+      return std::optional<size_t>();
+    const size_t number = track(row->second, arguments[0]);
+    QuantityTrack& t = tracks_[number];
+    if (row->second == Reduction::drift && !t.term.plain())
+      throw ExpressionFault{at, "drift takes one observable; change(...) takes an expression", "change"};
+    if (arguments.size() == 3) {
+      t.from = as_number(arguments[1]), t.until = as_number(arguments[2]);
+      if (!t.from || !t.until)
+        throw ExpressionFault{at, "expected " + name + "(x, from, until) with two times in s", ""};
+    }
+    return std::optional<size_t>(number);
+  };
+  const std::string outer = replaced(text, value, reduced);
   if (outer != "q0") program_ = compiled(outer, tracks_.size());
 }
 

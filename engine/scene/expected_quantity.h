@@ -3,6 +3,7 @@
 //   energy.total                           the value at the end
 //   max(rope.strain.max)                   min, max, mean, start; largest: max |x|; change: max |x - start|;
 //                                          drift: change divided by a scale (session/expectation.h)
+//   largest(x, 8, 10) / largest(x, 0, 2)   of a part of the run: from, until (s)
 //   max(tip.position.y) - start(top.y)     arithmetic and functions as in equations, `t` = time in s
 //   largest(tip.position.x - cos(2*t))     reductions take expressions, too, except drift
 //   energy.gain, energy.loss               the most that energy.total rises above, or falls below, its start,
@@ -38,22 +39,27 @@ class QuantityTerm {
   std::optional<ExpressionProgram> program_;  ///< of the names in order, and t
 };
 
+/// A term reduced over the run, or over a part of it (s).
+struct QuantityTrack {
+  Reduction reduction;
+  QuantityTerm term;
+  std::optional<double> from, until;
+};
+
 class ExpectedQuantity {
  public:
-  struct Track {
-    Reduction reduction;
-    QuantityTerm term;
-  };
   /// Throws ExpressionFault.
   explicit ExpectedQuantity(const std::string& text);
-  const std::vector<Track>& tracks() const { return tracks_; }
+  const std::vector<QuantityTrack>& tracks() const { return tracks_; }
   /// The reduction, if the quantity is nothing but one.
   std::optional<Reduction> only() const;
   /// The value at the end from those of the tracks, in order; t is the time at the end.
   double combine(const std::vector<double>& tracks, double t) const;
 
  private:
-  std::vector<Track> tracks_;
+  void read(const std::string& text);
+
+  std::vector<QuantityTrack> tracks_;
   std::optional<ExpressionProgram> program_;  ///< of the tracks in order, and t; empty: the only track
 };
 

@@ -47,11 +47,12 @@ ExpectedQuantity read_quantity(const std::string& text, size_t index) {
   }
 }
 
-// Whether t lies in the window, up to rounding.
-bool within(const ExpectParams& e, double t) {
+// Whether t lies in the window of an expectation or of a track, up to rounding.
+template <class Windowed>
+bool within(const Windowed& w, double t) {
   constexpr double kRounding = 1e-9;
-  return (!e.from || t >= *e.from - kRounding * std::abs(*e.from)) &&
-         (!e.until || t <= *e.until + kRounding * std::abs(*e.until));
+  return (!w.from || t >= *w.from - kRounding * std::abs(*w.from)) &&
+         (!w.until || t <= *w.until + kRounding * std::abs(*w.until));
 }
 
 }  // namespace
@@ -73,7 +74,7 @@ bool Expectations::needs_every_step() const {
 
 bool Expectations::wants(std::string_view observable) const {
   for (const Watched& w : watched_) {
-    for (const ExpectedQuantity::Track& t : w.quantity.tracks()) {
+    for (const QuantityTrack& t : w.quantity.tracks()) {
       if (of_energy(t.reduction) && observable == kPotential) return true;
       for (const std::string& name : t.term.names()) {
         if (observable == name) return true;
@@ -84,9 +85,8 @@ bool Expectations::wants(std::string_view observable) const {
   return false;
 }
 
-void Expectations::add_to(Seen& s, const ExpectedQuantity::Track& track, const Observables& values,
-                          double t) {
-  const auto v = track.term.value(values, t);
+void Expectations::add_to(Seen& s, const QuantityTrack& track, const Observables& values, double t) {
+  const auto v = within(track, t) ? track.term.value(values, t) : std::nullopt;
   if (!v) return;
   if (of_energy(track.reduction)) {
     const auto potential = values.find(kPotential);

@@ -50,7 +50,7 @@ class Expectations {
     std::vector<Seen> seen;  ///< per track
     double t = 0;            ///< of the last value within the window
   };
-  static void add_to(Seen& seen, const ExpectedQuantity::Track& track, const Observables& values, double t);
+  static void add_to(Seen& seen, const QuantityTrack& track, const Observables& values, double t);
   static std::optional<double> reduced(const Seen& seen, Reduction reduction, double given);
   std::vector<Watched> watched_;
 };

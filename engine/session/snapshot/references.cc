@@ -224,7 +224,7 @@ class Checker {
   void expectation(const ExpectParams& e, const std::string& where) {
     try {
       const ExpectedQuantity quantity(e.quantity);
-      for (const ExpectedQuantity::Track& track : quantity.tracks()) {
+      for (const QuantityTrack& track : quantity.tracks()) {
         for (const std::string& name : track.term.names()) expected(e, name, where);
       }
     } catch (const ExpressionFault&) {  // reported where the scene was read

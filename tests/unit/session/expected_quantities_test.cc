@@ -62,6 +62,11 @@ TEST(ExpectedQuantities, CountInAWindow) {
   EXPECT_DOUBLE_EQ(measured(e), 1);
 }
 
+TEST(ExpectedQuantities, CompareParts) {
+  EXPECT_DOUBLE_EQ(measured("max(a.x, 1.5, 2) / max(a.x, 0, 1.5)"), 3 / 1.25);
+  EXPECT_DOUBLE_EQ(measured("start(a.x, 0.5, 2)"), -0.75);
+}
+
 TEST(ExpectedQuantities, SeeEnergyFromNothing) {
   EXPECT_NEAR(measured("energy.gain"), 0.1, 1e-8);
   EXPECT_EQ(measured("energy.loss"), 0);
@@ -71,7 +76,7 @@ TEST(ExpectedQuantities, SeeEnergyFromNothing) {
 }
 
 TEST(ExpectedQuantities, ThatCannotBeReadAreFaultsOfTheScene) {
-  for (const char* text : {"max(a.x", "a.x +", "drift(a.x + 1)", "blur(a.x)", ""}) {
+  for (const char* text : {"max(a.x", "a.x +", "drift(a.x + 1)", "blur(a.x)", "max(a.x, t, 2)", ""}) {
     boost::json::value scene = boost::json::parse(
         R"({"systems": [{"type": "oscillator"}], "expect": [{"quantity": "", "min": 0}]})");
     scene.at("expect").as_array()[0].as_object()["quantity"] = text;
