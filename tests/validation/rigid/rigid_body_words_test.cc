@@ -47,33 +47,6 @@ struct Boxes {
   ThreadArena arena{1};
 };
 
-TEST(RigidBodyWords, AGroupDecidesBeforeCategoryAndMask) {
-  for (const std::string& type : kTypes) {
-    // Of one group below 0: the upper box falls through the lower one onto the floor.
-    Boxes never(type, {{0.5, R"(, "group": -2)"}, {2.5, R"(, "group": -2)"}});
-    EXPECT_NEAR(never.seconds(2).height(1), 0.5, 0.02) << type;
-    // Of different groups, or of the group 0: it rests on it.
-    Boxes others(type, {{0.5, R"(, "group": -2)"}, {2.5, R"(, "group": -3)"}});
-    EXPECT_NEAR(others.seconds(2).height(1), 1.5, 0.02) << type;
-    // Of one group above 0: it does so although the masks do not allow it.
-    Boxes always(type, {{0.5, R"(, "group": 4, "mask": 0)"}, {2.5, R"(, "group": 4, "mask": 0)"}},
-                 R"(, "group": 4, "mask": 0)");
-    EXPECT_NEAR(always.seconds(2).height(1), 1.5, 0.02) << type;
-    Boxes masked(type, {{0.5, R"(, "mask": 0)"}});
-    EXPECT_LT(masked.seconds(1).height(0), -1) << type << ": the control";
-  }
-}
-
-TEST(RigidBodyWords, ABodyThatIsAsleepAtTheStartWaitsForATouch) {
-  for (const std::string& type : kTypes) {
-    Boxes still(type, {{3, R"(, "asleep": true)"}});
-    EXPECT_EQ(still.awake(), 0) << type;
-    EXPECT_EQ(still.seconds(2).height(0), 3) << type;
-    Boxes hit(type, {{3, R"(, "asleep": true)"}, {5, ""}});
-    EXPECT_NEAR(hit.seconds(4).height(0), 0.5, 0.02) << type;
-  }
-}
-
 TEST(RigidBodyWords, VelocitiesAreSetWhileTheSceneRuns) {
   for (const std::string& type : kTypes) {
     Boxes boxes(type, {{0.5, ""}});
@@ -89,37 +62,6 @@ TEST(RigidBodyWords, VelocitiesAreSetWhileTheSceneRuns) {
     EXPECT_NEAR(boxes.height(0), 0.5 + 5 * 0.4 - 5 * 0.4 * 0.4, 0.03) << type;
     c.index = 0;
     EXPECT_THROW(boxes.world.system(0).apply(boxes.state.systems[0], c), Error) << type << ": fixed";
-  }
-}
-
-TEST(RigidBodyWords, ABodyMayBeKeptAwake) {
-  for (const std::string& type : kTypes) {
-    EXPECT_EQ(Boxes(type, {{0.5, ""}}).seconds(3).awake(), 0) << type;
-    EXPECT_EQ(Boxes(type, {{0.5, R"(, "can_sleep": false)"}}).seconds(3).awake(), 1) << type;
-  }
-}
-
-TEST(RigidBodyWords, FrictionIsOneHalfUnlessTheBodyOrTheSystemSaysOtherwise) {
-  const std::string slides = R"(, "velocity": [2, 0, 0])";
-  // v^2 / (2 mu g), within half a step's way.
-  const auto way = [](double mu) { return 2.0 * 2 / (2 * mu * 10); };
-  for (const std::string& type : kTypes) {
-    Boxes usual(type, {{0.5, slides}});
-    EXPECT_NEAR(usual.seconds(3).coordinate(0, 0), way(0.5), 0.01) << type;
-    Boxes all(type, {{0.5, slides}}, "", R"(, "friction": 0.2)");
-    EXPECT_NEAR(all.seconds(3).coordinate(0, 0), way(0.2), 0.01) << type;
-    Boxes own(type, {{0.5, slides + R"(, "friction": 0.8)"}}, "", R"(, "friction": 0.2)");
-    EXPECT_NEAR(own.seconds(3).coordinate(0, 0), way(0.4), 0.01) << type << ": the root of the product";
-  }
-}
-
-TEST(RigidBodyWords, TheSystemsRestitutionIsThatOfItsBodies) {
-  for (const std::string& type : kTypes) {
-    // From 1 m, 0.447 s; then up to e^2 of that after another 0.224 s.
-    Boxes all(type, {{1.5, ""}}, "", R"(, "restitution": 0.5)");
-    EXPECT_NEAR(all.seconds(0.67).height(0), 0.75, 0.03) << type;
-    Boxes own(type, {{1.5, R"(, "restitution": 0)"}}, R"(, "restitution": 0)", R"(, "restitution": 0.5)");
-    EXPECT_NEAR(own.seconds(0.67).height(0), 0.5, 0.01) << type;
   }
 }
 
