@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/session/world/world.h"
+#include "tests/support/world_run.h"
 
 namespace truestep {
 namespace {
@@ -12,10 +12,10 @@ namespace {
 const std::string kTypes[] = {"rigid2d", "rigid3d"};
 
 /// Boxes of 1 m on a floor whose top is at y = 0; each is given by its height and its other members.
-struct Boxes {
+struct Boxes : testing_rig::WorldRun {
   Boxes(const std::string& type, const std::vector<std::pair<double, std::string>>& boxes,
         const std::string& floor = "", const std::string& system = "")
-      : world(parse_scene(scene(type, boxes, floor, system))), state(world.initial_state()) {}
+      : WorldRun(scene(type, boxes, floor, system)) {}
   static std::string scene(const std::string& type, const std::vector<std::pair<double, std::string>>& boxes,
                            const std::string& floor, const std::string& system) {
     const bool flat = type == "rigid2d";
@@ -30,21 +30,8 @@ struct Boxes {
     return R"({"gravity": [0, -10, 0], "time": {"dt": 0.01}, "systems": [{"type": ")" + type +
            R"(", "id": "r", "bodies": [)" + list + "]" + system + "}]}";
   }
-  Boxes& seconds(double s) {
-    for (int k = 0; k < std::lround(s / 0.01); ++k) world.step(state, workspace, arena, {});
-    return *this;
-  }
-  double coordinate(size_t box, size_t k) const {
-    const State& s = state.systems[0];
-    return s.f64(s.at("position"))[3 * (box + 1) + k];
-  }
-  double height(size_t box) const { return coordinate(box, 1); }
-  double awake() const { return world.observe(state).find("r.awake").value(); }
-
-  World world;
-  WorldState state;
-  Workspace workspace;
-  ThreadArena arena{1};
+  double height(size_t box) const { return vec("position", box + 1).y; }
+  double awake() const { return observed("awake"); }
 };
 
 TEST(RigidBodyWords, VelocitiesAreSetWhileTheSceneRuns) {
@@ -54,14 +41,14 @@ TEST(RigidBodyWords, VelocitiesAreSetWhileTheSceneRuns) {
     EXPECT_EQ(boxes.awake(), 0) << type;
     Command c;
     c.kind = CommandKind::set_parameter, c.index = 1, c.name = "velocity", c.vector = {0, 5, 0};
-    boxes.world.system(0).apply(boxes.state.systems[0], c);
+    boxes.apply(c);
     c.name = "angular_velocity", c.value = -2, c.vector = {0, 0, -2};
-    boxes.world.system(0).apply(boxes.state.systems[0], c);
+    boxes.apply(c);
     EXPECT_EQ(boxes.awake(), 1) << type;
     boxes.seconds(0.4);
     EXPECT_NEAR(boxes.height(0), 0.5 + 5 * 0.4 - 5 * 0.4 * 0.4, 0.03) << type;
     c.index = 0;
-    EXPECT_THROW(boxes.world.system(0).apply(boxes.state.systems[0], c), Error) << type << ": fixed";
+    EXPECT_THROW(boxes.apply(c), Error) << type << ": fixed";
   }
 }
 
