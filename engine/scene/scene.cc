@@ -8,6 +8,7 @@
 #include "engine/scene/json/json_write.h"
 #include "engine/scene/params/params.h"
 #include "engine/scene/params/params_text.h"
+#include "engine/scene/scene_test.h"
 
 namespace truestep {
 
@@ -282,8 +283,9 @@ SceneReport read_scene(const json::value& document) {
   }
   const json::object& o = document.as_object();
   Scene scene;
-  constexpr std::string_view kOwn[] = {"systems", "couplings"};
+  constexpr std::string_view kOwn[] = {"systems", "couplings", "test"};
   read_params(scene_table(), &scene.header, o, "", kOwn, report.errors);
+  if (const json::value* test = o.if_contains("test")) read_scene_test(*test, "/test", report.errors);
   const json::value* systems = o.if_contains("systems");
   if (!systems || !systems->is_array() || systems->as_array().empty() ||
       systems->as_array().size() > kMaxSystems) {
@@ -342,6 +344,7 @@ json::object scene_schema() {
                    {"description", "interactions between systems"},
                    {"maxItems", kMaxCouplings},
                    {"items", json::object{{"oneOf", std::move(couplings)}}}};
+  schema["properties"].as_object()["test"] = scene_test_schema();
   if (!schema.contains("required")) schema["required"] = json::array{};
   schema["required"].as_array().emplace_back("systems");
   json::object out{{"$schema", "https://json-schema.org/draft/2020-12/schema"},

@@ -1,11 +1,9 @@
 // A scene: what a client POSTs and `truestep run` reads. The header and every system are read by their
 // parameter tables; all faults are reported at once, each with its JSON pointer.
 //
-// Expectations name a quantity: an observable at the end ("energy.total", "rope.strain.max", a probe's
-// component "tip.position.y"), or "min(NAME)", "max(NAME)" over the run's steps, or "drift(NAME)" =
-// max |value - initial value| / scale, the scale being the largest |initial value| of the quantities of the
-// same group and unit ("energy." in J), or 1 where all of them start at 0: the drift is then absolute, in the
-// quantity's unit. "energy.drift" is short for "drift(energy.total)".
+// Expectations name a quantity (scene/expected_quantity.h): an observable at the end ("energy.total", a
+// probe's component "tip.position.y"), what a run did with it ("max(rope.strain.max)", "energy.drift"), or an
+// expression of such.
 #pragma once
 #include <boost/json.hpp>
 #include <memory>
@@ -37,6 +35,8 @@ struct ProbeParams {
   std::string id, system;
   int64_t index = 0;       ///< row; negative counts from the end
   std::optional<Vec3> at;  ///< m, in a grid: instead of an index
+  /// Of rows from `index` on, component by component; one: only that row.
+  enum class Rows : uint8_t { one, least, greatest, mean } rows = Rows::one;
   std::vector<std::string> fields{"position"};
 };
 
@@ -77,7 +77,9 @@ struct ViewerParams {
 struct ExpectParams {
   std::string quantity;
   std::optional<double> min, max, equals;
-  double tolerance = 0;  ///< allowed |value - equals|
+  double tolerance = 0;               ///< allowed |value - equals|
+  std::optional<double> from, until;  ///< s, the part of the run that counts; empty: from start, to end
+  double given = 0;                   ///< J that may come in unseen, of energy.gain and energy.loss
   std::string source;
 };
 

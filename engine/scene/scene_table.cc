@@ -1,6 +1,9 @@
 // The scene header's parameter tables.
 #include "engine/scene/scene.h"
 
+#include "engine/math/expression/names.h"
+#include "engine/scene/expected_quantity.h"
+
 namespace truestep {
 
 namespace {
@@ -46,6 +49,9 @@ const DefTable& probe_table() {
           .integer("index", &ProbeParams::index, between(-1e9, 1e9), "row; -1 is the last one")
           .vector("at", &ProbeParams::at, "m", any(),
                   "position in a grid, interpolated between rows; instead of index")
+          .choice("rows", &ProbeParams::rows, {"one", "least", "greatest", "mean"},
+                  "one: the row `index`; else the least, greatest or mean value of all rows from `index` on, "
+                  "component by component")
           .texts("fields", &ProbeParams::fields, {1, 16}, "fields to report")
           .build();
   return t;
@@ -124,18 +130,34 @@ const DefTable& expect_table() {
   static const DefTable t =
       TableOf<ExpectParams>("what a run of this scene should measure")
           .text("quantity", &ExpectParams::quantity,
-                "an observable at the end, or min(...), max(...), drift(...) of one over the run's steps. "
-                "Drift: largest change since the start, divided by the largest magnitude at the start among "
-                "the quantities of its group with its unit (energy.*: J); absolute where all of them start "
-                "at 0. energy.drift is drift(energy.total)")
+                "an observable at the end, or what the run did with it: min(...), max(...), mean(...), "
+                "start(...), largest(...) = max |x|, change(...) = max |x - start|, drift(...); or an "
+                "expression of such, e.g. \"max(tip.position.y) - start(top.position.y)\" or "
+                "\"largest(tip.position.x - cos(2*t))\", t = time. Drift: change divided by the largest "
+                "magnitude at the start among the quantities of its group with its unit (energy.*: J); "
+                "absolute where all of them start at 0. energy.drift is drift(energy.total). energy.gain and "
+                "energy.loss: the most that energy.total rises above or falls below its start, divided by "
+                "the energy at work, i.e. kinetic at the start + the fall of the potential + `given`")
           .required()
           .number("min", &ExpectParams::min, "", any(), "lower bound")
           .number("max", &ExpectParams::max, "", any(), "upper bound")
           .number("equals", &ExpectParams::equals, "", any(), "value, to within tolerance")
           .number("tolerance", &ExpectParams::tolerance, "", at_least(0), "allowed difference from equals")
+          .number("from", &ExpectParams::from, "s", at_least(0), "values before this time do not count")
+          .number("until", &ExpectParams::until, "s", at_least(0),
+                  "values after this time do not count: the end, for this expectation")
+          .number(
+              "given", &ExpectParams::given, "J", at_least(0),
+              "of energy.gain and energy.loss: what motors, emitters or springs may add that energy.total "
+              "does not count at the start")
           .text("source", &ExpectParams::source, "source of the number")
           .check([](const ExpectParams& e, const DefTable::Report& report) {
             if (!e.min && !e.max && !e.equals) report("", "an expectation needs min, max or equals");
+            try {
+              static_cast<void>(ExpectedQuantity(e.quantity));
+            } catch (const ExpressionFault& fault) {
+              report("/quantity", describe(fault, e.quantity));
+            }
           })
           .build();
   return t;

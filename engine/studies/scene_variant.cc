@@ -31,28 +31,46 @@ std::string unescaped(std::string_view token) {
 
 }  // namespace
 
+namespace {
+
+// Sets what `rest`, the end of `pointer`, leads to from `at`.
+void set_below(json::value& at, std::string_view rest, std::string_view pointer, const json::value& value) {
+  if (rest.empty()) {
+    at = value;
+    return;
+  }
+  rest.remove_prefix(1);
+  const size_t end = std::min(rest.find('/'), rest.size());
+  const std::string token = unescaped(rest.substr(0, end));
+  rest.remove_prefix(end);
+  if (json::object* o = at.if_object()) {
+    if (rest.empty() && value.is_null()) {
+      o->erase(token);
+      return;
+    }
+    json::value& member = (*o)[token];
+    if (!rest.empty() && member.is_null()) member.emplace_object();
+    set_below(member, rest, pointer, value);
+  } else if (json::array* a = at.if_array()) {
+    if (token == "*") {
+      for (json::value& element : *a) set_below(element, rest, pointer, value);
+      return;
+    }
+    size_t index = 0;
+    const auto [last, fault] = std::from_chars(token.data(), token.data() + token.size(), index);
+    if (fault != std::errc() || last != token.data() + token.size() || index >= a->size())
+      bad_pointer(pointer, "the array there has " + std::to_string(a->size()) + " elements");
+    set_below((*a)[index], rest, pointer, value);
+  } else {
+    bad_pointer(pointer, "it leads through a value that is no object or array");
+  }
+}
+
+}  // namespace
+
 void set_at(json::value& document, std::string_view pointer, json::value value) {
   if (pointer.empty() || pointer.front() != '/') bad_pointer(pointer, "a pointer starts with /");
-  json::value* at = &document;
-  for (std::string_view rest = pointer; !rest.empty();) {
-    rest.remove_prefix(1);
-    const size_t end = std::min(rest.find('/'), rest.size());
-    const std::string token = unescaped(rest.substr(0, end));
-    rest.remove_prefix(end);
-    if (json::object* o = at->if_object()) {
-      at = &(*o)[token];
-      if (!rest.empty() && at->is_null()) at->emplace_object();
-    } else if (json::array* a = at->if_array()) {
-      size_t index = 0;
-      const auto [last, fault] = std::from_chars(token.data(), token.data() + token.size(), index);
-      if (fault != std::errc() || last != token.data() + token.size() || index >= a->size())
-        bad_pointer(pointer, "the array there has " + std::to_string(a->size()) + " elements");
-      at = &(*a)[index];
-    } else {
-      bad_pointer(pointer, "it leads through a value that is no object or array");
-    }
-  }
-  *at = std::move(value);
+  set_below(document, pointer, pointer, value);
 }
 
 void set_dt(json::value& document, double dt) {

@@ -9,8 +9,9 @@
 
 namespace truestep {
 
-/// Sets `value` at an RFC 6901 pointer. Missing members of objects are created, elements of arrays must exist
-/// ("-" does not append). Error "bad_pointer" with the pointer otherwise.
+/// Sets `value` at an RFC 6901 pointer; null removes a member. A token * stands for every element of an
+/// array. Missing members of objects are created, elements of arrays must exist ("-" does not append). Error
+/// "bad_pointer" with the pointer otherwise.
 void set_at(boost::json::value& document, std::string_view pointer, boost::json::value value);
 
 /// Sets the session step to dt, without substeps.

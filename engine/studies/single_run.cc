@@ -108,7 +108,7 @@ StudyResult run_once(const json::value& scene, const void* def, StudyContext& co
   const uint64_t points = static_cast<uint64_t>(p.max_points) - 1;
   const uint64_t every = std::max<uint64_t>(1, (steps + points - 1) / points);
   rows.add(session);
-  if (!expectations.empty()) expectations.add(session.observe());
+  if (!expectations.empty()) expectations.add(session.observe(), session.time());
   const std::clock_t begun = std::clock();
   for (uint64_t n = 0; n < steps; ++n) {
     if (n % 16 == 0) {
@@ -119,7 +119,7 @@ StudyResult run_once(const json::value& scene, const void* def, StudyContext& co
     if (session.step(1) == 0) break;
     const bool last = n + 1 == steps;
     if (!expectations.empty() && (last || expectations.needs_every_step()))
-      expectations.add(session.observe());
+      expectations.add(session.observe(), session.time());
     if (last || session.step_index() % every == 0) rows.add(session);
   }
   session.examine();

@@ -94,14 +94,15 @@ json::object run_case(const json::value& scene, const SweepParams& p, size_t num
     Expectations watch(world.scene());
     WorldState state = world.initial_state();
     Workspace workspace;
-    watch.add(world.observe(state));
+    watch.add(world.observe(state), static_cast<double>(state.step) * world.dt());
     try {
       for (uint64_t n = 0; n < steps; ++n) {
         if (n % 16 == 0) context.check();
         world.step(state, workspace, kSerial, {});
-        if (watch.needs_every_step() && n + 1 < steps) watch.add(world.observe(state));
+        if (watch.needs_every_step() && n + 1 < steps)
+          watch.add(world.observe(state), static_cast<double>(state.step) * world.dt());
       }
-      watch.add(world.observe(state));
+      watch.add(world.observe(state), static_cast<double>(state.step) * world.dt());
     } catch (const Instability& e) {
       status = std::string("unstable: ") + e.what();
     }

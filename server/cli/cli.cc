@@ -13,6 +13,7 @@
 #include "server/cli/motion.h"
 #include "server/cli/pictures/render.h"
 #include "server/cli/recording_commands.h"
+#include "server/cli/run/check.h"
 #include "server/cli/run/replay.h"
 #include "server/cli/run/run.h"
 #include "server/cli/serve.h"
@@ -59,6 +60,7 @@ int run_command_line(int argc, char** argv) {
   const Arguments app = line.arguments();
   int exit_code = kExitOk;
   add_run_command(app, exit_code);
+  add_check_command(app, exit_code);
   add_study_command(app, exit_code);
   add_serve_command(app, exit_code);
   add_describe_commands(app, exit_code);

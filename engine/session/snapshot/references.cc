@@ -222,18 +222,29 @@ class Checker {
   }
 
   void expectation(const ExpectParams& e, const std::string& where) {
-    const ExpectedQuantity q = expected_quantity(e.quantity);
-    if (hidden(q.name)) return;
-    const auto is = [&](const Observation& o) { return o.name == q.name; };
+    try {
+      const ExpectedQuantity quantity(e.quantity);
+      for (const QuantityTrack& track : quantity.tracks()) {
+        for (const std::string& name : track.term.names()) expected(e, name, where);
+      }
+    } catch (const ExpressionFault&) {  // reported where the scene was read
+    }
+  }
+
+  void expected(const ExpectParams& e, const std::string& name, const std::string& where) {
+    if (hidden(name)) return;
+    const auto is = [&](const Observation& o) { return o.name == name; };
     if (std::any_of(known_.begin(), known_.end(), is)) return;
     const auto names = names_of(known_);
-    const std::string near = nearest_name(q.name, names);
-    const size_t inner = e.quantity.find(q.name);
-    const bool wrapped = !near.empty() && q.reduction != Reduction::last && inner != std::string::npos;
-    issues_.push_back({where + "/quantity", "unknown_quantity", "no observable of this scene has this name",
-                       quoted(e.quantity),
-                       names.empty() ? "" : listed(names) + ", and min(...), max(...), drift(...) of each",
-                       wrapped ? e.quantity.substr(0, inner) + near + ")" : near, ""});
+    std::string near = nearest_name(name, names);
+    const size_t inner = e.quantity.find(name);
+    if (!near.empty() && inner != std::string::npos)
+      near = std::string(e.quantity).replace(inner, name.size(), near);
+    issues_.push_back(
+        {where + "/quantity", "unknown_quantity", "no observable of this scene has this name",
+         quoted(e.quantity),
+         names.empty() ? "" : listed(names) + ", and min(...), max(...), drift(...) and more of each", near,
+         ""});
   }
 
   const BuiltScene& built_;

@@ -233,6 +233,26 @@ void probe_lattice(const ProbeParams& probe, const PartInfo& part, size_t field,
 
 }  // namespace
 
+namespace {
+
+// A component of one row, or of all rows from it on.
+double probed(ProbeParams::Rows rows, const FieldView& view, size_t first, size_t component) {
+  const auto value = [&](size_t row) { return element(view, row * view.width + component); };
+  double out = value(first);
+  if (rows == ProbeParams::Rows::one) return out;
+  for (size_t row = first + 1; row < view.rows; ++row) {
+    const double v = value(row);
+    if (rows == ProbeParams::Rows::mean) {
+      out += v;
+    } else if ((rows == ProbeParams::Rows::greatest ? v > out : v < out) || std::isnan(v)) {
+      out = v;
+    }
+  }
+  return rows == ProbeParams::Rows::mean ? out / static_cast<double>(view.rows - first) : out;
+}
+
+}  // namespace
+
 void World::observe_probe(const ProbeParams& probe, const WorldState& state, Observables& out) const {
   std::vector<double> scratch;
   for (const std::string& name : probed_fields(parts_, probe)) {
@@ -247,7 +267,7 @@ void World::observe_probe(const ProbeParams& probe, const WorldState& state, Obs
     const std::string& unit = parts_[at.part].info().fields[at.field].unit;
     const auto names = component_names(probe.id + "." + name, view.width);
     for (uint32_t c = 0; c < view.width; ++c)
-      out.add(names[c], element(view, static_cast<size_t>(row) * view.width + c), unit);
+      out.add(names[c], probed(probe.rows, view, static_cast<size_t>(row), c), unit);
   }
 }
 

@@ -234,14 +234,15 @@ class MethodSearch {
     Expectations watch(world.scene());
     WorldState state = world.initial_state();
     Workspace workspace;
-    watch.add(world.observe(state));
+    watch.add(world.observe(state), static_cast<double>(state.step) * world.dt());
     const uint64_t steps = request_.steps_per_sample * request_.samples;
     const double begin = thread_cpu_seconds();
     try {
       for (uint64_t n = 1; n <= steps; ++n) {
         if (n % 64 == 0) context_.check();
         world.step(state, workspace, kSerial, {});
-        if (n % std::max<uint64_t>(1, steps / 64) == 0) watch.add(world.observe(state));
+        if (n % std::max<uint64_t>(1, steps / 64) == 0)
+          watch.add(world.observe(state), static_cast<double>(state.step) * world.dt());
         if (n % 16 == 0 && left() < 0) {
           answer_.out_of_time = true;
           out.error = INFINITY;

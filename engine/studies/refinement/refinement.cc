@@ -62,7 +62,7 @@ Refinement::Refinement(const json::value& scene, const std::string& id, const St
   }
   const std::string prefix = scene_.systems[system_].id + '.';
   for (ExpectParams& e : require_scene(read_scene(scene)).header.expect) {
-    if (!e.equals || expected_quantity(e.quantity).reduction != Reduction::last) continue;
+    if (!e.equals || ExpectedQuantity(e.quantity).only() != Reduction::last) continue;
     if (!e.quantity.starts_with(prefix)) continue;
     e.quantity.erase(0, prefix.size());
     expected_.push_back(std::move(e));

@@ -82,6 +82,7 @@ void Rigid2d::observe(const State& s, double, Observables& out) const {
   out.add("speed.largest", fastest, "m/s");
   out.add("count", static_cast<double>(count), "1");
   out.add("awake", static_cast<double>(awake), "1");
+  out.add("substeps", substeps(s), "1");
   out.add("contacts", static_cast<double>(s.rows(columns::contact_key)), "1");
   out.add("penetration", deepest(model_, s), "m");
   if (!model_.joints.empty()) observe_joints(s, out);

@@ -129,7 +129,7 @@ int run(const RunOptions& options) {
   std::optional<SeriesCsv> csv;
   if (!options.csv.empty()) csv.emplace(options.csv, chosen);
   if (csv) csv->add(session.step_index(), session.time(), session.observe());
-  if (!expectations.empty()) expectations.add(session.observe());
+  if (!expectations.empty()) expectations.add(session.observe(), session.time());
   std::optional<InterruptScope> stoppable(interruption_flag());
   for (uint64_t n = 0; n < steps && !interrupted(); ++n) {
     if (!step_taken(session)) break;
@@ -138,7 +138,7 @@ int run(const RunOptions& options) {
       const Observables values =
           every_step ? session.observe()
                      : session.observe([&](std::string_view name) { return chosen.has(name); });
-      if (every_step) expectations.add(values);
+      if (every_step) expectations.add(values, session.time());
       if (row) csv->add(session.step_index(), session.time(), values);
     }
     if (n % 16 == 0) progress.update(n, "");
@@ -147,7 +147,7 @@ int run(const RunOptions& options) {
   session.examine();
   progress.finish();
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (!expectations.empty() && !every_step) expectations.add(session.observe());
+  if (!expectations.empty() && !every_step) expectations.add(session.observe(), session.time());
 
   outputs.finish();
   if (!options.snapshot.empty()) save_bytes(options.snapshot, write_snapshot(*world, session.state()));

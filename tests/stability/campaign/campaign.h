@@ -1,13 +1,13 @@
 // Random scenes and invariants that hold for all of them: energy never above the initial energy plus what
 // drives added, momentum conserved where nothing acts from outside, no deep overlaps, no non-finite value,
 // nothing asleep that would move, and the scene's own `expect`. Scenes are JSON and go through the ordinary
-// scene parser, at defaults except for what is drawn. A seed always gives the same scene: family = seed
-// modulo the number of families.
+// scene parser, at defaults except for what is drawn. A family and a seed always give the same scene.
 #pragma once
 #include <boost/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tests/stability/campaign/dice.h"
@@ -39,7 +39,7 @@ struct Trial {
 };
 
 struct Finding {
-  std::string kind;  ///< energy, loss, momentum, expect, not_finite, asleep, event, invalid
+  std::string kind;  ///< a quantity that was missed, or: instability, not_finite, still, refused, invalid
   std::string detail;
 };
 struct Outcome {
@@ -52,17 +52,18 @@ struct Family {
   const char* name;
   void (*make)(Dice&, Trial&);
 };
-/// Kinds of scenes in the order in which seeds count through them: those of seeds below kLaterSeeds, to which
-/// none is ever added, and those of seeds from there on.
-inline constexpr uint64_t kLaterSeeds = 1'000'000;
 std::span<const Family> families();
-std::span<const Family> later_families();
 
-Trial make_trial(uint64_t seed);
+Trial make_trial(const Family& family, uint64_t seed);
+/// The family of that name; there must be one.
+Trial make_trial(std::string_view family, uint64_t seed);
 /// Gives the first system this method.
 void set_integrator(Trial& trial, const std::string& name);
 /// Gives all systems of rigid bodies this precision.
 void set_precision(Trial& trial, const std::string& name);
+/// The scene with its rules as a test, which `truestep check` judges: a trial that found something is kept
+/// so.
+boost::json::object document(const Trial& trial);
 Outcome judge(const Trial& trial);
 /// "family, seed: kind: detail" of every finding, a line each; empty when all is well.
 std::string report(const Trial& trial, const Outcome& outcome);

@@ -17,68 +17,6 @@ using Trial = testing::FlatTrial;
 const char* kGround =
     R"({"motion": "fixed", "position": [0, -1, 0], "shapes": [{"type": "box", "half_extents": [100, 1, 0]}]})";
 
-std::string pyramid(int base, const std::string& more) {
-  return std::string(R"("sleeping": false, "bodies": [)") + kGround +
-         R"(], "generators": [{"type": "pyramid", "base": )" + std::to_string(base) +
-         R"(, "origin": [0, 0.5, 0], "spacing": [1, 1, 0],
-    "body": {"density": 1, "shapes": [{"type": "box", "half_extents": [0.5, 0.5, 0]}]}}])" +
-         more;
-}
-
-/// Of boxes of 1 kg, J.
-double kinetic_energy(Trial& t, int boxes) {
-  double sum = 0;
-  for (int i = 1; i <= boxes; ++i) {
-    const auto k = static_cast<size_t>(i);
-    sum += 0.5 * norm2(t.velocity(k)) + 0.5 / 6 * t.spin(k) * t.spin(k);
-  }
-  return sum;
-}
-
-TEST(Rigid2dStanding, APyramidDoesNotPlungeAtTheStart) {
-  for (const char* precision : {"f32", "f64"}) {
-    const std::string more = std::string(R"(, "precision": ")") + precision + '"';
-    Trial t(pyramid(40, more));
-    const double top = t.position(820).y;
-    double sunk = 0;
-    for (int i = 0; i < 30; ++i) t.steps(1), sunk = std::max(sunk, top - t.position(820).y);
-    // The control: impulses that start at zero let 40 rows sink by 6 cm in half a second.
-    EXPECT_LT(sunk, 1e-3) << precision;
-    t.steps(270);
-    EXPECT_LT(kinetic_energy(t, 820), 1e-5) << precision;
-  }
-}
-
-TEST(Rigid2dStanding, APyramidThatIsKickedComesToRest) {
-  Trial t(pyramid(40, ""));
-  t.steps(30);
-  Command kick;
-  kick.kind = CommandKind::impulse, kick.index = 600, kick.vector = {10, 0, 0};
-  t.world.system(0).apply(t.s(), kick);
-  t.steps(1);
-  EXPECT_GT(kinetic_energy(t, 820), 1e-2);  // control
-  t.steps(600);
-  EXPECT_LT(kinetic_energy(t, 820), 1e-5);
-}
-
-// A lone box spreads its load over two points by the lever rule; one without a load has nothing to spread.
-TEST(Rigid2dStanding, ABodyWithoutWeightStaysOnTheFloor) {
-  for (const char* precision : {"f32", "f64"}) {
-    std::string bodies = kGround;
-    for (const char* own : {R"("position": [0, 0.5, 0])", R"("position": [3, 0.5, 0], "gravity_scale": 0)",
-                            R"("position": [6, 0.5, 0], "density": 1, "force": [0, 9.81, 0])"}) {
-      bodies += std::string(", {") + own + R"(, "shapes": [{"type": "box", "half_extents": [0.5, 0.5, 0]}]})";
-    }
-    Trial t(R"("bodies": [)" + bodies + R"(], "precision": ")" + precision + '"');
-    t.steps(60);
-    for (size_t i = 1; i <= 3; ++i) {
-      // The soft contact of the first, which has its weight, may give way by the slop of half a centimetre.
-      EXPECT_NEAR(t.position(i).y, 0.5, 5e-3) << precision << ' ' << i;
-      EXPECT_NEAR(t.position(i).x, 3.0 * static_cast<double>(i - 1), 1e-3) << precision << ' ' << i;
-    }
-  }
-}
-
 /// Growth in a minute of a mode of which a sweep removes the fraction eps, in substeps of h: depth S h,
 /// velocity u, warm-start impulse y, offset p; with offsets that adapt in every step of four substeps.
 double growth(double eps, double hertz_share, double damping_ratio, double learnt, double h) {

@@ -57,10 +57,11 @@ TEST(SceneFaults, ProbesNameFieldsAndRowsThatThereAre) {
 TEST(SceneFaults, ObservablesAndQuantitiesAreOnesThatThereAre) {
   const auto found = faults(rope(R"s("observables": ["energy", "r.strian", "r.momentum.x"], "expect": [
     {"quantity": "max(r.strain.max)", "min": 0}, {"quantity": "max(r.strain.mix)", "min": 0},
-    {"quantity": "mean(energy.total)", "min": 0}, {"quantity": "energy.drift", "max": 1}])s"));
+    {"quantity": "2 * mean(energy.totl)", "min": 0}, {"quantity": "energy.drift", "max": 1}])s"));
   ASSERT_EQ(found.size(), 3u);
   EXPECT_EQ(text_of(found.at("/observables/1"), "did_you_mean"), "r.strain");
   EXPECT_EQ(text_of(found.at("/expect/1/quantity"), "did_you_mean"), "max(r.strain.max)");
+  EXPECT_EQ(text_of(found.at("/expect/2/quantity"), "did_you_mean"), "2 * mean(energy.total)");
   EXPECT_THAT(text_of(found.at("/expect/2/quantity"), "allowed"),
               HasSubstr("min(...), max(...), drift(...)"));
 }

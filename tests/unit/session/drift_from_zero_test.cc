@@ -10,9 +10,12 @@ namespace {
 
 Verdict drift(const std::string& name, std::initializer_list<Observables> steps) {
   Scene scene;
-  scene.header.expect.push_back({"drift(" + name + ")", std::nullopt, 1e-3, std::nullopt, 0, ""});
+  ExpectParams expected;
+  expected.quantity = "drift(" + name + ")", expected.max = 1e-3;
+  scene.header.expect.push_back(expected);
   Expectations e(scene);
-  for (const Observables& o : steps) e.add(o);
+  double t = 0;
+  for (const Observables& o : steps) e.add(o, t++);
   return e.verdicts().at(0);
 }
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "engine/session/world/world.h"
+#include "tests/support/world_run.h"
 
 namespace truestep::testing {
 namespace {
@@ -11,23 +11,11 @@ namespace {
 constexpr double kTwoPi = 6.283185307179586;
 
 /// A scene of one system "r" of either kind.
-struct Hanging {
+struct Hanging : testing_rig::WorldRun {
   Hanging(const std::string& kind, const std::string& members)
-      : world(parse_scene(R"({"time": {"dt": )" + std::to_string(1.0 / 60) + R"(}, "systems": [{"type": ")" +
-                          kind + R"(", "id": "r", )" + members + "}]}")),
-        state(world.initial_state()) {}
-  void steps(int n) {
-    for (int i = 0; i < n; ++i) world.step(state, workspace, arena, {});
-  }
-  double awake() { return world.observe(state).find("r.awake").value_or(NAN); }
-  Vec3 position(size_t i) {
-    State& s = state.systems[0];
-    return load3<double>(s.f64(s.at("position")).data(), i);
-  }
-  World world;
-  WorldState state;
-  Workspace workspace;
-  ThreadArena arena{1};
+      : WorldRun(R"({"time": {"dt": )" + std::to_string(1.0 / 60) + R"(}, "systems": [{"type": ")" + kind +
+                 R"(", "id": "r", )" + members + "}]}") {}
+  double awake() const { return observed("awake"); }
 };
 
 const std::string kKinds[] = {"rigid2d", "rigid3d"};
@@ -47,38 +35,6 @@ Hanging on_a_spring(const std::string& kind, double hertz, double amplitude, dou
               R"(], "joints": [{"type": "spring", "a": -1, "b": 0, "anchor": [0, 0, 0], "anchor_b": [)" +
               std::to_string(1 + amplitude) + R"(, 0, 0], "length": 1, "stiffness": )" +
               std::to_string(w * w) + R"(, "damping": )" + std::to_string(damping) + "}]"};
-}
-
-TEST(RigidHangingSleep, ASlowSpringGoesOnSwinging) {
-  const struct { double hertz, amplitude; } slow[] = {{0.02, 0.2}, {0.05, 0.05}, {0.1, 0.02}, {0.1, 0.003}};
-  for (const std::string& kind : kKinds) {
-    for (const auto& s : slow) {
-      Hanging t = on_a_spring(kind, s.hertz, s.amplitude);
-      double off = 0;
-      for (int k = 1; k <= 1200; ++k) {
-        t.steps(1);
-        const double x = 1 + s.amplitude * std::cos(kTwoPi * s.hertz * k / 60);
-        off = std::max(off, std::abs(t.position(0).x - x));
-      }
-      EXPECT_EQ(t.awake(), 1) << kind << " " << s.hertz;
-      EXPECT_LT(off / s.amplitude, 1e-3) << kind << " " << s.hertz;
-    }
-  }
-}
-
-TEST(RigidHangingSleep, APendulumOfATwentiethOfADegreeGoesOnSwinging) {
-  for (const std::string& kind : kKinds) {
-    for (const double length : {1.0, 5.0}) {
-      const double a = kTwoPi / 360 / 20, x = length * std::sin(a), y = -length * std::cos(a);
-      Hanging t(kind, R"("gravity": [0, -9.81, 0], "bodies": [)" + ball_at(kind, x, y) +
-                          R"(], "joints": [{"type": "revolute", "a": -1, "b": 0, "anchor": [0, 0, 0])" +
-                          (kind == "rigid3d" ? R"(, "axis": [0, 0, 1]}])" : "}]"));
-      double least = HUGE_VAL;
-      for (int k = 0; k < 1200; ++k) t.steps(1), least = std::min(least, t.position(0).x);
-      EXPECT_EQ(t.awake(), 1) << kind << " " << length;
-      EXPECT_LT(least, -0.9 * x) << kind << " " << length;
-    }
-  }
 }
 
 /// The control: what has come into balance sleeps.

@@ -1,0 +1,312 @@
+#include "engine/studies/check/scene_check.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/errors.h"
+#include "engine/base/hash.h"
+#include "engine/scene/json/json_write.h"
+#include "engine/studies/scene_variant.h"
+
+namespace truestep {
+
+namespace json = boost::json;
+
+namespace {
+
+constexpr const char* kSame = "same";
+constexpr const char* kAgree = "agree";
+
+bool keeps_bits(const std::string& axis) {
+  return axis == "threads" || axis == "resumed";
+}
+
+[[noreturn]] void refuse(const std::string& what, const std::string& value) {
+  throw Error("scene_invalid", what, {{"/test", "bad_change", what, value, "", "", ""}});
+}
+
+// Sets a parameter of every system that has it.
+void set_everywhere(json::value& scene, const char* name, const json::value& value) {
+  bool any = false;
+  const json::value* systems = scene.is_object() ? scene.as_object().if_contains("systems") : nullptr;
+  for (size_t i = 0; systems && systems->is_array() && i < systems->as_array().size(); ++i) {
+    const json::object* system = systems->as_array()[i].if_object();
+    const json::value* type = system ? system->if_contains("type") : nullptr;
+    if (!type || !type->is_string()) continue;
+    const auto of = [&](const CatalogueRow& row) { return row.type == std::string_view(type->as_string()); };
+    const auto row = std::find_if(catalogue().begin(), catalogue().end(), of);
+    if (row == catalogue().end() || !row->table->find(name)) continue;
+    set_at(scene, "/systems/" + std::to_string(i) + '/' + name, value);
+    any = true;
+  }
+  if (!any) refuse(std::string("no system of the scene has a parameter ") + name, write_json(value));
+}
+
+void apply(const SceneChange& change, Trial& trial) {
+  const json::value& v = change.value;
+  if (change.where == "threads") {
+    if (!v.is_int64() || v.as_int64() < 1 || v.as_int64() > 1024)
+      refuse("threads are a number from 1 to 1024", write_json(v));
+    trial.threads = static_cast<int>(v.as_int64());
+  } else if (change.where == "resumed") {
+    if (!v.is_bool()) refuse("resumed is true or false", write_json(v));
+    trial.resumed = v.as_bool();
+  } else if (change.where == "dt") {
+    set_at(trial.document, "/time/dt", v);
+  } else if (change.where.starts_with('/')) {
+    set_at(trial.document, change.where, v);
+  } else {
+    set_everywhere(trial.document, change.where.c_str(), v);
+  }
+}
+
+std::string joined(const std::string& a, const std::string& b) {
+  return a.empty() || b.empty() ? a + b : a + ", " + b;
+}
+
+std::string number(double x) {
+  return write_json(json::value(x));
+}
+
+std::string bounds(const ExpectParams& e) {
+  std::string out;
+  if (e.min) out = joined(out, "at least " + number(*e.min));
+  if (e.max) out = joined(out, "at most " + number(*e.max));
+  if (e.equals) out = joined(out, "equal to " + number(*e.equals) + " +- " + number(e.tolerance));
+  return out;
+}
+
+std::optional<double> measured(const TrialResult& r, const std::string& quantity) {
+  for (const Verdict& v : r.verdicts) {
+    if (v.expected.quantity == quantity) return v.measured;
+  }
+  return std::nullopt;
+}
+
+std::string described(const Issue& i) {
+  return i.pointer + ": " + i.message;
+}
+
+}  // namespace
+
+SceneCheck::SceneCheck(const json::value& document) {
+  json::value scene = document;
+  std::vector<Issue> issues;
+  json::value test = json::object();
+  if (json::object* o = scene.if_object()) {
+    if (const json::value* given = o->if_contains("test")) test = *given;
+    o->erase("test");
+  }
+  test_ = read_scene_test(test, "/test", issues);
+  if (!issues.empty()) throw Error("scene_invalid", "the test of the scene has faults", issues);
+  for (size_t c = 0; c < test_.cases.size(); ++c) add_runs(scene, c, std::nullopt);
+  for (size_t k = 0; k < test_.controls.size(); ++k) {
+    const auto named = [&](const TestCase& c) { return c.name == test_.controls[k].of; };
+    const auto at = std::find_if(test_.cases.begin(), test_.cases.end(), named);
+    const bool first = test_.controls[k].of.empty() || at == test_.cases.end();
+    add_runs(scene, first ? 0 : static_cast<size_t>(at - test_.cases.begin()), k);
+  }
+}
+
+// A control is run once, unless it is a comparison that must fail.
+bool SceneCheck::varies(size_t axis, std::optional<size_t> control) const {
+  if (!control) return true;
+  const std::vector<std::string>& fails = test_.controls[*control].fails;
+  const auto fails_in = [&](const char* what) {
+    return std::find(fails.begin(), fails.end(), what) != fails.end();
+  };
+  const std::string& name = test_.vary[axis].name;
+  const bool same =
+      keeps_bits(name) || std::find(test_.same.begin(), test_.same.end(), name) != test_.same.end();
+  const bool agree = std::any_of(test_.agree.begin(), test_.agree.end(),
+                                 [&](const TestAgreement& a) { return a.over == name; });
+  return (same && fails_in(kSame)) || (agree && fails_in(kAgree));
+}
+
+void SceneCheck::add_runs(const json::value& scene, size_t of_case, std::optional<size_t> control) {
+  std::vector<size_t> at(test_.vary.size());
+  while (true) {
+    add_run(scene, {"", {}, of_case, control, at, {}});
+    size_t axis = 0;
+    for (; axis < at.size(); ++axis) {
+      if (varies(axis, control) && ++at[axis] < test_.vary[axis].steps.size()) break;
+      at[axis] = 0;
+    }
+    if (axis == at.size()) return;
+  }
+}
+
+void SceneCheck::add_run(const json::value& scene, Run run) {
+  const TestCase& c = test_.cases[run.of_case];
+  run.trial.document = scene;
+  run.trial.commands = test_.commands;
+  run.trial.sleepers = test_.still.has_value();
+  if (c.expect) run.trial.document.as_object()["expect"] = *c.expect;
+  std::vector<SceneChange> changes = c.changes;
+  run.label = c.name.empty() && test_.cases.size() > 1 ? "case " + std::to_string(run.of_case) : c.name;
+  for (size_t axis = 0; axis < run.at.size(); ++axis) {
+    const TestAxis::Step& step = test_.vary[axis].steps[run.at[axis]];
+    changes.insert(changes.end(), step.changes.begin(), step.changes.end());
+    if (varies(axis, run.control)) run.label = joined(run.label, step.label);
+  }
+  if (run.control) {
+    const TestControl& k = test_.controls[*run.control];
+    changes.insert(changes.end(), k.changes.begin(), k.changes.end());
+    run.label = joined("control " + std::to_string(*run.control), run.label);
+  }
+  for (const SceneChange& change : changes) apply(change, run.trial);
+  runs_.push_back(std::move(run));
+}
+
+// What the run itself shows; comparisons come later.
+void SceneCheck::judge(const Run& run, std::vector<CheckFinding>& out) const {
+  const TestCase& c = test_.cases[run.of_case];
+  const TrialResult& r = run.result;
+  const auto add = [&](const char* kind, std::optional<double> value, const std::string& wanted,
+                       const std::string& detail) {
+    out.push_back({run.label, kind, value, wanted, detail});
+  };
+  if (c.refused) {
+    const auto is = [](const std::string& wanted, const std::string& found) {
+      return wanted.empty() || wanted == found;
+    };
+    const auto other = [&](const Issue& i) {
+      return !is(c.refused->code, i.code) || !is(c.refused->pointer, i.pointer) ||
+             !is(c.refused->did_you_mean, i.did_you_mean);
+    };
+    if (!r.refusal) {
+      add("refused", std::nullopt, "a refusal", "the scene is accepted");
+    } else if (const auto at = std::find_if(r.refused.begin(), r.refused.end(), other);
+               at != r.refused.end()) {
+      add("refused", std::nullopt,
+          joined(c.refused->pointer, joined(c.refused->code, c.refused->did_you_mean)),
+          "it is refused for " + joined(at->code, at->did_you_mean) + " at " + described(*at));
+    }
+    return;
+  }
+  if (r.refusal) {
+    for (const Issue& i : r.refused) add("refused", std::nullopt, "", described(i));
+    return;
+  }
+  if (r.failure) {
+    // A control may show that a run ends, also where that is allowed.
+    if (c.instability == TestEnding::runs || (run.control && c.instability == TestEnding::may_fail))
+      add("instability", std::nullopt, "", *r.failure);
+    return;
+  }
+  if (c.instability == TestEnding::fails)
+    add("instability", std::nullopt, "an instability", "the run goes on to its end");
+  if (!r.not_finite.empty()) add("not_finite", std::nullopt, "", r.not_finite + " is not finite");
+  if (test_.still && r.moved > *test_.still)
+    add("still", r.moved, "at most " + number(*test_.still),
+        "what slept at " + number(r.moved_at) + " s moves within 0.4 s once woken");
+  for (const Verdict& v : r.verdicts) {
+    if (v.met) continue;
+    out.push_back({run.label, v.expected.quantity, v.measured, bounds(v.expected),
+                   v.measured ? v.expected.source : "there is no such quantity"});
+  }
+}
+
+// Runs of a case (and control) that differ only in one axis, in groups.
+std::vector<std::vector<const SceneCheck::Run*>> SceneCheck::groups(size_t axis, size_t of_case,
+                                                                    std::optional<size_t> control) const {
+  std::vector<std::vector<const Run*>> out;
+  const auto alike = [axis](const Run& a, const Run& b) {
+    for (size_t k = 0; k < a.at.size(); ++k) {
+      if (k != axis && a.at[k] != b.at[k]) return false;
+    }
+    return true;
+  };
+  for (const Run& run : runs_) {
+    if (run.of_case != of_case || run.control != control || run.result.refusal) continue;
+    const auto group = std::find_if(out.begin(), out.end(), [&](const auto& g) { return alike(*g[0], run); });
+    if (group == out.end()) {
+      out.push_back({&run});
+    } else {
+      group->push_back(&run);
+    }
+  }
+  return out;
+}
+
+void SceneCheck::compare(size_t of_case, std::optional<size_t> control,
+                         std::vector<CheckFinding>& out) const {
+  for (size_t axis = 0; axis < test_.vary.size(); ++axis) {
+    const std::string& name = test_.vary[axis].name;
+    if (!keeps_bits(name) && std::find(test_.same.begin(), test_.same.end(), name) == test_.same.end())
+      continue;
+    for (const auto& group : groups(axis, of_case, control)) {
+      for (const Run* run : group) {
+        if (run->result.hash == group[0]->result.hash) continue;
+        out.push_back({run->label, kSame, std::nullopt, "the same bits for every " + name,
+                       hex64(run->result.hash) + ", not " + hex64(group[0]->result.hash)});
+      }
+    }
+  }
+  for (const TestAgreement& a : test_.agree) {
+    const auto axis = std::find_if(test_.vary.begin(), test_.vary.end(),
+                                   [&](const TestAxis& x) { return x.name == a.over; });
+    for (const auto& group : groups(static_cast<size_t>(axis - test_.vary.begin()), of_case, control)) {
+      double least = INFINITY, most = -INFINITY;
+      for (const Run* run : group) {
+        const double v = measured(run->result, a.quantity).value_or(NAN);
+        if (!(std::abs(v) < INFINITY)) least = -INFINITY;
+        least = std::min(least, v), most = std::max(most, v);
+      }
+      if (!(most - least <= a.tolerance))
+        out.push_back({group[0]->label, kAgree, most - least, "at most " + number(a.tolerance),
+                       a.quantity + " differs over " + a.over});
+    }
+  }
+}
+
+// What a control makes fail must be what it names.
+void SceneCheck::judge_control(size_t control, std::vector<CheckFinding>& out) const {
+  std::vector<CheckFinding> missed;
+  std::string label;
+  for (const Run& run : runs_) {
+    if (run.control != control) continue;
+    judge(run, missed);
+    label = run.label;
+    if (missed.empty()) compare(run.of_case, control, missed);
+  }
+  const TestControl& k = test_.controls[control];
+  const auto misses = [&](const std::string& quantity) {
+    return std::any_of(missed.begin(), missed.end(),
+                       [&](const CheckFinding& f) { return f.quantity == quantity; });
+  };
+  const std::string because = k.why.empty() ? "" : ": " + k.why;
+  // A control that could not be run shows nothing, unless that is what it names.
+  if (k.fails.empty()) {
+    for (const Run& run : runs_) {
+      if (run.control != control || !run.result.refusal || test_.cases[run.of_case].refused) continue;
+      out.push_back(
+          {label, "control", std::nullopt, "a run", "it is refused: " + described(run.result.refused[0])});
+      return;
+    }
+  }
+  if (k.fails.empty() && missed.empty())
+    out.push_back({label, "control", std::nullopt, "a failure", "nothing fails" + because});
+  for (const std::string& quantity : k.fails) {
+    if (misses(quantity)) continue;
+    std::string detail = quantity + " does not fail";
+    for (const Run& run : runs_) {
+      const auto value = run.control == control ? measured(run.result, quantity) : std::nullopt;
+      if (value) detail += ", it is " + number(*value);
+    }
+    if (!missed.empty()) detail += "; instead " + missed[0].quantity + ": " + missed[0].detail;
+    out.push_back({label, "control", std::nullopt, "a failure", detail + because});
+  }
+}
+
+std::vector<CheckFinding> SceneCheck::findings() const {
+  std::vector<CheckFinding> out;
+  for (const Run& run : runs_) {
+    if (!run.control) judge(run, out);
+  }
+  for (size_t c = 0; c < test_.cases.size(); ++c) compare(c, std::nullopt, out);
+  for (size_t k = 0; k < test_.controls.size(); ++k) judge_control(k, out);
+  return out;
+}
+
+}  // namespace truestep

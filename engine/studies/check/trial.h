@@ -1,0 +1,39 @@
+// One run of a scene that is tested, and what came of it.
+#pragma once
+#include <boost/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/scene/scene_test.h"
+#include "engine/session/expectation.h"
+
+namespace truestep {
+
+/// What to run.
+struct Trial {
+  boost::json::value document;  ///< a scene
+  int threads = 1;
+  bool resumed = false;  ///< saved halfway and continued by another session
+  std::vector<boost::json::object> commands;
+  bool sleepers = false;  ///< whether what sleeps is woken to see whether it moves
+};
+
+struct TrialResult {
+  std::vector<Verdict> verdicts;
+  uint64_t hash = 0, steps = 0;
+  std::vector<Issue> refused;          ///< faults of a scene that was not accepted
+  std::optional<std::string> refusal;  ///< the sentence above them
+  std::optional<std::string> failure;  ///< the instability that ended the run
+  std::string not_finite;              ///< an observable
+  double moved = 0, moved_at = 0;      ///< m in 0.4 s by a sleeping row once woken, and when (s)
+  double cpu_seconds = 0;
+};
+
+/// Runs a scene over its duration. Throws only what interrupts work (base/interrupt.h).
+TrialResult run_trial(const Trial& trial);
+
+/// CPU seconds that it is estimated to take, 0 when that cannot be told.
+double estimated_seconds(const Trial& trial);
+
+}  // namespace truestep
