@@ -6,20 +6,15 @@
 #include <numbers>
 
 #include "engine/core/equations/force_system.h"
-#include "engine/session/world/world.h"
+#include "tests/support/world_run.h"
 
 namespace truestep {
 namespace {
 
-struct SceneRun {
+struct SceneRun : testing_rig::WorldRun {
   explicit SceneRun(const std::string& system, double dt, const std::string& more = "")
-      : world(parse_scene(R"({"schema_version": "1.0", )" + more + R"( "time": {"dt": )" +
-                          std::to_string(dt) + R"(}, "systems": [)" + system + "]}")),
-        state(world.initial_state()) {}
-  SceneRun& steps(int n) {
-    for (int k = 0; k < n; ++k) world.step(state, workspace, arena, {});
-    return *this;
-  }
+      : WorldRun(R"({"schema_version": "1.0", )" + more + R"( "time": {"dt": )" + std::to_string(dt) +
+                 R"(}, "systems": [)" + system + "]}") {}
   std::string method() const {
     return std::string(dynamic_cast<const ForceSystem&>(world.system(0)).integrator().name);
   }
@@ -29,12 +24,6 @@ struct SceneRun {
     }
     return "";
   }
-  double observed(const char* name) const { return world.observe(state).find(name).value(); }
-
-  World world;
-  WorldState state;
-  Workspace workspace;
-  ThreadArena arena{1};
 };
 
 std::string oscillator(double stiffness, const std::string& rest = "") {

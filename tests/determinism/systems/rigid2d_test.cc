@@ -2,7 +2,7 @@
 // collapse, without scratch memory, and with an unrelated sleeping body beside them.
 #include <gtest/gtest.h>
 
-#include "engine/session/world/world.h"
+#include "tests/support/world_run.h"
 
 namespace truestep {
 namespace {
@@ -24,17 +24,9 @@ std::string scene(const char* precision, const char* more = "") {
       {"type": "chain", "links": 12, "from": [-12, 8, 0], "to": [-6, 10, 0], "radius": 0.1, "held": "both"}]}]})";
 }
 
-struct Trial {
-  explicit Trial(const std::string& text, int threads = 1)
-      : world(parse_scene(text)), state(world.initial_state()), arena(threads) {}
-  void steps(int n) {
-    for (int i = 0; i < n; ++i) world.step(state, workspace, arena, {});
-  }
+struct Trial : testing_rig::WorldRun {
+  using WorldRun::WorldRun;
   uint64_t hash() const { return state.systems[0].hash(); }
-  World world;
-  WorldState state;
-  Workspace workspace;
-  ThreadArena arena;
 };
 
 TEST(Rigid2dDeterminism, AnyNumberOfThreadsGivesTheSameBits) {

@@ -6,31 +6,22 @@
 
 #include "engine/base/errors.h"
 #include "engine/scene/json/json.h"
-#include "engine/session/world/world.h"
+#include "tests/support/world_run.h"
 
 namespace truestep {
 namespace {
 
 constexpr double kPushStep = 0.01;
 
-struct Pushed {
+struct Pushed : testing_rig::WorldRun {
   explicit Pushed(const std::string& system)
-      : world(parse_scene(R"({"gravity": [0, 0, 0], "time": {"dt": 0.01}, "systems": [)" + system + "]}")),
-        state(world.initial_state()) {}
+      : WorldRun(R"({"gravity": [0, 0, 0], "time": {"dt": 0.01}, "systems": [)" + system + "]}") {}
   void push(int64_t row, const Vec3& force, double duration, std::optional<Vec3> at = std::nullopt) {
     Command c;
     c.kind = CommandKind::push, c.index = row, c.vector = force, c.duration = duration, c.at = at;
-    world.system(0).apply(state.systems[0], c);
+    apply(c);
   }
-  void steps(int n) {
-    for (int k = 0; k < n; ++k) world.step(state, workspace, arena, {});
-  }
-  double rate(size_t k) const { return state.systems[0].f64(state.systems[0].at("velocity"))[k]; }
-
-  World world;
-  WorldState state;
-  Workspace workspace;
-  ThreadArena arena{1};
+  double rate(size_t k) const { return value("velocity", k); }
 };
 
 struct Case {

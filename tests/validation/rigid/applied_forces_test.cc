@@ -5,33 +5,19 @@
 #include <cmath>
 
 #include "engine/scene/json/json.h"
-#include "engine/session/world/world.h"
+#include "tests/support/world_run.h"
 
 namespace truestep {
 namespace {
 
-struct Trial {
+struct Trial : testing_rig::WorldRun {
   Trial(const std::string& system, double dt = 0.01)
-      : world(parse_scene(R"({"gravity": [0, 0, 0], "time": {"dt": )" + std::to_string(dt) +
-                          R"(}, "systems": [)" + system + "]}")),
-        state(world.initial_state()) {}
-  Trial& steps(int n) {
-    for (int k = 0; k < n; ++k) world.step(state, workspace, arena, {});
-    return *this;
-  }
+      : WorldRun(R"({"gravity": [0, 0, 0], "time": {"dt": )" + std::to_string(dt) + R"(}, "systems": [)" +
+                 system + "]}") {}
   double field(const std::string& name, size_t k) {
     std::vector<double> scratch;
     return element(world.field(state, world.parts().find(world.id(0), name).value(), scratch), k);
   }
-  double observed(const std::string& name) {
-    const Observables out = world.observe(state);
-    return out.find(name).value_or(out.find("r." + name).value_or(NAN));
-  }
-
-  World world;
-  WorldState state;
-  Workspace workspace;
-  ThreadArena arena{1};
 };
 
 std::string body3(const std::string& more, const std::string& others = "", const std::string& system = "") {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/session/world/world.h"
+#include "tests/support/world_run.h"
 
 namespace truestep {
 namespace {
@@ -12,10 +12,10 @@ namespace {
 const std::string kTypes[] = {"rigid2d", "rigid3d"};
 
 /// Boxes of 1 m on a floor whose top is at y = 0; each is given by its height and its other members.
-struct Boxes {
+struct Boxes : testing_rig::WorldRun {
   Boxes(const std::string& type, const std::vector<std::pair<double, std::string>>& boxes,
         const std::string& floor = "", const std::string& system = "")
-      : world(parse_scene(scene(type, boxes, floor, system))), state(world.initial_state()) {}
+      : WorldRun(scene(type, boxes, floor, system)) {}
   static std::string scene(const std::string& type, const std::vector<std::pair<double, std::string>>& boxes,
                            const std::string& floor, const std::string& system) {
     const bool flat = type == "rigid2d";
@@ -30,49 +30,9 @@ struct Boxes {
     return R"({"gravity": [0, -10, 0], "time": {"dt": 0.01}, "systems": [{"type": ")" + type +
            R"(", "id": "r", "bodies": [)" + list + "]" + system + "}]}";
   }
-  Boxes& seconds(double s) {
-    for (int k = 0; k < std::lround(s / 0.01); ++k) world.step(state, workspace, arena, {});
-    return *this;
-  }
-  double coordinate(size_t box, size_t k) const {
-    const State& s = state.systems[0];
-    return s.f64(s.at("position"))[3 * (box + 1) + k];
-  }
-  double height(size_t box) const { return coordinate(box, 1); }
-  double awake() const { return world.observe(state).find("r.awake").value(); }
-
-  World world;
-  WorldState state;
-  Workspace workspace;
-  ThreadArena arena{1};
+  double height(size_t box) const { return vec("position", box + 1).y; }
+  double awake() const { return observed("awake"); }
 };
-
-TEST(RigidBodyWords, AGroupDecidesBeforeCategoryAndMask) {
-  for (const std::string& type : kTypes) {
-    // Of one group below 0: the upper box falls through the lower one onto the floor.
-    Boxes never(type, {{0.5, R"(, "group": -2)"}, {2.5, R"(, "group": -2)"}});
-    EXPECT_NEAR(never.seconds(2).height(1), 0.5, 0.02) << type;
-    // Of different groups, or of the group 0: it rests on it.
-    Boxes others(type, {{0.5, R"(, "group": -2)"}, {2.5, R"(, "group": -3)"}});
-    EXPECT_NEAR(others.seconds(2).height(1), 1.5, 0.02) << type;
-    // Of one group above 0: it does so although the masks do not allow it.
-    Boxes always(type, {{0.5, R"(, "group": 4, "mask": 0)"}, {2.5, R"(, "group": 4, "mask": 0)"}},
-                 R"(, "group": 4, "mask": 0)");
-    EXPECT_NEAR(always.seconds(2).height(1), 1.5, 0.02) << type;
-    Boxes masked(type, {{0.5, R"(, "mask": 0)"}});
-    EXPECT_LT(masked.seconds(1).height(0), -1) << type << ": the control";
-  }
-}
-
-TEST(RigidBodyWords, ABodyThatIsAsleepAtTheStartWaitsForATouch) {
-  for (const std::string& type : kTypes) {
-    Boxes still(type, {{3, R"(, "asleep": true)"}});
-    EXPECT_EQ(still.awake(), 0) << type;
-    EXPECT_EQ(still.seconds(2).height(0), 3) << type;
-    Boxes hit(type, {{3, R"(, "asleep": true)"}, {5, ""}});
-    EXPECT_NEAR(hit.seconds(4).height(0), 0.5, 0.02) << type;
-  }
-}
 
 TEST(RigidBodyWords, VelocitiesAreSetWhileTheSceneRuns) {
   for (const std::string& type : kTypes) {
@@ -81,45 +41,14 @@ TEST(RigidBodyWords, VelocitiesAreSetWhileTheSceneRuns) {
     EXPECT_EQ(boxes.awake(), 0) << type;
     Command c;
     c.kind = CommandKind::set_parameter, c.index = 1, c.name = "velocity", c.vector = {0, 5, 0};
-    boxes.world.system(0).apply(boxes.state.systems[0], c);
+    boxes.apply(c);
     c.name = "angular_velocity", c.value = -2, c.vector = {0, 0, -2};
-    boxes.world.system(0).apply(boxes.state.systems[0], c);
+    boxes.apply(c);
     EXPECT_EQ(boxes.awake(), 1) << type;
     boxes.seconds(0.4);
     EXPECT_NEAR(boxes.height(0), 0.5 + 5 * 0.4 - 5 * 0.4 * 0.4, 0.03) << type;
     c.index = 0;
-    EXPECT_THROW(boxes.world.system(0).apply(boxes.state.systems[0], c), Error) << type << ": fixed";
-  }
-}
-
-TEST(RigidBodyWords, ABodyMayBeKeptAwake) {
-  for (const std::string& type : kTypes) {
-    EXPECT_EQ(Boxes(type, {{0.5, ""}}).seconds(3).awake(), 0) << type;
-    EXPECT_EQ(Boxes(type, {{0.5, R"(, "can_sleep": false)"}}).seconds(3).awake(), 1) << type;
-  }
-}
-
-TEST(RigidBodyWords, FrictionIsOneHalfUnlessTheBodyOrTheSystemSaysOtherwise) {
-  const std::string slides = R"(, "velocity": [2, 0, 0])";
-  // v^2 / (2 mu g), within half a step's way.
-  const auto way = [](double mu) { return 2.0 * 2 / (2 * mu * 10); };
-  for (const std::string& type : kTypes) {
-    Boxes usual(type, {{0.5, slides}});
-    EXPECT_NEAR(usual.seconds(3).coordinate(0, 0), way(0.5), 0.01) << type;
-    Boxes all(type, {{0.5, slides}}, "", R"(, "friction": 0.2)");
-    EXPECT_NEAR(all.seconds(3).coordinate(0, 0), way(0.2), 0.01) << type;
-    Boxes own(type, {{0.5, slides + R"(, "friction": 0.8)"}}, "", R"(, "friction": 0.2)");
-    EXPECT_NEAR(own.seconds(3).coordinate(0, 0), way(0.4), 0.01) << type << ": the root of the product";
-  }
-}
-
-TEST(RigidBodyWords, TheSystemsRestitutionIsThatOfItsBodies) {
-  for (const std::string& type : kTypes) {
-    // From 1 m, 0.447 s; then up to e^2 of that after another 0.224 s.
-    Boxes all(type, {{1.5, ""}}, "", R"(, "restitution": 0.5)");
-    EXPECT_NEAR(all.seconds(0.67).height(0), 0.75, 0.03) << type;
-    Boxes own(type, {{1.5, R"(, "restitution": 0)"}}, R"(, "restitution": 0)", R"(, "restitution": 0.5)");
-    EXPECT_NEAR(own.seconds(0.67).height(0), 0.5, 0.01) << type;
+    EXPECT_THROW(boxes.apply(c), Error) << type << ": fixed";
   }
 }
 

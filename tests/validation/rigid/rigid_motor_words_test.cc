@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/session/world/world.h"
+#include "tests/support/world_run.h"
 
 namespace truestep {
 namespace {
@@ -13,25 +13,18 @@ namespace {
 const std::string kMotorTypes[] = {"rigid2d", "rigid3d"};
 
 /// A square or cube of 1 m and 2 kg at (3, 0, 0) without gravity, on a joint.
-struct Driven {
+struct Driven : testing_rig::WorldRun {
   Driven(const std::string& type, const std::string& joint, const std::string& sleeping = "false",
          const std::string& more = "")
-      : world(parse_scene(R"({"gravity": [0, 0, 0], "time": {"dt": 0.01}, "systems": [{"type": ")" + type +
-                          R"(", "id": "r", "precision": "f64", "sleeping": )" + sleeping +
-                          R"(, "bodies": [)" + body(type) + more +
-                          R"(], "joints": [{"id": "j", "a": -1, "b": 0, )" + joint + "}]}]}")),
-        state(world.initial_state()) {}
+      : WorldRun(R"({"gravity": [0, 0, 0], "time": {"dt": 0.01}, "systems": [{"type": ")" + type +
+                 R"(", "id": "r", "precision": "f64", "sleeping": )" + sleeping + R"(, "bodies": [)" +
+                 body(type) + more + R"(], "joints": [{"id": "j", "a": -1, "b": 0, )" + joint + "}]}]}") {}
   static std::string body(const std::string& type, const std::string& at = "[3, 0, 0]") {
     return R"({"position": )" + at + R"(, "mass": 2, )" +
            (type == "rigid2d" ? R"("shapes": [{"type": "box", "half_extents": [0.5, 0.5, 0]}]})"
                               : R"("type": "box", "half_extents": [0.5, 0.5, 0.5]})");
   }
-  void seconds(double s) {
-    for (int k = 0; k < std::lround(s / 0.01); ++k) world.step(state, workspace, arena, {});
-  }
-  double observed(const std::string& name) { return world.observe(state).find("r." + name).value_or(NAN); }
-  State& s() { return state.systems[0]; }
-  Vec3 at(const char* field) { return load3<double>(s().f64(s().at(field)).data(), 0); }
+  Vec3 at(const char* field) const { return vec(field); }
   double spin() {
     const auto w = s().f64(s().at("angular_velocity"));
     return w.size() == 1 ? w[0] : w[2];
@@ -39,13 +32,8 @@ struct Driven {
   void set(const std::string& name, double value, Vec3 vector = {}) {
     Command c;
     c.kind = CommandKind::set_parameter, c.index = 0, c.name = name, c.value = value, c.vector = vector;
-    world.system(0).apply(s(), c);
+    apply(c);
   }
-
-  World world;
-  WorldState state;
-  Workspace workspace;
-  ThreadArena arena{1};
 };
 
 std::string hinge(const std::string& type, const std::string& more) {

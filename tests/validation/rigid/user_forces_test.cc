@@ -7,29 +7,24 @@
 #include "engine/base/errors.h"
 #include "engine/math/quaternion.h"
 #include "engine/scene/json/json.h"
-#include "engine/session/world/world.h"
+#include "tests/support/world_run.h"
 
 namespace truestep {
 namespace {
 
 constexpr double kPushedMass = 2, kMoment = 2.0 / 6;  // of a square and of a cube of 1 m about z
 
-struct Hand {
+struct Hand : testing_rig::WorldRun {
   explicit Hand(const std::string& system)
-      : world(parse_scene(R"({"gravity": [0, 0, 0], "time": {"dt": 0.01}, "systems": [)" + system + "]}")),
-        state(world.initial_state()) {}
+      : WorldRun(R"({"gravity": [0, 0, 0], "time": {"dt": 0.01}, "systems": [)" + system + "]}") {}
   void apply(CommandKind kind, const Vec3& vector, std::optional<Vec3> at, double duration = 0) {
     Command c;
     c.kind = kind, c.index = 0, c.vector = vector, c.at = at, c.duration = duration;
-    world.system(0).apply(state.systems[0], c);
+    WorldRun::apply(c);
   }
-  void steps(int n) {
-    for (int k = 0; k < n; ++k) world.step(state, workspace, arena, {});
-  }
+  /// Of the first row; in the plane, a rotation has one component.
   double value(const std::string& column, size_t k) const {
-    const State& s = state.systems[0];
-    const auto values = s.f64(s.at(column));
-    return values[std::min(k, values.size() - 1)];
+    return WorldRun::value(column, std::min(k, s().f64(s().at(column)).size() - 1));
   }
   double spin() const { return value("angular_velocity", 2); }
   // The corner at (0.5, 0.5, 0) of the body's frame.
@@ -45,11 +40,6 @@ struct Hand {
     }
     return Vec3{value("position", 0), value("position", 1), value("position", 2)} + arm;
   }
-
-  World world;
-  WorldState state;
-  Workspace workspace;
-  ThreadArena arena{1};
 };
 
 const std::string kCube = R"({"type": "rigid3d", "id": "r", "precision": "f64", "bodies": [

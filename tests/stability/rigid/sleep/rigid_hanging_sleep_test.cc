@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "engine/session/world/world.h"
+#include "tests/support/world_run.h"
 
 namespace truestep::testing {
 namespace {
@@ -11,23 +11,11 @@ namespace {
 constexpr double kTwoPi = 6.283185307179586;
 
 /// A scene of one system "r" of either kind.
-struct Hanging {
+struct Hanging : testing_rig::WorldRun {
   Hanging(const std::string& kind, const std::string& members)
-      : world(parse_scene(R"({"time": {"dt": )" + std::to_string(1.0 / 60) + R"(}, "systems": [{"type": ")" +
-                          kind + R"(", "id": "r", )" + members + "}]}")),
-        state(world.initial_state()) {}
-  void steps(int n) {
-    for (int i = 0; i < n; ++i) world.step(state, workspace, arena, {});
-  }
-  double awake() { return world.observe(state).find("r.awake").value_or(NAN); }
-  Vec3 position(size_t i) {
-    State& s = state.systems[0];
-    return load3<double>(s.f64(s.at("position")).data(), i);
-  }
-  World world;
-  WorldState state;
-  Workspace workspace;
-  ThreadArena arena{1};
+      : WorldRun(R"({"time": {"dt": )" + std::to_string(1.0 / 60) + R"(}, "systems": [{"type": ")" + kind +
+                 R"(", "id": "r", )" + members + "}]}") {}
+  double awake() const { return observed("awake"); }
 };
 
 const std::string kKinds[] = {"rigid2d", "rigid3d"};
