@@ -31,7 +31,8 @@ TEST(Attachment, KeepsAngularMomentum) {
     const Sums before = sums(*run.world, run.session.state());
     run.session.step(500);
     const Sums after = sums(*run.world, run.session.state());
-    // 500 steps of rounding, 2e-16 each, of sums of this size.
+    // 500 steps of rounding, 2e-16 each, of sums of this size; a control of it is that of their momenta,
+    // tests/scenes/couplings/attachments_keep_momenta.json.
     // A rigid link's correction comes after the systems' last kicks: second order, and small at this step.
     const bool rigid = std::string(link).find("rigid") != std::string::npos;
     EXPECT_LT(norm(after.angular - before.angular), (rigid ? 1e-5 : 1e-12) * before.scale) << link;
