@@ -69,7 +69,8 @@ class Run {
     session_->examine();
     if (session_->failure())
       out_.failure = session_->failure()->detail + " at " + std::to_string(session_->time()) + " s";
-    for (const Observation& o : session_->observe().rows()) {
+    const Observables last = session_->observe();
+    for (const Observation& o : last.rows()) {
       if (!std::isfinite(o.value) && out_.not_finite.empty()) out_.not_finite = o.name;
     }
     out_.verdicts = expectations_.verdicts();

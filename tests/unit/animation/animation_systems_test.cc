@@ -1,10 +1,5 @@
-// The animation systems: prescribed motion, its velocities, the effects of commands, and what a scene must
-// not contain.
-#include <algorithm>
-
+// The animation systems: prescribed motion, its velocities, and the effects of commands.
 #include "engine/base/errors.h"
-#include "engine/scene/scene.h"
-#include "engine/session/world/world.h"
 #include "tests/unit/animation/animation_rig.h"
 
 namespace truestep {
@@ -15,18 +10,6 @@ using keyframes::KeyframesDef;
 using skeleton::Skeleton;
 using skeleton::SkeletonDef;
 using testing_rig::AnimationRun;
-
-/// Pointers of the errors in a scene's text.
-std::vector<std::string> faults(const std::string& system) {
-  std::vector<std::string> out;
-  try {
-    const World world(parse_scene(R"({"systems": [)" + system + "]}"));
-  } catch (const Error& e) {
-    for (const Issue& issue : e.issues()) out.push_back(issue.pointer);
-  }
-  return out;
-}
-using Faults = std::vector<std::string>;
 
 TEST(Keyframes, BodiesHaveTheVelocitiesOfTheirMotion) {
   KeyframesDef d;
@@ -132,80 +115,7 @@ TEST(SkeletonSystem, ExpressionsKeysAndLimitsDriveJoints) {
   EXPECT_NEAR(run.observe("joint.c.x"), -0.5, 1e-12);
 }
 
-TEST(AnimationScene, SaysWhatItCannotTake) {
-  EXPECT_EQ(faults(R"({"type": "keyframes", "id": "k", "shapes": [{"position": ["t"]}]})"), Faults{});
-  EXPECT_EQ(faults(R"({"type": "keyframes", "id": "k"})"), Faults{"/systems/0"});
-  EXPECT_EQ(faults(R"({"type": "keyframes", "id": "k", "shapes": [{"position": ["t +"]}]})"),
-            Faults{"/systems/0/shapes/0/position/0"});
-  EXPECT_EQ(
-      faults(
-          R"({"type": "keyframes", "id": "k", "controls": [{"name": "a", "value": "b"}, {"name": "b", "value": "1"}]})"),
-      Faults{"/systems/0/controls/0/value"})
-      << "controls see those before them";
-  EXPECT_EQ(faults(R"({"type": "keyframes", "id": "k", "controls": [{"name": "sin", "value": "1"}]})"),
-            Faults{"/systems/0/controls/0/name"});
-  EXPECT_EQ(
-      faults(
-          R"({"type": "keyframes", "id": "k", "controls": [{"name": "a", "times": [0, 1, 1], "values": [1, 2]}]})"),
-      (Faults{"/systems/0/controls/0/times/2", "/systems/0/controls/0/values"}));
-  EXPECT_EQ(faults(R"({"type": "keyframes", "id": "k", "shapes": [{"shape": "capsule", "scale": ["1"]}]})"),
-            (Faults{"/systems/0/shapes/0/scale", "/systems/0/shapes/0/id"}));
-  EXPECT_EQ(faults(R"({"type": "skeleton", "id": "s"})"), Faults{"/systems/0/joints"});
-  const std::string joints = R"("joints": [{"id": "a", "end": [1, 0, 0]}, {"id": "b", "parent": "a"}])";
-  EXPECT_EQ(faults(R"({"type": "skeleton", "id": "s", )" + joints + "}"), Faults{});
-  EXPECT_EQ(
-      faults(
-          R"({"type": "skeleton", "id": "s", "joints": [{"id": "a", "parent": "b"}, {"id": "b", "parent": "a"}]})"),
-      Faults{"/systems/0/joints/0/parent"})
-      << "no cycles";
-  EXPECT_EQ(faults(R"({"type": "skeleton", "id": "s", "joints": [{"id": "a"}, {"id": "a"}]})"),
-            Faults{"/systems/0/joints/1/id"});
-  EXPECT_EQ(faults(R"({"type": "skeleton", "id": "s", )" + joints +
-                   R"(, "goals": [{"joint": "c", "target": ["1"]}]})"),
-            Faults{"/systems/0/goals/0/joint"});
-  EXPECT_EQ(
-      faults(
-          R"({"type": "skeleton", "id": "s", )" + joints +
-          R"(, "solver": "ccd", "goals": [{"joint": "a", "target": ["1"], "orientation": ["0"], "priority": 1}]})"),
-      (Faults{"/systems/0/goals/0/orientation", "/systems/0/goals/0/priority"}));
-  EXPECT_EQ(
-      faults(
-          R"({"type": "skeleton", "id": "s", "motion": {"bvh": ["HIERARCHY", "ROOT a", "{", "OFFSET 0 0 x"]}})"),
-      Faults{"/systems/0/motion/bvh/3"});
-  EXPECT_EQ(faults(R"({"type": "skeleton", "id": "s", )" + joints +
-                   R"(, "skin": {"tubes": [{"from": "b", "to": "a"}]}})"),
-            Faults{"/systems/0/skin/tubes/0/to"});
-  EXPECT_EQ(
-      faults(
-          R"({"type": "blend_shapes", "id": "f", "ball": {}, "targets": [{"name": "a", "weight": "w", "offset": ["1/x"]}]})"),
-      (Faults{"/systems/0/targets/0/offset", "/systems/0/targets/0/weight"}));
-  EXPECT_EQ(faults(R"({"type": "blend_shapes", "id": "f", "vertices": [[0,0,0]], "triangles": [0, 0, 1]})"),
-            Faults{"/systems/0/triangles/2"});
-}
-
-TEST(AnimationScene, DrivesNeedAControlAndAParameter) {
-  const auto drive = [](const std::string& coupling) {
-    std::vector<std::string> out;
-    try {
-      const World world(parse_scene(
-          R"({"systems": [{"type": "keyframes", "id": "k", "controls": [{"name": "g", "value": "1"}]}, {"type": "pendulum", "id": "p", "damping": 1}], "couplings": [{"type": "drive", "id": "d", )" +
-          coupling + "}]}"));
-    } catch (const Error& e) {
-      for (const Issue& issue : e.issues()) out.push_back(issue.pointer);
-    }
-    return out;
-  };
-  EXPECT_EQ(drive(R"("a": "k", "b": "p", "control": "g", "parameter": "damping")"), Faults{});
-  EXPECT_EQ(drive(R"("a": "k", "b": "p", "control": "h", "parameter": "damping")"),
-            Faults{"/couplings/0/control"});
-  EXPECT_EQ(drive(R"("a": "k", "b": "p", "control": "g", "parameter": "colour")"),
-            Faults{"/couplings/0/parameter"});
-  EXPECT_EQ(drive(R"("a": "p", "b": "k", "control": "g", "parameter": "g")"), Faults{"/couplings/0/a"});
-}
-
 TEST(AnimationScene, WhatIsNotFiniteIsToldAndNeverANumber) {
-  EXPECT_EQ(faults(R"({"type": "keyframes", "id": "k", "shapes": [{"position": ["0", "1/t"]}]})"),
-            Faults{"/systems/0/shapes/0/position/1"});
   SkeletonDef d;
   d.joints.resize(1);
   d.joints[0].id = "a", d.joints[0].end = Vec3{1, 0, 0};
@@ -220,26 +130,6 @@ TEST(AnimationScene, WhatIsNotFiniteIsToldAndNeverANumber) {
   AnimationRun<Keyframes> turning(k);
   turning.step(2);
   EXPECT_THROW(turning.step(2), Instability);
-}
-
-TEST(SkeletonSystem, AFileGoesToAnotherSkeletonByNames) {
-  const std::string text = R"({"systems": [{"type": "skeleton", "id": "s",
-    "joints": [{"id": "pelvis"}, {"id": "back", "parent": "pelvis", "offset": [0, 2, 0], "end": [0, 1, 0]}],
-    "motion": {"names": {"Hips": "pelvis", "Spine": "back"}, "bvh": ["HIERARCHY", "ROOT Hips", "{", "OFFSET 0 0 0",
-      "CHANNELS 6 Xposition Yposition Zposition Xrotation Yrotation Zrotation", "JOINT Spine", "{", "OFFSET 0 1 0",
-      "CHANNELS 1 Zrotation", "}", "}", "MOTION", "Frames: 2", "Frame Time: 1", "0 0 0 0 0 0 0", "1 0 0 0 0 90 0"]}}],
-    "time": {"dt": 0.5}})";
-  const World world(parse_scene(text));
-  State s = world.system(0).initial_state();
-  Workspace workspace;
-  const ThreadArena arena(1);
-  world.system(0).step(s, {.t = 0, .h = 0.5, .step = 0, .workspace = workspace, .arena = arena});
-  Observables seen;
-  world.system(0).observe(s, 0.5, seen);
-  // Halfway: an eighth of a turn, and the path doubled because the skeleton is twice as large.
-  EXPECT_NEAR(seen.find("joint.pelvis.x").value(), 1, 1e-12);
-  EXPECT_NEAR(seen.find("joint.back.x").value(), 1 - std::sqrt(2.0), 1e-12);
-  EXPECT_NEAR(seen.find("joint.back.y").value(), std::sqrt(2.0), 1e-12);
 }
 
 }  // namespace

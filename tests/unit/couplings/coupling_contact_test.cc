@@ -167,28 +167,5 @@ TEST(Contact, KeepsAngularMomentumWithoutFriction) {
   EXPECT_GT(run_with(R"("friction": 0.5)"), 1e-4);
 }
 
-TEST(Contact, WhatCannotTouchIsRefused) {
-  const auto fault = [](const std::string& a, const std::string& b) {
-    try {
-      const World world(parse_scene(R"({"systems": [
-          {"type": "mass_spring", "id": "cloth", "cloth_grid": {"nx": 3, "ny": 3}, "thickness": 0},
-          {"type": "mass_spring", "id": "line", "rope": {"from": [0, 0, 0], "to": [1, 0, 0]}, "thickness": 0},
-          {"type": "particles", "id": "dust", "positions": [[0, 1, 0]]},
-          {"type": "oscillator", "id": "o"}],
-        "couplings": [{"type": "contact", "a": ")" +
-                                    a + R"(", "b": ")" + b + "\"}]}"));
-    } catch (const Error& e) {
-      return e.issues().at(0).pointer;
-    }
-    return std::string();
-  };
-  EXPECT_EQ(fault("dust", "cloth"), "");
-  EXPECT_EQ(fault("cloth", "dust"), "");
-  EXPECT_EQ(fault("dust", "line"), "/couplings/0/b");
-  EXPECT_EQ(fault("dust", "dust"), "/couplings/0/b");
-  EXPECT_EQ(fault("cloth", "cloth"), "/couplings/0/b");
-  EXPECT_EQ(fault("o", "dust"), "/couplings/0/a");
-}
-
 }  // namespace
 }  // namespace truestep

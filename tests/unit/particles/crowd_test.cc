@@ -1,10 +1,8 @@
-// Walkers, walls, paths, doors and errors of the system "crowd".
+// Walkers, walls, paths and doors of the system "crowd".
 #include <cmath>
 
 #include "engine/base/errors.h"
 #include "engine/core/energy.h"
-#include "engine/scene/json/json.h"
-#include "engine/session/describe.h"
 #include "tests/unit/particles/crowd_rig.h"
 
 namespace truestep::crowd {
@@ -234,43 +232,6 @@ TEST(Crowd, CommandsAreChecked) {
   EXPECT_THROW(run.system.apply(run.state, {.kind = CommandKind::set_parameter, .value = 1, .name = "speed"}),
                Error);
   EXPECT_THROW(run.system.apply(run.state, {.kind = CommandKind::pin, .index = 0}), Error);
-}
-
-/// Pointers of the faults of a scene with one crowd, in the order found.
-std::vector<std::string> faults(const std::string& crowd) {
-  const std::string text = R"({"time": {"dt": 0.01}, "systems": [{"type": "crowd", )" + crowd + "}]}";
-  const boost::json::object report = validate_scene(parse_json(text), AdmissionLimits{});
-  std::vector<std::string> out;
-  for (const auto& e : report.at("errors").as_array()) out.emplace_back(e.at("pointer").as_string().c_str());
-  return out;
-}
-
-TEST(Crowd, FaultsOfASceneHavePointers) {
-  using Pointers = std::vector<std::string>;
-  EXPECT_EQ(faults(R"("groups": [{"heading": [1, 0, 0]}])"), Pointers{});
-  EXPECT_EQ(faults(R"("groups": [])"), Pointers{"/systems/0/groups"});
-  EXPECT_EQ(faults(R"("groups": [{}])"), Pointers{"/systems/0/groups/0"});
-  EXPECT_EQ(faults(R"("groups": [{"goal": [0, 0, 0], "heading": [1, 0, 0]}])"),
-            Pointers{"/systems/0/groups/0"});
-  EXPECT_EQ(faults(R"("groups": [{"heading": [0, 0, 0]}])"), Pointers{"/systems/0/groups/0/heading"});
-  EXPECT_EQ(faults(R"("groups": [{"heading": [1, 0, 0], "leave": true}])"),
-            Pointers{"/systems/0/groups/0/leave"});
-  EXPECT_EQ(faults(R"("groups": [{"heading": [1, 0, 0], "count": 500}])"),
-            Pointers{"/systems/0/groups/0/half_extents"});
-  EXPECT_EQ(faults(R"("groups": [{"goals": [[1, 0, 0]]}])"), Pointers{"/systems/0/groups/0/goals"});
-  EXPECT_EQ(faults(R"("groups": [{"goal": [0, 0, 0]}], "period": 20)"),
-            Pointers{"/systems/0/groups/0/heading"});
-  EXPECT_EQ(faults(R"("groups": [{"heading": [1, 0, 0]}], "period": 2)"), Pointers{"/systems/0/period"});
-  EXPECT_EQ(
-      faults(
-          R"("groups": [{"heading": [1, 0, 0]}], "doors": [{"id": "a", "from": [0, 0, 0], "to": [0, 0, 0]}])"),
-      Pointers{"/systems/0/doors/0/to"});
-  EXPECT_EQ(faults(R"("groups": [{"heading": [1, 0, 0]}], "walls": [{"points": [[0, 0, 0]]}])"),
-            Pointers{"/systems/0/walls/0/points"});
-  EXPECT_EQ(
-      faults(
-          R"("groups": [{"goal": [0, 0, 0]}], "grid_spacing": 0.001, "walls": [{"points": [[0, 0, 0], [9, 0, 0]]}])"),
-      Pointers{"/systems/0/grid_spacing"});
 }
 
 }  // namespace

@@ -3,8 +3,6 @@
 
 #include "engine/base/errors.h"
 #include "engine/kernels/flocking/steering.h"
-#include "engine/scene/json/json.h"
-#include "engine/session/describe.h"
 #include "tests/unit/particles/flocking_rig.h"
 
 namespace truestep::flocking {
@@ -166,29 +164,6 @@ TEST(Flocking, CommandsAreChecked) {
                Error);
   EXPECT_THROW(run.system.apply(run.state, {.kind = CommandKind::set_parameter, .name = "goal"}), Error);
   EXPECT_THROW(run.system.apply(run.state, {.kind = CommandKind::push, .index = 0}), Error);
-}
-
-/// Pointers of the faults of a scene with one flock, in the order found.
-std::vector<std::string> faults(const std::string& flock) {
-  const std::string text = R"({"time": {"dt": 0.01}, "systems": [{"type": "flocking", )" + flock + "}]}";
-  const boost::json::object report = validate_scene(parse_json(text), AdmissionLimits{});
-  std::vector<std::string> out;
-  for (const auto& e : report.at("errors").as_array()) out.emplace_back(e.at("pointer").as_string().c_str());
-  return out;
-}
-
-TEST(Flocking, FaultsOfASceneHavePointers) {
-  using Pointers = std::vector<std::string>;
-  EXPECT_EQ(faults(R"("count": 10)"), Pointers{});
-  EXPECT_EQ(faults(R"("min_speed": 9)"), Pointers{"/systems/0/min_speed"});
-  EXPECT_EQ(faults(R"("heading": [0, 0, 0])"), Pointers{"/systems/0/heading"});
-  EXPECT_EQ(faults(R"("sides": "periodic", "half_extents": [0.9, 5, 5])"),
-            Pointers{"/systems/0/half_extents"});
-  EXPECT_EQ(faults(R"("rule": "vicsek", "predators": 1)"), Pointers{"/systems/0/predators"});
-  EXPECT_EQ(faults(R"("rule": "cucker_smale", "sides": "walls")"), Pointers{"/systems/0/sides"});
-  EXPECT_EQ(faults(R"("rule": "cucker_smale", "decay": 1, "count": 20001)"), Pointers{"/systems/0/count"});
-  EXPECT_EQ(faults(R"("positions": [[0, 0, 0]], "velocities": [[0, 0, 0], [0, 0, 0]])"),
-            Pointers{"/systems/0/velocities"});
 }
 
 }  // namespace

@@ -277,22 +277,5 @@ TEST(RagdollLinks, EveryPhaseRestoresToTheBitAndItFindsBack) {
   EXPECT_LT(Sides(run).apart(), 1e-12) << "and it carries its links again";
 }
 
-TEST(RagdollLinks, BodiesOfThePlaneAreRefused) {
-  std::string scene = arm(
-      {.coupling = R"("at": 1)",
-       .more =
-           R"(, {"type": "rigid2d", "id": "flat", "bodies": [{"shapes": [{"type": "circle", "radius": 0.1}]}]})"});
-  const std::string b = R"("b": "doll")";
-  scene.replace(scene.find(b), b.size(), R"("b": "flat")");
-  try {
-    testing_coupled::SceneRun run(scene);
-    FAIL() << "fits";
-  } catch (const Error& e) {
-    ASSERT_FALSE(e.issues().empty());
-    EXPECT_EQ(e.issues()[0].pointer, "/couplings/0/b");
-    EXPECT_NE(e.issues()[0].message.find("cannot follow"), std::string::npos) << e.issues()[0].message;
-  }
-}
-
 }  // namespace
 }  // namespace truestep

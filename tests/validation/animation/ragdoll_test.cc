@@ -164,21 +164,5 @@ TEST(Ragdoll, ItGoesBackToItsOwnMotionWhereItLies) {
   EXPECT_LT(farthest_bone(run), 1e-12) << "and it carries its bodies again";
 }
 
-TEST(Ragdoll, SaysWhatDoesNotFit) {
-  const auto pointer = [](const std::string& scene) {
-    try {
-      testing_coupled::SceneRun run(scene);
-    } catch (const Error& e) {
-      return e.issues().empty() ? std::string() : e.issues()[0].pointer;
-    }
-    return std::string("fits");
-  };
-  EXPECT_EQ(pointer(arm(R"("at": 1)")), "fits");
-  EXPECT_EQ(pointer(arm(R"("at": 1, "bones": [0, 1, 7])")), "/couplings/0/bones/2");
-  EXPECT_EQ(pointer(arm(R"("at": 1, "bones": [0, 1, 1])")), "/couplings/0/bones");
-  EXPECT_EQ(pointer(arm(R"("bones": [0, 1])")), "/couplings/0/bodies");
-  EXPECT_EQ(pointer(arm(R"("match_from": 1, "match_to": 0.5)")), "/couplings/0/match_to");
-}
-
 }  // namespace
 }  // namespace truestep
