@@ -4,8 +4,8 @@
   python3 tests/planted/run.py --list
   python3 tests/planted/run.py [--tier default] [--fault NAME ...]    plants, builds and tests
 The expected tests run first. Where they miss a fault its tier runs until something fails, so that the table names what found it.
-Works in a tree of its own (build/planted) at the clone's last commit, or with --here in the clone and its build folder; a fault
-is taken out again however a run ends. Ends with 1 where a fault was not found by its tier."""
+It runs ./truestep test, in a clone of its own (build/planted) at the last commit, or with --here in this one; a fault is taken
+out again however a run ends. Ends with 1 where a fault was not found by its tier."""
 import argparse
 import sys
 from pathlib import Path
@@ -26,28 +26,34 @@ def listed(faults):
 
 
 def trial(tree, fault, whole_tier):
-    """Who found the fault (names of failed tests), by what, and the seconds of building and testing."""
+    """(who found it, or why nobody did; found; seconds of building and testing)"""
     with tree.planted(fault):
-        built = tree.build(fault)
-        if not built.good:
-            return "the fault does not compile", "nothing", built.seconds, 0
-        named = tree.test(fault.tests)
-        if named.failed or not whole_tier:
-            return ", ".join(named.failed[:3]), "expected test" if named.failed else "nothing", built.seconds, named.seconds
-        rest = tree.tier(fault.tier)
-        return ", ".join(rest.failed[:3]), "its tier" if rest.failed else "nothing", built.seconds, named.seconds + rest.seconds
+        outcome = tree.named(fault.tests)
+        seconds = outcome.seconds
+        if outcome.built and not outcome.failed and whole_tier:
+            outcome = tree.tier(fault.tier)
+            seconds += outcome.seconds
+            if outcome.failed:
+                return f"{names(outcome)}, none of the expected tests", True, seconds
+    if not outcome.built:
+        return "it does not build", False, seconds
+    return (names(outcome), True, seconds) if outcome.failed else ("**nobody**", False, seconds)
+
+
+def names(outcome):
+    more = len(outcome.failed) - 2
+    return ", ".join(outcome.failed[:2]) + (f" and {more} more" if more > 0 else "")
 
 
 def run(faults, tree, whole_tier):
-    missed = 0
-    print("| fault | layer | tier | found by | build s | tests s |\n| --- | --- | --- | --- | --- | --- |", flush=True)
+    count = 0
+    print("| fault | layer | tier | found by | s |\n| --- | --- | --- | --- | --- |", flush=True)
     for f in faults:
-        found, by, build_seconds, test_seconds = trial(tree, f, whole_tier)
-        missed += by == "nothing"
-        answer = f"{found} ({by})" if by == "its tier" else found if by != "nothing" else f"**not found** {found}".strip()
-        print(f"| {f.name} | {f.layer} | {f.tier} | {answer} | {build_seconds:.0f} | {test_seconds:.0f} |", flush=True)
-    print(f"\n{len(faults) - missed} of {len(faults)} found", flush=True)
-    return missed > 0
+        answer, found, seconds = trial(tree, f, whole_tier)
+        count += found
+        print(f"| {f.name} | {f.layer} | {f.tier} | {answer} | {seconds:.0f} |", flush=True)
+    print(f"\n{count} of {len(faults)} found", flush=True)
+    return count < len(faults)
 
 
 def main():
@@ -56,9 +62,8 @@ def main():
     parser.add_argument("--list", action="store_true", help="only: what there is")
     parser.add_argument("--fault", action="append", default=[], metavar="NAME", help="this one (repeatable); all of them otherwise")
     parser.add_argument("--tier", choices=TIERS, help="those that this tier must find: full includes default")
-    parser.add_argument("--here", action="store_true", help="in this clone and its build/release, which must be built")
+    parser.add_argument("--here", action="store_true", help="in this clone itself, not in one of its own")
     parser.add_argument("--expected-only", action="store_true", help="not the whole tier where the expected tests miss a fault")
-    parser.add_argument("-j", type=int, default=2, help="jobs of builds and tests")
     args = parser.parse_args()
     faults = all_faults()
     if unknown := set(args.fault) - {f.name for f in faults}:
@@ -68,8 +73,7 @@ def main():
     chosen = [f for f in faults if (not args.fault or f.name in args.fault) and (args.tier != "default" or f.tier == "default")]
     if args.list:
         return listed(chosen)
-    tree = Tree(ROOT, ROOT / "build/release", args.j) if args.here else own_tree(args.j)
-    return run(chosen, tree, not args.expected_only)
+    return run(chosen, Tree(ROOT) if args.here else own_tree(), not args.expected_only)
 
 
 if __name__ == "__main__":

@@ -1,31 +1,29 @@
-"""A source tree with its build folder, into which one fault at a time is planted: built as far as the tests in question need it,
-and tested. Nothing here knows a fault's subject."""
+"""A clone of its own for planted faults: the last commit of the one it belongs to, tested by its own ./truestep, so that what
+is asked is what a newcomer's command would find. Whatever happens, a fault is taken out again."""
 import re
 import subprocess
 import time
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from fault import ROOT
 
-# What one of a tier's tests is called, by its first word; --full has both lists.
-TIER_LABELS = {"default": "layering|unit|determinism|convergence|gallery|scenes|readme",
-               "full": "validation|stability|crosscheck|service|browser"}
-# Tests that are executables of their own; all others start the program.
-EXECUTABLES = {"unit", "convergence", "validation", "stability", "determinism", "crosscheck", "service"}
-SCRIPTS = re.compile(r"(gallery|scene|readme|estimates|restart|refus|stream|routes|sessions|recording|data_folder|command_line|Studies|Catalogue|Sessions)")
+FOLDER = ROOT / "build/planted"
+TIER_OPTIONS = {"default": [], "full": ["--full"]}
+CTEST_FAILED = re.compile(r"^\s*\d+ - (\S+) \((?!Not Run|Disabled)", re.M)
+GTEST_FAILED = re.compile(r"^(?:\d+: )?\[  FAILED  \] ([\w/]+\.[\w/]+)", re.M)
 
 
 @dataclass
 class Outcome:
-    good: bool
+    failed: list  # names of tests
     seconds: float
-    failed: list = field(default_factory=list)
+    built: bool = True
 
 
 class Tree:
-    def __init__(self, root, build, jobs):
-        self.root, self.build_folder, self.jobs = root, build, jobs
+    def __init__(self, root):
+        self.root = root
 
     @contextmanager
     def planted(self, fault):
@@ -39,57 +37,34 @@ class Tree:
         finally:
             path.write_bytes(sound)
 
-    def build(self, fault):
-        """Only what the expected tests start; `all` is left to the tier."""
-        start = time.monotonic()
-        good = True
-        if fault.file.startswith("web/"):
-            good = self.run("npm", "run", "client", cwd=self.root / "web").returncode == 0
-        targets = sorted({target for test in fault.tests for target in targets_of(test)})
-        if good and targets:
-            good = self.run("cmake", "--build", self.build_folder, f"-j{self.jobs}", "--target", *targets).returncode == 0
-        return Outcome(good, time.monotonic() - start)
-
-    def test(self, names):
-        return self.ctest("-R", "|".join(names))
+    def named(self, tests):
+        return self.test("-R", "|".join(tests))
 
     def tier(self, tier):
-        if self.run("cmake", "--build", self.build_folder, f"-j{self.jobs}").returncode != 0:
-            return Outcome(False, 0, ["the whole does not build"])
-        labels = TIER_LABELS["default"] + ("|" + TIER_LABELS["full"] if tier == "full" else "")
-        return self.ctest("-L", f"^({labels})$")
+        return self.test(*TIER_OPTIONS[tier])
 
-    def ctest(self, *options):
+    def test(self, *options):
+        """./truestep test with these options, up to the first failure."""
         start = time.monotonic()
-        done = self.run("ctest", "--test-dir", self.build_folder, "--stop-on-failure", "--no-tests=error", "--timeout", "600",
-                        "-j", str(self.jobs), *options)
+        done = subprocess.run(["./truestep", "test", *options, "--stop-on-failure"], cwd=self.root, capture_output=True, text=True,
+                              check=False)
+        seconds = time.monotonic() - start
+        if done.returncode == 0:
+            return Outcome([], seconds)
         if "No tests were found" in done.stdout + done.stderr:
-            raise SystemExit(f"no test is called {options[-1]}")
-        failed = re.findall(r"^\s*\d+ - (\S+) \((?:Failed|Timeout|SEGFAULT|Subprocess aborted|ILLEGAL|NUMERICAL|BUS|SIG\w+)", done.stdout, re.M)
-        return Outcome(not failed, time.monotonic() - start, failed)
-
-    def run(self, *command, cwd=None):
-        return subprocess.run([str(word) for word in command], cwd=cwd or self.root, capture_output=True, text=True, check=False)
+            raise SystemExit(f"no test has a name like {' '.join(options)}")
+        # Executables run many tests each: theirs are named, else those of ctest.
+        failed = GTEST_FAILED.findall(done.stdout) or CTEST_FAILED.findall(done.stdout)
+        return Outcome(list(dict.fromkeys(failed)), seconds, built=bool(failed))
 
 
-def targets_of(test):
-    """Of a test's name (a regular expression): what must be built before it runs."""
-    kind = re.match(r"\^?\(?(\w+)", test)[1]
-    if kind == "layering" or test.endswith("browser.client$"):
-        return []
-    if kind == "determinism" and "gallery" in test:
-        return ["gallery_hashes"]
-    return ["truestep"] if kind not in EXECUTABLES or SCRIPTS.search(test) else [f"test_{kind}"]
+def own_tree():
+    """Made once; later runs bring it to the clone's last commit, and its build folder saves most of their time."""
+    def git(*words, at=ROOT):
+        return subprocess.run(["git", *words], cwd=at, check=True, capture_output=True, text=True).stdout.strip()
 
-
-def own_tree(jobs):
-    """The clone's last commit in build/planted, with a build folder of its own; made once, brought up to date otherwise."""
-    root = ROOT / "build/planted"
-    if not root.exists():
-        subprocess.run(["git", "worktree", "prune"], cwd=ROOT, check=True)
-        subprocess.run(["git", "worktree", "add", "--detach", root, "HEAD"], cwd=ROOT, check=True, capture_output=True)
-    head = subprocess.run(["git", "rev-parse", "HEAD"], cwd=ROOT, check=True, capture_output=True, text=True).stdout.strip()
-    subprocess.run(["git", "checkout", "--quiet", "--force", "--detach", head], cwd=root, check=True)
-    for command in (["./truestep", "build", "--target", "truestep"], ["cmake", "--build", "build/release", f"-j{jobs}"]):
-        subprocess.run(command, cwd=root, check=True, capture_output=True)
-    return Tree(root, root / "build/release", jobs)
+    if not FOLDER.exists():
+        git("worktree", "prune")
+        git("worktree", "add", "--detach", str(FOLDER), "HEAD")
+    git("checkout", "--quiet", "--force", "--detach", git("rev-parse", "HEAD"), at=FOLDER)
+    return Tree(FOLDER)

@@ -17,6 +17,7 @@ class Damped final : public RightHandSide, public SecondOrder {
  public:
   size_t size() const override { return 2; }
   const SecondOrder* second_order() const override { return this; }
+  bool depends_on_velocity() const override { return true; }
   void rate(double t, const double* y, double* d) const override {
     d[0] = y[1];
     acceleration(t, y, y + 1, d + 1);
