@@ -1,61 +1,148 @@
-# join_sources(TARGET BATCH FOLDER...): compiles the files of each folder BATCH at a time, so that the headers that they share
-# are read once: half of what most files take. Apart stay files whose names in anonymous namespaces are those of a file beside
-# them, those that tests make exceptions for, those with flags of their own, and the loops of steps: gcc inlines a function of
-# any size where a file calls it once, and calls it where five joined files call it five times (rods took half as long again,
-# bodies in space an eighth). Under sanitizers nobody counts that.
-set(joined_apart
-    # names of others
-    export_vtu.cc recording_commands.cc saved_session.cc session_folder.cc osmesa_context.cc flocking_def.cc crowd_observe.cc
-    msh_sections.cc obj.cc mercurius.cc solver_pack.cc heightfield_wave.cc heightfield_observe.cc mesh_ewald.cc contact.cc
-    liquid.cc linear_tree.cc skeleton_observe.cc hull_faces.cc ply.cc method_search.cc work_precision.cc bdf2.cc rosenbrock.cc radau5.cc implicit_dense.cc joint_build.cc joint_def.cc sph_def.cc
-    # exceptions of tests
-    step_work.cc mass_spring_cost.cc fem_outputs.cc ode_compiler_axes.cc dense_lu.cc band_lu.cc sparse_lu_eigen.cc
-    # flags of their own
-    avx512_loops.cc plain_loops.cc choice.cc tree_newton.cc skeleton_lead.cc multigrid.cc version.cc engines.cc parallel.cc thread_team.cc boost_sources.cc)
-set(joined_loops "^(collision|integrators|kernels|lattice|math|neighbours|rigid|systems)")
-set(joined_no_loops "_(build|check|checks|commands|cost|def|drawing|model|names|observe|output|outputs|state|tables|texts)\\.cc$|^rows_")
-# Under sanitizers a third of the compiler's time in these folders went into asking of every access whether its pointer is null,
-# aligned, within its object and of its type. What is read or written through a null or wild pointer meets the address sanitizer
-# as well; the other folders, where objects are handed on and cast, ask it all.
-set(joined_accesses "^(collision|integrators|kernels|lattice|math/solvers|neighbours|rigid|systems)")
-set(access_options "")
-if(TRUESTEP_SANITIZE)
-  set(joined_loops "^$")
-endif()
-if(TRUESTEP_SANITIZE MATCHES "address.*undefined")
-  set(access_options -fno-sanitize=null,alignment,vptr,object-size,pointer-overflow)
-endif()
+# join_sources(TARGET): compiles the small files of a folder several at a time, so that the headers that they share are read once:
+# half of what most files take. No file is named here. Alone stay
+#   - files with options, definitions or include folders of their own, and those that tests/layering makes exceptions for;
+#   - the loops of steps: gcc inlines a function of any size where a file calls it once, and calls it where five joined files call
+#     it five times (rods took half as long again, bodies in space an eighth). Under sanitizers nobody counts that.
+# Two files of a folder cannot have the same name in their anonymous namespaces: tests/layering (anonymous) says which.
+# The joined sources are written here rather than by UNITY_BUILD, which names files by their absolute paths: no other clone would
+# find them in the compiler cache.
+set(joined_bytes 45000)
+
+# Folders below engine/ and server/ that loop over numbers, and the names of the files in them that do not.
+set(loop_folders "^(collision|integrators|kernels|lattice|math|neighbours|rigid|systems)(/|$)")
+set(not_loops "_(build|check|checks|commands|cost|def|drawing|model|names|observe|output|outputs|state|tables|texts)\\.cc$|^rows_")
 # What reads, writes and tells rather than computes: less inlining is a third of the compiler's time and nobody's.
-set(joined_quick "^(api|cli|core/def|net/access|operations|persistence|scene|session/snapshot|sessions|sinks/recording|studies)")
+set(quick_folders "^(api|cli|core/def|geometry/read|net/access|operations|persistence|reference|scene|session/snapshot|sessions|sinks|studies)(/|$)")
 set(quick_options $<$<CONFIG:Release>:-O1> $<$<CONFIG:Release>:-finline-small-functions>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # Of strings that are put together or moved: gcc 12 warns of what is not there.
   list(APPEND quick_options -Wno-array-bounds -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread)
 endif()
-function(join_sources target batch)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  foreach(folder ${ARGN})
-    file(GLOB files RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cc)
-    set(n 0)
-    foreach(file ${files})
-      get_filename_component(name ${file} NAME)
-      if(NOT name IN_LIST joined_apart AND (NOT folder MATCHES "${joined_loops}" OR name MATCHES "${joined_no_loops}"))
-        math(EXPR group "${n} / ${batch}")
-        string(REPLACE "/" "_" group ${folder}_${group})
-        set_source_files_properties(${file} PROPERTIES UNITY_GROUP ${group})
-        # Options of joined files are those of what joins them.
-        set(file ${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/${target}.dir/Unity/unity_${group}_cxx.cxx)
-        math(EXPR n "${n} + 1")
-      endif()
-      get_source_file_property(options ${file} COMPILE_OPTIONS)
-      if((folder MATCHES "${joined_quick}" OR (folder MATCHES "${joined_loops}" AND name MATCHES "${joined_no_loops}"))
-         AND NOT options MATCHES "finline" AND NOT name IN_LIST joined_apart)
-        set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS ${quick_options})
-        get_source_file_property(options ${file} COMPILE_OPTIONS)
-      endif()
-      if(access_options AND folder MATCHES "${joined_accesses}" AND NOT options MATCHES "${access_options}")
-        set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS ${access_options})
-      endif()
-    endforeach()
+# Under sanitizers a third of the compiler's time in these folders went into asking of every access whether its pointer is null,
+# aligned, within its object and of its type. What is read or written through a null or wild pointer meets the address sanitizer
+# as well; the other folders, where objects are handed on and cast, ask it all.
+set(access_folders "^(collision|integrators|kernels|lattice|math/solvers|neighbours|rigid|systems)(/|$)")
+set(access_options "")
+if(TRUESTEP_SANITIZE MATCHES "address.*undefined")
+  set(access_options -fno-sanitize=null,alignment,vptr,object-size,pointer-overflow)
+endif()
+
+# Files whose imports tests/layering asks for one by one.
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/tests/layering/libm_exceptions.txt)
+file(STRINGS ${PROJECT_SOURCE_DIR}/tests/layering/libm_exceptions.txt libm_exceptions REGEX "^[^#]+:")
+list(TRANSFORM libm_exceptions REPLACE ":.*" "")
+
+# add_folder_options(FILE FOLDER NAME)
+function(add_folder_options file folder name)
+  if(folder MATCHES "${quick_folders}" OR (folder MATCHES "${loop_folders}" AND name MATCHES "${not_loops}"))
+    set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS ${quick_options})
+  endif()
+  if(access_options AND folder MATCHES "${access_folders}")
+    set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS ${access_options})
+  endif()
+endfunction()
+
+# stays_alone(OUT FILE FOLDER NAME)
+function(stays_alone out file folder name)
+  set(alone OFF)
+  foreach(property COMPILE_DEFINITIONS INCLUDE_DIRECTORIES SKIP_PRECOMPILE_HEADERS GENERATED)
+    get_source_file_property(value ${file} ${property})
+    if(value)
+      set(alone ON)
+    endif()
+  endforeach()
+  file(RELATIVE_PATH path ${PROJECT_SOURCE_DIR} ${file})
+  if(path IN_LIST libm_exceptions)
+    set(alone ON)
+  elseif(folder MATCHES "${loop_folders}" AND NOT name MATCHES "${not_loops}" AND NOT TRUESTEP_SANITIZE)
+    set(alone ON)
+  endif()
+  set(${out} ${alone} PARENT_SCOPE)
+endfunction()
+
+# write_joined(TARGET NAME OPTIONS FILES...): a source that includes these; none is written for a file that is by itself.
+function(write_joined target name options)
+  list(LENGTH ARGN n)
+  if(n EQUAL 1)
+    return()
+  endif()
+  set(text "")
+  foreach(file ${ARGN})
+    file(RELATIVE_PATH path ${PROJECT_SOURCE_DIR} ${file})
+    string(APPEND text "#include \"${path}\"\n")
+  endforeach()
+  set(joined ${CMAKE_CURRENT_BINARY_DIR}/joined/${target}/${name}.cc)
+  file(CONFIGURE OUTPUT ${joined} CONTENT "${text}" @ONLY)
+  target_sources(${target} PRIVATE ${joined})
+  set_source_files_properties(${joined} PROPERTIES COMPILE_OPTIONS "${options}")
+  set_source_files_properties(${ARGN} PROPERTIES HEADER_FILE_ONLY ON)
+endfunction()
+
+# join_kind(TARGET NAME OPTIONS FILES...): in parts of about equal size, joined_bytes at most unless a file is larger.
+function(join_kind target name options)
+  set(total 0)
+  foreach(file ${ARGN})
+    file(SIZE ${file} bytes)
+    math(EXPR total "${total} + ${bytes}")
+  endforeach()
+  math(EXPR share "${total} / ((${total} + ${joined_bytes} - 1) / ${joined_bytes})")
+  set(number 0)
+  set(part "")
+  set(sum 0)
+  foreach(file ${ARGN})
+    file(SIZE ${file} bytes)
+    math(EXPR sum "${sum} + ${bytes}")
+    if(part AND sum GREATER joined_bytes)
+      write_joined(${target} ${name}_${number} "${options}" ${part})
+      math(EXPR number "${number} + 1")
+      set(part "")
+      set(sum ${bytes})
+    endif()
+    list(APPEND part ${file})
+    if(sum GREATER_EQUAL share)
+      write_joined(${target} ${name}_${number} "${options}" ${part})
+      math(EXPR number "${number} + 1")
+      set(part "")
+      set(sum 0)
+    endif()
+  endforeach()
+  if(part)
+    write_joined(${target} ${name}_${number} "${options}" ${part})
+  endif()
+endfunction()
+
+# A kind is what has one folder and one list of options.
+function(join_sources target)
+  get_target_property(sources ${target} SOURCES)
+  list(FILTER sources INCLUDE REGEX "^${CMAKE_CURRENT_SOURCE_DIR}/.*\\.cc$")
+  set(kinds "")
+  foreach(file ${sources})
+    file(RELATIVE_PATH path ${CMAKE_CURRENT_SOURCE_DIR} ${file})
+    get_filename_component(folder ${path} DIRECTORY)
+    get_filename_component(name ${path} NAME)
+    add_folder_options(${file} "${folder}" ${name})
+    stays_alone(alone ${file} "${folder}" ${name})
+    if(alone)
+      continue()
+    endif()
+    get_source_file_property(options ${file} COMPILE_OPTIONS)
+    if(NOT options)
+      set(options "")
+    endif()
+    set(kind ${folder})
+    if(options)
+      string(MD5 sum "${options}")
+      string(SUBSTRING ${sum} 0 4 sum)
+      set(kind ${folder}_${sum})
+    endif()
+    string(MAKE_C_IDENTIFIER "${kind}" kind)
+    if(NOT kind IN_LIST kinds)
+      list(APPEND kinds ${kind})
+    endif()
+    list(APPEND files_of_${kind} ${file})
+    set(options_of_${kind} "${options}")
+  endforeach()
+  foreach(kind ${kinds})
+    join_kind(${target} ${kind} "${options_of_${kind}}" ${files_of_${kind}})
   endforeach()
 endfunction()

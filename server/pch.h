@@ -1,11 +1,10 @@
-// The heavy network headers and what else nearly every file includes, compiled once.
+// What nearly every file of the server includes, compiled once. Boost.Asio and Beast are not: only net knows
+// them.
 #pragma once
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <bit>
-#include <boost/asio.hpp>
-#include <boost/beast.hpp>
 #include <boost/json.hpp>
 #include <charconv>
 #include <chrono>

@@ -18,11 +18,20 @@ struct Issue {
   std::string unit;          ///< SI unit of the value, empty when it has none
 };
 
+}  // namespace truestep
+
+// Compiled once, in errors.cc: almost every file reports something.
+extern template class std::vector<truestep::Issue>;
+
+namespace truestep {
+
 /// A failure with a stable code (see the table of codes in the HTTP description).
 class Error : public std::runtime_error {
  public:
-  Error(std::string code, const std::string& detail, std::vector<Issue> issues = {})
-      : std::runtime_error(detail), code_(std::move(code)), issues_(std::move(issues)) {}
+  Error(std::string code, const std::string& detail);
+  Error(std::string code, const std::string& detail, std::vector<Issue> issues);
+  Error(const Error&);
+  ~Error() override;
   const std::string& code() const { return code_; }
   const std::vector<Issue>& issues() const { return issues_; }
 
@@ -34,11 +43,9 @@ class Error : public std::runtime_error {
 /// A state that became non-finite or left its bounds; thrown by a step, caught by the session.
 class Instability : public Error {
  public:
-  Instability(std::string system, std::string quantity, long long index, const std::string& detail)
-      : Error("instability", detail),
-        system(std::move(system)),
-        quantity(std::move(quantity)),
-        index(index) {}
+  Instability(std::string system, std::string quantity, long long index, const std::string& detail);
+  Instability(const Instability&);
+  ~Instability() override;
   std::string system;       ///< id of the system that failed
   std::string quantity;     ///< column that is non-finite
   long long index;          ///< row of the first bad value; -1: `quantity` is not a column of rows

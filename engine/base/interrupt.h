@@ -24,12 +24,15 @@ class Interrupt {
 /// Thrown by interruption_point; code "cancelled".
 class Interrupted : public Error {
  public:
-  Interrupted() : Error("cancelled", "the work was interrupted") {}
+  Interrupted();
+  Interrupted(const Interrupted&);
+  ~Interrupted() override;
 };
 
 namespace interrupt_detail {
-inline thread_local const std::atomic<bool>* in_scope = nullptr;
-}
+inline constinit thread_local const std::atomic<bool>* in_scope = nullptr;
+[[noreturn]] void stop();
+}  // namespace interrupt_detail
 
 /// While alive, this thread's interruption points obey the flag; scopes nest, the innermost counts. Null:
 /// nothing interrupts, for work that must be finished once begun.
@@ -50,7 +53,7 @@ class InterruptScope {
 /// Throws Interrupted when this thread's work has been interrupted; otherwise costs a few nanoseconds.
 inline void interruption_point() {
   const std::atomic<bool>* flag = interrupt_detail::in_scope;
-  if (flag && flag->load(std::memory_order_relaxed)) throw Interrupted();
+  if (flag && flag->load(std::memory_order_relaxed)) interrupt_detail::stop();
 }
 
 }  // namespace truestep

@@ -8,6 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "engine/base/interrupt.h"
+
 namespace truestep {
 
 struct ThreadArena::Impl {
@@ -20,7 +22,13 @@ ThreadArena::ThreadArena(int threads) : threads_(std::max(threads, 1)) {
 }
 ThreadArena::~ThreadArena() = default;
 
-void ThreadArena::run_blocks(size_t n, size_t block, const std::function<void(size_t, size_t)>& body) const {
+void ThreadArena::for_blocks(size_t n, size_t block, FunctionRef<void(size_t, size_t)> body) const {
+  interruption_point();
+  if (n > block && threads_ > 1) return run_blocks(n, block, body);
+  for (size_t b = 0; b < n; b += block) body(b, std::min(n, b + block));
+}
+
+void ThreadArena::run_blocks(size_t n, size_t block, FunctionRef<void(size_t, size_t)> body) const {
   const size_t blocks = (n + block - 1) / block;
   const auto run = [&](size_t b) { body(b * block, std::min(n, (b + 1) * block)); };
 #ifdef TRUESTEP_PLAIN_THREADS
@@ -37,8 +45,7 @@ void ThreadArena::run_blocks(size_t n, size_t block, const std::function<void(si
 #endif
 }
 
-double ThreadArena::sum_of_blocks(size_t n, size_t block,
-                                  const std::function<double(size_t, size_t)>& body) const {
+double ThreadArena::sum_blocks(size_t n, size_t block, FunctionRef<double(size_t, size_t)> body) const {
   double total = 0;
   if (n <= block || threads_ <= 1) {
     for (size_t b = 0; b < n; b += block) total += body(b, std::min(n, b + block));

@@ -13,4 +13,8 @@ void Profile::add(std::string_view name, double seconds) {
   rows_.push_back({std::string(name), seconds, 1});
 }
 
+void ProfileScope::end() {
+  profile_->add(name_, std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count());
+}
+
 }  // namespace truestep

@@ -30,14 +30,14 @@ class ProfileScope {
     if (profile_) start_ = std::chrono::steady_clock::now();
   }
   ~ProfileScope() {
-    if (profile_) {
-      profile_->add(name_, std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count());
-    }
+    if (profile_) end();
   }
   ProfileScope(const ProfileScope&) = delete;
   ProfileScope& operator=(const ProfileScope&) = delete;
 
  private:
+  void end();
+
   Profile* profile_;
   std::string_view name_;
   std::chrono::steady_clock::time_point start_;

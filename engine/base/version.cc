@@ -28,4 +28,7 @@ std::string_view build_description() {
 #endif
 }
 
+#undef TRUESTEP_TEXT
+#undef TRUESTEP_TEXT2
+
 }  // namespace truestep

@@ -24,16 +24,9 @@ class Observables {
   explicit Observables(WantedObservables wanted) : wanted_(std::move(wanted)) {}
   /// Others may be left out: those that take a pass of their own should be.
   bool wants(std::string_view name) const { return !wanted_ || wanted_(name); }
-  void add(std::string_view name, double value, std::string_view unit) {
-    rows_.push_back({std::string(name), value, std::string(unit)});
-  }
+  void add(std::string_view name, double value, std::string_view unit);
   const std::vector<Observation>& rows() const { return rows_; }
-  std::optional<double> find(std::string_view name) const {
-    for (const Observation& o : rows_) {
-      if (o.name == name) return o.value;
-    }
-    return std::nullopt;
-  }
+  std::optional<double> find(std::string_view name) const;
 
  private:
   WantedObservables wanted_;

@@ -2,7 +2,6 @@
 // their numbers mean, so that no field is recognised by its name. Streams, recordings, pictures, probes and
 // the viewer iterate parts without knowing any system.
 #pragma once
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -74,17 +73,9 @@ struct PartInfo {
   /// Whether colours can show its fields: on rows, on cells, or on what belongs to an element.
   bool colorable() const { return kind != Kind::values || elements != Elements::none; }
 
-  std::optional<size_t> find(std::string_view field) const {
-    const auto is = [&](const FieldInfo& f) { return f.name == field; };
-    const auto at = std::find_if(fields.begin(), fields.end(), is);
-    return at == fields.end() ? std::nullopt : std::optional(static_cast<size_t>(at - fields.begin()));
-  }
+  std::optional<size_t> find(std::string_view field) const;
   /// The first field with this meaning.
-  std::optional<size_t> find(Meaning meaning) const {
-    const auto is = [&](const FieldInfo& f) { return f.meaning == meaning; };
-    const auto at = std::find_if(fields.begin(), fields.end(), is);
-    return at == fields.end() ? std::nullopt : std::optional(static_cast<size_t>(at - fields.begin()));
-  }
+  std::optional<size_t> find(Meaning meaning) const;
 };
 
 /// A field among all parts of a system or of a world.
@@ -111,3 +102,7 @@ constexpr std::string_view name_of(PartInfo::Elements elements) {
 }
 
 }  // namespace truestep
+
+// Every system makes these; their members are compiled once, in part.cc.
+extern template class std::vector<truestep::FieldInfo>;
+extern template class std::vector<truestep::PartInfo>;

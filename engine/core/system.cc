@@ -1,6 +1,23 @@
 #include "engine/core/system.h"
 
+template class std::vector<truestep::PlanRow>;
+template class std::vector<truestep::Stage>;
+
 namespace truestep {
+
+System::System() = default;
+System::~System() = default;
+
+void System::set_parts(std::vector<PartInfo> parts) {
+  parts_ = std::move(parts);
+}
+
+void System::set_remedies(std::vector<std::string> remedies) {
+  remedies_ = std::move(remedies);
+}
+
+StagedSystem::StagedSystem() = default;
+StagedSystem::~StagedSystem() = default;
 
 std::optional<FieldPlace> System::find_field(std::string_view name) const {
   for (size_t p = 0; p < parts_.size(); ++p) {

@@ -66,7 +66,10 @@ enum class Limit : uint8_t {
 
 class System {
  public:
-  virtual ~System() = default;
+  System();
+  System(const System&) = delete;
+  System& operator=(const System&) = delete;
+  virtual ~System();
 
   virtual State initial_state() const = 0;
   /// Advances the state by input.h. Throws Instability when it cannot.
@@ -116,8 +119,8 @@ class System {
 
  protected:
   /// By constructors.
-  void set_parts(std::vector<PartInfo> parts) { parts_ = std::move(parts); }
-  void set_remedies(std::vector<std::string> remedies) { remedies_ = std::move(remedies); }
+  void set_parts(std::vector<PartInfo> parts);
+  void set_remedies(std::vector<std::string> remedies);
   void set_integration(const Integration& integration) { integration_ = integration; }
   /// The main part, for constructors that know more about it than their bases.
   PartInfo& main_part() { return parts_.at(0); }
@@ -138,6 +141,8 @@ struct Stage {
 /// A system whose step is a list of stages, fixed when it is built from what the scene needs.
 class StagedSystem : public System {
  public:
+  StagedSystem();
+  ~StagedSystem() override;
   void step(State& state, const StepInput& input) const override;
   std::vector<PlanRow> plan() const override;
 
@@ -151,3 +156,7 @@ class StagedSystem : public System {
 };
 
 }  // namespace truestep
+
+// Every system makes these; their members are compiled once, in system.cc.
+extern template class std::vector<truestep::PlanRow>;
+extern template class std::vector<truestep::Stage>;

@@ -13,7 +13,7 @@
 namespace truestep {
 namespace {
 
-constexpr uint32_t kNone = 0xffffffff;
+constexpr uint32_t kNoFace = 0xffffffff;
 
 struct Lattice {
   int64_t x, y, z;
@@ -73,7 +73,7 @@ __int128 Quickhull::height(const Face& f, uint32_t p) const {
 }
 
 uint32_t Quickhull::add_face(uint32_t a, uint32_t b, uint32_t c) {
-  faces_.push_back({{a, b, c}, {kNone, kNone, kNone}, {}});
+  faces_.push_back({{a, b, c}, {kNoFace, kNoFace, kNoFace}, {}});
   return static_cast<uint32_t>(faces_.size() - 1);
 }
 
@@ -189,7 +189,7 @@ std::vector<HullTriangle> Quickhull::run() {
   for (uint32_t i = 0; i < faces_.size(); ++i) {
     if (faces_[i].life == Face::Life::alive && !faces_[i].outside.empty()) grow(i, furthest(faces_[i]));
   }
-  std::vector<uint32_t> place(faces_.size(), kNone);
+  std::vector<uint32_t> place(faces_.size(), kNoFace);
   std::vector<HullTriangle> out;
   for (uint32_t i = 0; i < faces_.size(); ++i) {
     if (faces_[i].life == Face::Life::dead) continue;

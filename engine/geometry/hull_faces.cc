@@ -11,7 +11,7 @@
 namespace truestep {
 namespace {
 
-constexpr uint32_t kNone = 0xffffffff;
+constexpr uint32_t kNoRegion = 0xffffffff;
 constexpr double kFlat = 1e-9;
 
 Vec3 area_vector(std::span<const Vec3> p, const HullTriangle& t) {
@@ -23,12 +23,12 @@ std::vector<uint32_t> regions(std::span<const Vec3> points, const std::vector<Hu
                               double flat, uint32_t& count) {
   std::vector<double> area(triangles.size());
   for (size_t i = 0; i < triangles.size(); ++i) area[i] = norm(area_vector(points, triangles[i]));
-  std::vector<uint32_t> order(triangles.size()), region(triangles.size(), kNone), stack;
+  std::vector<uint32_t> order(triangles.size()), region(triangles.size(), kNoRegion), stack;
   std::iota(order.begin(), order.end(), 0u);
   std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return area[a] > area[b]; });
   count = 0;
   for (const uint32_t seed : order) {
-    if (region[seed] != kNone) continue;
+    if (region[seed] != kNoRegion) continue;
     region[seed] = count;
     const Vec3 n = normalized(area_vector(points, triangles[seed]));
     const double offset = dot(n, points[triangles[seed].v[0]]);
@@ -37,7 +37,7 @@ std::vector<uint32_t> regions(std::span<const Vec3> points, const std::vector<Hu
       const HullTriangle& t = triangles[stack.back()];
       stack.pop_back();
       for (const uint32_t g : t.beyond) {
-        if (region[g] != kNone) continue;
+        if (region[g] != kNoRegion) continue;
         const auto& v = triangles[g].v;
         const bool level = std::all_of(
             v.begin(), v.end(), [&](uint32_t k) { return std::fabs(dot(n, points[k]) - offset) <= flat; });
@@ -102,7 +102,7 @@ Hull merge_triangles(std::span<const Vec3> points, const std::vector<HullTriangl
   }
 
   // A point of only two faces is in the middle of an edge.
-  std::vector<uint32_t> uses(points.size(), 0), place(points.size(), kNone);
+  std::vector<uint32_t> uses(points.size(), 0), place(points.size(), kNoRegion);
   for (const auto& loop : loops) {
     for (const uint32_t v : loop) ++uses[v];
   }
@@ -112,7 +112,7 @@ Hull merge_triangles(std::span<const Vec3> points, const std::vector<HullTriangl
     face.first = static_cast<uint32_t>(hull.loops.size());
     for (const uint32_t v : loop) {
       if (uses[v] < 3) continue;
-      if (place[v] == kNone) {
+      if (place[v] == kNoRegion) {
         place[v] = static_cast<uint32_t>(hull.vertices.size());
         hull.vertices.push_back(points[v]);
       }

@@ -6,6 +6,7 @@
 
 #include "engine/base/byte_hash.h"
 #include "engine/base/errors.h"
+#include "engine/base/interrupt.h"
 #include "engine/core/equations/linear_solver.h"
 #include "engine/integrators/implicit/implicit.h"
 #include "engine/integrators/implicit/implicit_methods.h"

@@ -11,7 +11,7 @@ namespace truestep {
 namespace {
 
 // The library counts its calls in global variables: only one world steps at a time.
-std::mutex g_library;
+std::mutex g_box2d;
 
 class Box2d final : public reference::OwnFace<rigid2d::Rigid2d> {
  public:
@@ -34,7 +34,7 @@ class Box2d final : public reference::OwnFace<rigid2d::Rigid2d> {
 
   void step_world(State& s, const StepInput& in) const {
     auto& scratch = in.workspace.object<Scratch>(key_);
-    const std::lock_guard lock(g_library);
+    const std::lock_guard lock(g_box2d);
     if (!scratch.world || !scratch.world->matches(*scene_, s)) {
       scratch.world = std::make_unique<reference::Box2dWorld>(scene_, s);
     }

@@ -22,8 +22,8 @@ namespace {
 // As in the library's own examples.
 constexpr int kVelocityIterations = 8, kPositionIterations = 3;
 
-constexpr State::Column kPoses[] = {columns::position, columns::velocity, columns::angle,
-                                    columns::angular_velocity};
+constexpr State::Column kFlatPoses[] = {columns::position, columns::velocity, columns::angle,
+                                        columns::angular_velocity};
 
 uint32_t shape_of(const b2Fixture& f) {
   return static_cast<uint32_t>(const_cast<b2Fixture&>(f).GetUserData().pointer);
@@ -144,7 +144,7 @@ void Box2dWorld::add_shape(b2Body& body, const rigid2d::Shape& shape, uint32_t n
 
 void Box2dWorld::remember(const State& s) {
   read_.clear(), marks_.clear();
-  for (const auto c : kPoses) {
+  for (const auto c : kFlatPoses) {
     const auto values = s.f64(c);
     read_.insert(read_.end(), values.begin(), values.end());
   }
@@ -157,7 +157,7 @@ void Box2dWorld::remember(const State& s) {
 bool Box2dWorld::matches(const Box2dScene& scene, const State& s) const {
   if (&scene != scene_.get()) return false;
   const double* at = read_.data();
-  for (const auto c : kPoses) {
+  for (const auto c : kFlatPoses) {
     const auto values = s.f64(c);
     if (std::memcmp(values.data(), at, values.size_bytes()) != 0) return false;
     at += values.size();

@@ -12,7 +12,7 @@ namespace truestep {
 namespace {
 
 // The library counts and times itself in global variables: only one world steps at a time.
-std::mutex g_library;
+std::mutex g_bullet;
 
 class Bullet final : public reference::OwnFace<rigid3d::Rigid3d> {
  public:
@@ -40,7 +40,7 @@ class Bullet final : public reference::OwnFace<rigid3d::Rigid3d> {
 
   void step_world(State& s, const StepInput& in) const {
     auto& scratch = in.workspace.object<Scratch>(key_);
-    const std::lock_guard lock(g_library);
+    const std::lock_guard lock(g_bullet);
     if (!scratch.world || !scratch.world->matches(*scene_, s)) {
       scratch.world = std::make_unique<reference::BulletWorld>(scene_, s);
     }

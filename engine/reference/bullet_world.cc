@@ -15,7 +15,7 @@ namespace truestep::reference {
 
 using namespace rigid3d;
 
-namespace columns = rigid3d::columns;
+namespace space_columns = rigid3d::columns;
 
 namespace {
 
@@ -36,8 +36,8 @@ double mix_spinning(const btCollisionObject* a, const btCollisionObject* b) {
   return std::max(kind_of(a).spin_arm(mu), kind_of(b).spin_arm(mu));
 }
 
-constexpr State::Column kPoses[] = {columns::position, columns::velocity, columns::orientation,
-                                    columns::angular_velocity};
+constexpr State::Column kSpacePoses[] = {space_columns::position, space_columns::velocity,
+                                         space_columns::orientation, space_columns::angular_velocity};
 
 }  // namespace
 
@@ -60,7 +60,7 @@ BulletWorld::BulletWorld(std::shared_ptr<const BulletScene> scene, const State& 
   gCalculateCombinedSpinningFrictionCallback = mix_spinning;
   world_.setGravity({0, 0, 0});
   world_.getSolverInfo().m_restitutionVelocityThreshold = scene_->restitution_speed;
-  for (size_t i = 0; i < s.rows(columns::position); ++i) add_body(s, i);
+  for (size_t i = 0; i < s.rows(space_columns::position); ++i) add_body(s, i);
   for (size_t k = 0; k < scene_->joints.size(); ++k) add_joint(s, k);
   remember(s);
 }
@@ -73,10 +73,10 @@ BulletWorld::~BulletWorld() {
 }
 
 void BulletWorld::add_body(const State& s, size_t i) {
-  const BodyKind& k = scene_->bodies.kinds[s.span<uint32_t>(columns::kind)[i]];
+  const BodyKind& k = scene_->bodies.kinds[s.span<uint32_t>(space_columns::kind)[i]];
   btRigidBody::btRigidBodyConstructionInfo info(
-      k.mass, nullptr, scene_->shapes.of(s.span<uint32_t>(columns::kind)[i]), bullet(k.moments));
-  const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
+      k.mass, nullptr, scene_->shapes.of(s.span<uint32_t>(space_columns::kind)[i]), bullet(k.moments));
+  const double *x = s.f64(space_columns::position).data(), *q = s.f64(space_columns::orientation).data();
   info.m_startWorldTransform = bullet(Pose{load3(x, i), load_quat(q, i)});
   // Bullet multiplies velocities by (1 - damping)^h, which is exp(-c h).
   info.m_linearDamping = 1 - trig::exp(-k.linear_damping);
@@ -87,8 +87,8 @@ void BulletWorld::add_body(const State& s, size_t i) {
   b->setRollingFriction(k.rolling), b->setSpinningFriction(k.spin_arm(k.friction));
   b->setUserPointer(const_cast<BodyKind*>(&k));
   b->setUserIndex(static_cast<int>(i));
-  b->setLinearVelocity(bullet(load3(s.f64(columns::velocity).data(), i)));
-  b->setAngularVelocity(bullet(load3(s.f64(columns::angular_velocity).data(), i)));
+  b->setLinearVelocity(bullet(load3(s.f64(space_columns::velocity).data(), i)));
+  b->setAngularVelocity(bullet(load3(s.f64(space_columns::angular_velocity).data(), i)));
   b->setFlags(BT_DISABLE_WORLD_GRAVITY | BT_ENABLE_GYROSCOPIC_FORCE_IMPLICIT_BODY);
   if (k.motion == BodyDef::Motion::kinematic) {
     b->setCollisionFlags(b->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
@@ -101,7 +101,7 @@ void BulletWorld::add_body(const State& s, size_t i) {
   const bool never_sleeps = !(scene_->sleeping && k.can_sleep) && k.moved_by_forces();
   if (never_sleeps || k.motion == BodyDef::Motion::kinematic) {
     b->setActivationState(DISABLE_DEACTIVATION);
-  } else if (s.span<uint32_t>(columns::asleep)[i]) {
+  } else if (s.span<uint32_t>(space_columns::asleep)[i]) {
     b->setActivationState(ISLAND_SLEEPING);
   }
   world_.addRigidBody(b.get(), static_cast<int>(k.category), static_cast<int>(k.mask));
@@ -110,9 +110,9 @@ void BulletWorld::add_body(const State& s, size_t i) {
 
 void BulletWorld::add_joint(const State& s, size_t k) {
   joints_.emplace_back();
-  if (s.span<uint32_t>(columns::joint_broken)[k]) return;
+  if (s.span<uint32_t>(space_columns::joint_broken)[k]) return;
   const auto body = [&](uint32_t row) -> btRigidBody& { return row == kNoBody ? ground_ : *bodies_[row]; };
-  const uint32_t* held = s.span<uint32_t>(columns::joint_bodies).data() + 2 * k;
+  const uint32_t* held = s.span<uint32_t>(space_columns::joint_bodies).data() + 2 * k;
   const Joint& j = scene_->joints[k];
   joints_[k] = bullet_joint(scene_->joint_defs[k], j, body(held[0]), body(held[1]));
   world_.addConstraint(joints_[k].get(), !j.collide);
@@ -120,25 +120,25 @@ void BulletWorld::add_joint(const State& s, size_t k) {
 
 void BulletWorld::remember(const State& s) {
   read_.clear();
-  for (const auto c : kPoses) {
+  for (const auto c : kSpacePoses) {
     const auto values = s.f64(c);
     read_.insert(read_.end(), values.begin(), values.end());
   }
-  const auto ids = s.span<uint64_t>(columns::id);
+  const auto ids = s.span<uint64_t>(space_columns::id);
   ids_.assign(ids.begin(), ids.end());
 }
 
 bool BulletWorld::matches(const BulletScene& scene, const State& s) const {
   if (&scene != scene_.get()) return false;
-  const auto ids = s.span<uint64_t>(columns::id);
+  const auto ids = s.span<uint64_t>(space_columns::id);
   if (!std::equal(ids.begin(), ids.end(), ids_.begin(), ids_.end())) return false;
   const double* at = read_.data();
-  for (const auto c : kPoses) {
+  for (const auto c : kSpacePoses) {
     const auto values = s.f64(c);
     if (std::memcmp(values.data(), at, values.size_bytes()) != 0) return false;
     at += values.size();
   }
-  const auto broken = s.span<uint32_t>(columns::joint_broken);
+  const auto broken = s.span<uint32_t>(space_columns::joint_broken);
   for (size_t k = 0; k < joints_.size(); ++k) {
     if ((joints_[k] == nullptr) != (broken[k] != 0)) return false;
   }
@@ -147,8 +147,8 @@ bool BulletWorld::matches(const BulletScene& scene, const State& s) const {
 
 /// Kinematic bodies move by their velocity; Bullet derives it from the two poses.
 void BulletWorld::drive(const State& s, double h) {
-  const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
-  const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
+  const double *x = s.f64(space_columns::position).data(), *q = s.f64(space_columns::orientation).data();
+  const double *v = s.f64(space_columns::velocity).data(), *w = s.f64(space_columns::angular_velocity).data();
   for (size_t i = 0; i < bodies_.size(); ++i) {
     if (!bodies_[i]->isKinematicObject()) continue;
     const Quat turned = normalized(free_rotation::turn(load3(w, i) * h) * load_quat(q, i));
@@ -158,7 +158,7 @@ void BulletWorld::drive(const State& s, double h) {
 }
 
 void BulletWorld::step(State& s, double h, const std::vector<Vec3>& change, const std::vector<Vec3>& twist) {
-  const auto asleep = s.span<uint32_t>(columns::asleep);
+  const auto asleep = s.span<uint32_t>(space_columns::asleep);
   for (size_t i = 0; i < bodies_.size(); ++i) {
     btRigidBody& b = *bodies_[i];
     const BodyKind& k = kind_of(&b);
@@ -173,7 +173,7 @@ void BulletWorld::step(State& s, double h, const std::vector<Vec3>& change, cons
   }
   drive(s, h);
   world_.stepSimulation(h, 0);
-  const auto broken = s.span<uint32_t>(columns::joint_broken);
+  const auto broken = s.span<uint32_t>(space_columns::joint_broken);
   for (size_t k = 0; k < joints_.size(); ++k) {
     if (!joints_[k] || joints_[k]->isEnabled()) continue;
     world_.removeConstraint(joints_[k].get());
@@ -181,15 +181,15 @@ void BulletWorld::step(State& s, double h, const std::vector<Vec3>& change, cons
   }
   read_bodies(s);
   read_contacts(s);
-  s.f64(columns::substep)[0] = h;
+  s.f64(space_columns::substep)[0] = h;
   remember(s);
 }
 
 void BulletWorld::read_bodies(State& s) {
-  double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
-  double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
-  const auto asleep = s.span<uint32_t>(columns::asleep);
-  const auto calm = s.f64(columns::sleep_timer);
+  double *x = s.f64(space_columns::position).data(), *q = s.f64(space_columns::orientation).data();
+  double *v = s.f64(space_columns::velocity).data(), *w = s.f64(space_columns::angular_velocity).data();
+  const auto asleep = s.span<uint32_t>(space_columns::asleep);
+  const auto calm = s.f64(space_columns::sleep_timer);
   for (size_t i = 0; i < bodies_.size(); ++i) {
     const btRigidBody& b = *bodies_[i];
     const BodyKind& k = kind_of(&b);
@@ -245,16 +245,16 @@ void BulletWorld::read_contacts(State& s) {
   std::stable_sort(contacts_.begin(), contacts_.end(), [](const Row& a, const Row& b) {
     return std::make_pair(a.bodies[0], a.bodies[1]) < std::make_pair(b.bodies[0], b.bodies[1]);
   });
-  for (State::Column c = columns::contact_bodies; c < columns::contacts_end; ++c)
+  for (State::Column c = space_columns::contact_bodies; c < space_columns::contacts_end; ++c)
     s.resize(c, contacts_.size());
   for (size_t i = 0; i < contacts_.size(); ++i) {
     const Row& r = contacts_[i];
-    std::copy_n(r.bodies, 2, s.span<uint32_t>(columns::contact_bodies).data() + 2 * i);
-    s.span<uint32_t>(columns::contact_ids)[5 * i] = r.points;
-    std::copy_n(r.normal, 3, s.f64(columns::contact_normal).data() + 3 * i);
-    std::copy_n(r.impulse, 4, s.f64(columns::contact_impulse).data() + 4 * i);
-    std::copy_n(r.friction, 4, s.f64(columns::contact_friction).data() + 4 * i);
-    s.f64(columns::contact_depth)[i] = r.depth;
+    std::copy_n(r.bodies, 2, s.span<uint32_t>(space_columns::contact_bodies).data() + 2 * i);
+    s.span<uint32_t>(space_columns::contact_ids)[5 * i] = r.points;
+    std::copy_n(r.normal, 3, s.f64(space_columns::contact_normal).data() + 3 * i);
+    std::copy_n(r.impulse, 4, s.f64(space_columns::contact_impulse).data() + 4 * i);
+    std::copy_n(r.friction, 4, s.f64(space_columns::contact_friction).data() + 4 * i);
+    s.f64(space_columns::contact_depth)[i] = r.depth;
   }
 }
 

@@ -16,7 +16,7 @@
 #include "server/sessions/idempotency.h"
 #include "server/sessions/runner.h"
 #include "server/sessions/store.h"
-#include "server/stream/stream_client.h"
+#include "server/stream/stream.h"
 
 namespace truestep {
 

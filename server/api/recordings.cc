@@ -76,7 +76,7 @@ std::optional<uint64_t> last_recorded_step(App& app, const std::string& session)
       const uint64_t frames = reader.info().frames;
       if (frames > 0) return static_cast<uint64_t>(reader.read_clock(frames - 1).step);
     } catch (const Error& e) {
-      spdlog::warn("recording {}: {}", f.id, e.what());
+      log_warn("recording {}: {}", f.id, e.what());
     }
   }
   return std::nullopt;

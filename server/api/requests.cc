@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <mutex>
 
 #include "engine/scene/json/json.h"
 #include "engine/scene/json/json_write.h"
@@ -70,7 +71,7 @@ json::value json_body(const net::Request& request) {
   return parse_json(request.body, {.max_values = kMostValues});
 }
 
-boost::asio::awaitable<json::value> long_json_body(App& app, const net::Request& request) {
+Task<json::value> long_json_body(App& app, const net::Request& request) {
   constexpr size_t kShort = 32 << 10;
   if (request.body.size() <= kShort) co_return json_body(request);
   // A value takes about 25 bytes and is copied once while its array grows.
@@ -177,6 +178,38 @@ bool boolean_member(const json::object& o, const char* name) {
                   "", ""}});
   }
   return v->as_bool();
+}
+
+Task<net::Response> with_session(App& app, EntryPtr entry, AnswerOfSession f) {
+  if (std::unique_lock lock(entry->mutex, std::try_to_lock); lock.owns_lock()) co_return f(*entry);
+  co_return co_await with_session_on_worker(app, std::move(entry), std::move(f));
+}
+
+Task<net::Response> with_session(App& app, const net::Request& request, AnswerOfSession f) {
+  EntryPtr entry = co_await session_of(app, request);
+  co_return co_await with_session(app, std::move(entry), std::move(f));
+}
+
+Task<net::Response> with_session_on_worker(App& app, EntryPtr entry, AnswerOfSession f) {
+  auto work = [&] {
+    const std::lock_guard lock(entry->mutex);
+    return f(*entry);
+  };
+  co_return co_await offload(app.runner.pool(), std::move(work));
+}
+
+Task<> interrupt_and_call(App& app, EntryPtr entry, std::function<void(SessionEntry&)> f) {
+  // The network thread does not wait for the lock, and the job comes before later requests.
+  const JobPtr job = Job::between_steps(std::move(f));
+  auto work = [&] {
+    {
+      const std::lock_guard lock(entry->mutex);
+      app.runner.interrupt(*entry);
+    }
+    return app.runner.start(entry, job);
+  };
+  co_await offload(app.runner.pool(), std::move(work));
+  co_await app.runner.end_of(entry, job);
 }
 
 net::Response json_response(const json::value& value, int status) {

@@ -1,13 +1,13 @@
 // What several routes read from a request: its JSON body, numbers in the query, a session under its lock.
 #pragma once
-#include <boost/asio/awaitable.hpp>
 #include <boost/json.hpp>
-#include <mutex>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "server/api/app.h"
-#include "server/net/async.h"
+#include "server/tasks/offload.h"
+#include "server/tasks/signal.h"
 
 namespace truestep {
 
@@ -15,14 +15,14 @@ namespace truestep {
 /// counts as {}).
 boost::json::value json_body(const net::Request& request);
 /// The same, on a worker when the body is long.
-boost::asio::awaitable<boost::json::value> long_json_body(App& app, const net::Request& request);
+Task<boost::json::value> long_json_body(App& app, const net::Request& request);
 /// An object; Error bad_request otherwise.
 boost::json::object json_object_body(const net::Request& request);
 boost::json::object object_of(boost::json::value body);
 
 /// The session named by the path, restored from disk if necessary. Error "unknown_session",
 /// "session_expired", or "creating" while a restore takes long.
-boost::asio::awaitable<EntryPtr> session_of(App& app, const net::Request& request);
+Task<EntryPtr> session_of(App& app, const net::Request& request);
 /// The operation named by the path. Error "unknown_operation".
 OperationPtr operation_of(const App& app, const net::Request& request);
 /// The Idempotency-Key, made unique per caller; empty when there is none. Error "bad_request" unless it has 1
@@ -58,51 +58,15 @@ bool boolean_member(const boost::json::object& o, const char* name);
 
 net::Response json_response(const boost::json::value& value, int status = 200);
 
+using AnswerOfSession = std::function<net::Response(SessionEntry&)>;
 /// f(entry) under the entry's lock: at once when the lock is free, otherwise on a worker, so that the network
 /// thread never waits for a step.
-template <class F>
-boost::asio::awaitable<net::Response> with_session(App& app, EntryPtr entry, F f) {
-  if (std::unique_lock lock(entry->mutex, std::try_to_lock); lock.owns_lock()) co_return f(*entry);
-  // Named, because gcc 12 destroys the captures of a temporary closure in a co_await expression twice.
-  auto work = [entry, f = std::move(f)]() mutable {
-    const std::lock_guard lock(entry->mutex);
-    return f(*entry);
-  };
-  co_return co_await net::offload(app.runner.pool(), std::move(work));
-}
-
+Task<net::Response> with_session(App& app, EntryPtr entry, AnswerOfSession f);
 /// The same with the session named by the path.
-template <class F>
-boost::asio::awaitable<net::Response> with_session(App& app, const net::Request& request, F f) {
-  EntryPtr entry = co_await session_of(app, request);
-  co_return co_await with_session(app, std::move(entry), std::move(f));
-}
-
+Task<net::Response> with_session(App& app, const net::Request& request, AnswerOfSession f);
 /// The same, always on a worker: for slow work.
-template <class F>
-boost::asio::awaitable<net::Response> with_session_on_worker(App& app, EntryPtr entry, F f) {
-  // Named, because gcc 12 destroys the captures of a temporary closure in a co_await expression twice.
-  auto work = [entry, f = std::move(f)]() mutable {
-    const std::lock_guard lock(entry->mutex);
-    return f(*entry);
-  };
-  co_return co_await net::offload(app.runner.pool(), std::move(work));
-}
-
+Task<net::Response> with_session_on_worker(App& app, EntryPtr entry, AnswerOfSession f);
 /// f(entry) after cancelling everything that was requested of the session.
-template <class F>
-boost::asio::awaitable<void> interrupt_and_call(App& app, EntryPtr entry, F f) {
-  // The network thread does not wait for the lock, and the job comes before later requests.
-  const JobPtr job = Job::between_steps(std::move(f));
-  auto work = [&app, entry, job] {
-    {
-      const std::lock_guard lock(entry->mutex);
-      app.runner.interrupt(*entry);
-    }
-    return app.runner.start(entry, job);
-  };
-  co_await net::offload(app.runner.pool(), std::move(work));
-  co_await app.runner.end_of(entry, job);
-}
+Task<> interrupt_and_call(App& app, EntryPtr entry, std::function<void(SessionEntry&)> f);
 
 }  // namespace truestep

@@ -9,8 +9,6 @@
 
 namespace truestep {
 
-namespace asio = boost::asio;
-
 namespace {
 
 // Anything that computes for longer goes to the threads for long work.
@@ -56,7 +54,7 @@ void prepare(App& app, SessionEntry& e, const Saved& saved) {
 }  // namespace
 
 void start_restoring(App& app, const CreationPtr& creation) {
-  asio::post(app.runner.pool(), [&app, creation] {
+  app.runner.pool().post([&app, creation] {
     const auto saved = std::make_shared<Saved>();
     try {
       *saved = read_saved(app, creation->id);
@@ -76,7 +74,7 @@ void start_restoring(App& app, const CreationPtr& creation) {
   });
 }
 
-asio::awaitable<EntryPtr> session_of(App& app, const net::Request& request) {
+Task<EntryPtr> session_of(App& app, const net::Request& request) {
   const std::string_view id = request.param("id");
   if (EntryPtr entry = app.store.find(id, request.caller)) co_return entry;
   const auto deadline = Clock::now() + kPatience;
@@ -86,7 +84,7 @@ asio::awaitable<EntryPtr> session_of(App& app, const net::Request& request) {
     // Others may be waiting for it too, so a client that leaves cancels nothing.
     const auto ended = [c = creation] { return c->ended.load(); };
     const auto give_up = [] {};
-    co_await net::wait_for_end(creation->done, ended, give_up, deadline);
+    co_await wait_for_end(creation->done, ended, give_up, deadline);
     if (!creation->ended)
       throw Error("creating", "this session is being loaded from or saved to disk; try again");
     if (creation->error) std::rethrow_exception(creation->error);
@@ -122,7 +120,7 @@ std::unique_ptr<SessionArchive> open_archive(const AppOptions& options, MemoryBu
     return std::make_unique<SessionArchive>(std::filesystem::path(options.data_dir) / "sessions",
                                             *options.keep_sessions, memory);
   } catch (const Error& e) {
-    spdlog::warn("sessions are not kept: {}", e.what());
+    log_warn("sessions are not kept: {}", e.what());
     return nullptr;
   }
 }

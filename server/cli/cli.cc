@@ -1,10 +1,11 @@
 #include "server/cli/cli.h"
 
-#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <iostream>
 
 #include "engine/base/errors.h"
 #include "engine/base/version.h"
+#include "server/cli/arguments.h"
 #include "server/cli/completion.h"
 #include "server/cli/describe_commands.h"
 #include "server/cli/exit_codes.h"
@@ -35,16 +36,16 @@ int exit_code_of(const Error& e) {
   return kExitServer;
 }
 
-bool is_command(const CLI::App& app, const std::string& word) {
-  return !app.get_subcommands([&](const CLI::App* c) { return c->get_name() == word; }).empty();
+bool is_command(const Arguments& app, const std::string& word) {
+  const auto all = app.subcommands();
+  return std::any_of(all.begin(), all.end(), [&](const Arguments::Known& c) { return c.name == word; });
 }
 
 // Refuses a first word that is not a command and suggests the nearest one; the parser would only say that a
 // command is missing.
-int refuse_command(const CLI::App& app, const std::string& word) {
+int refuse_command(const Arguments& app, const std::string& word) {
   std::vector<std::string> names;
-  for (const CLI::App* c : app.get_subcommands([](const CLI::App*) { return true; }))
-    names.push_back(c->get_name());
+  for (const Arguments::Known& c : app.subcommands()) names.push_back(c.name);
   std::cerr << "error: there is no command " << word << did_you_mean(word, names) << "\ncommands:";
   for (const std::string& name : names) std::cerr << ' ' << name;
   std::cerr << '\n';
@@ -54,9 +55,8 @@ int refuse_command(const CLI::App& app, const std::string& word) {
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
-  CLI::App app("Truestep: a physics simulation service", "truestep");
-  app.require_subcommand(1);
-  app.set_version_flag("--version", std::string(version()));
+  CommandLine line("Truestep: a physics simulation service", "truestep", std::string(version()));
+  const Arguments app = line.arguments();
   int exit_code = kExitOk;
   add_run_command(app, exit_code);
   add_study_command(app, exit_code);
@@ -70,9 +70,7 @@ int run_command_line(int argc, char** argv) {
   if (const std::string word = argc > 1 ? argv[1] : "-"; !word.starts_with('-') && !is_command(app, word))
     return refuse_command(app, word);
   try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? kExitOk : kExitUsage;
+    if (!line.parse(argc, argv)) return kExitUsage;
   } catch (const Error& e) {
     print_error(e);
     return exit_code_of(e);

@@ -1,6 +1,5 @@
 #include "server/cli/completion.h"
 
-#include <CLI/CLI.hpp>
 #include <iostream>
 
 #include "engine/scene/catalogue.h"
@@ -31,15 +30,11 @@ std::string words_of(const std::string& command) {
   return out;
 }
 
-std::vector<Completed> commands(const CLI::App& app) {
+std::vector<Completed> commands(const Arguments& app) {
   std::vector<Completed> out;
-  for (const CLI::App* c : app.get_subcommands([](const CLI::App*) { return true; })) {
-    Completed& one =
-        out.emplace_back(Completed{c->get_name(), c->get_description(), "", words_of(c->get_name())});
-    for (const CLI::Option* option : c->get_options()) {
-      for (const std::string& name : option->get_lnames())
-        one.options += (one.options.empty() ? "--" : " --") + name;
-    }
+  for (const Arguments::Known& c : app.subcommands()) {
+    Completed& one = out.emplace_back(Completed{c.name, c.sentence, "", words_of(c.name)});
+    for (const std::string& name : c.options) one.options += (one.options.empty() ? "--" : " --") + name;
   }
   return out;
 }
@@ -97,14 +92,12 @@ void print_fish(const std::vector<Completed>& all) {
 
 }  // namespace
 
-void add_completion_command(CLI::App& app, int& exit_code) {
+void add_completion_command(Arguments app, int& exit_code) {
   auto shell = std::make_shared<std::string>();
-  CLI::App* c =
+  Arguments c =
       app.add_subcommand("completion", "a script that completes this program's commands in a shell");
-  c->add_option("shell", *shell, "bash, zsh or fish")
-      ->required()
-      ->check(CLI::IsMember({"bash", "zsh", "fish"}));
-  c->callback([shell, &app, &exit_code] {
+  c.add_option("shell", *shell, "bash, zsh or fish").required().one_of({"bash", "zsh", "fish"});
+  c.callback([shell, app, &exit_code] {
     const auto all = commands(app);
     if (*shell == "zsh") std::cout << "autoload -Uz bashcompinit && bashcompinit\n";
     if (*shell == "fish")

@@ -1,10 +1,10 @@
 // truestep completion: scripts that complete commands, options, choices and gallery names in a shell.
 #pragma once
-#include <CLI/App.hpp>
+#include "server/cli/arguments.h"
 
 namespace truestep {
 
 /// Adds the subcommand. Call it last: it completes the commands already added.
-void add_completion_command(CLI::App& app, int& exit_code);
+void add_completion_command(Arguments app, int& exit_code);
 
 }  // namespace truestep

@@ -1,6 +1,5 @@
 #include "server/cli/describe_commands.h"
 
-#include <CLI/CLI.hpp>
 #include <iostream>
 
 #include "engine/scene/gallery.h"
@@ -164,21 +163,21 @@ int show_gallery(const Options& options) {
 
 }  // namespace
 
-void add_describe_commands(CLI::App& app, int& exit_code) {
+void add_describe_commands(Arguments app, int& exit_code) {
   auto options = std::make_shared<Options>();
   const auto add = [&](const char* name, const char* sentence, int (*run)(const Options&)) {
-    CLI::App* c = app.add_subcommand(name, sentence);
-    c->add_flag("--json", options->json, "JSON on standard output");
-    c->callback([options, run, &exit_code] { exit_code = run(*options); });
+    Arguments c = app.add_subcommand(name, sentence);
+    c.add_flag("--json", options->json, "JSON on standard output");
+    c.callback([options, run, &exit_code] { exit_code = run(*options); });
     return c;
   };
   add("validate", "errors and warnings of a scene, its plan and its cost", validate)
-      ->add_option("scene", options->name, "scene file, gallery name, or - for standard input")
-      ->required();
+      .add_option("scene", options->name, "scene file, gallery name, or - for standard input")
+      .required();
   add("systems", "the kinds of systems, or one kind with its parameters", systems)
-      ->add_option("type", options->name, "a system type");
+      .add_option("type", options->name, "a system type");
   add("gallery", "the scenes that come with the program, or one scene's document", show_gallery)
-      ->add_option("name", options->name, "a gallery scene");
+      .add_option("name", options->name, "a gallery scene");
   add("schema", "the JSON Schema of a scene", [](const Options&) {
     std::cout << write_json(scene_schema()) << '\n';
     return static_cast<int>(kExitOk);

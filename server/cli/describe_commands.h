@@ -1,9 +1,9 @@
 // truestep validate | systems | gallery | schema: what the program knows, printed.
 #pragma once
-#include <CLI/App.hpp>
+#include "server/cli/arguments.h"
 
 namespace truestep {
 
-void add_describe_commands(CLI::App& app, int& exit_code);
+void add_describe_commands(Arguments app, int& exit_code);
 
 }  // namespace truestep

@@ -1,6 +1,5 @@
 #include "server/cli/motion.h"
 
-#include <CLI/CLI.hpp>
 #include <iostream>
 
 #include "engine/base/errors.h"
@@ -54,17 +53,16 @@ int motion(const MotionOptions& o) {
 
 }  // namespace
 
-void add_motion_command(CLI::App& app, int& exit_code) {
+void add_motion_command(Arguments app, int& exit_code) {
   auto options = std::make_shared<MotionOptions>();
-  CLI::App* c = app.add_subcommand("motion", "a skeleton or blended shapes of a scene as a BVH or glTF file");
-  c->add_option("scene", options->scene, "scene file, gallery name, or - for standard input")->required();
-  c->add_option("-o,--output", options->output, "file to write (.bvh, .gltf, .glb)")->required();
-  c->add_option("--system", options->system, "which system (default: the first with joints or shapes)");
-  c->add_option("--rate", options->rate, "frames per second of the scene's time")
-      ->check(CLI::Range(0.01, 10'000.0));
-  c->add_option("--seconds", options->seconds, "simulated seconds (default: the scene's duration)")
-      ->check(CLI::Range(0.0, 1e6));
-  c->callback([options, &exit_code] { exit_code = motion(*options); });
+  Arguments c = app.add_subcommand("motion", "a skeleton or blended shapes of a scene as a BVH or glTF file");
+  c.add_option("scene", options->scene, "scene file, gallery name, or - for standard input").required();
+  c.add_option("-o,--output", options->output, "file to write (.bvh, .gltf, .glb)").required();
+  c.add_option("--system", options->system, "which system (default: the first with joints or shapes)");
+  c.add_option("--rate", options->rate, "frames per second of the scene's time").in_range(0.01, 10'000.0);
+  c.add_option("--seconds", options->seconds, "simulated seconds (default: the scene's duration)")
+      .in_range(0.0, 1e6);
+  c.callback([options, &exit_code] { exit_code = motion(*options); });
 }
 
 }  // namespace truestep

@@ -1,6 +1,5 @@
 #include "server/cli/recording_commands.h"
 
-#include <CLI/CLI.hpp>
 #include <boost/json.hpp>
 #include <iostream>
 
@@ -16,7 +15,7 @@ namespace json = boost::json;
 
 namespace {
 
-struct Options {
+struct RecordingOptions {
   std::string file, other, output, format = "csv";
   std::vector<std::string> systems;
   uint64_t every = 1;
@@ -64,7 +63,7 @@ json::object describe(RecordingReader& reader) {
   return out;
 }
 
-int info(const Options& o) {
+int info(const RecordingOptions& o) {
   RecordingReader reader = open_recording(o.file);
   const json::object d = describe(reader);
   if (o.json) {
@@ -88,7 +87,7 @@ int info(const Options& o) {
   return kExitOk;
 }
 
-int export_files(const Options& o) {
+int export_files(const RecordingOptions& o) {
   RecordingReader reader = open_recording(o.file);
   ExportOptions e;
   e.format = export_format(o.format);
@@ -99,7 +98,7 @@ int export_files(const Options& o) {
   return kExitOk;
 }
 
-int diff(const Options& o) {
+int diff(const RecordingOptions& o) {
   const auto thread = std::make_shared<RecordingThread>();
   RecordingReader a = open_recording(o.file, thread), b = open_recording(o.other, thread);
   const auto d = first_difference(a, b, o.tolerance);
@@ -129,28 +128,27 @@ int diff(const Options& o) {
 
 }  // namespace
 
-void add_recording_commands(CLI::App& app, int& exit_code) {
-  auto o = std::make_shared<Options>();
-  CLI::App* i = app.add_subcommand("info", "contents of a recording");
-  i->add_option("file", o->file, "recording")->required();
-  i->add_flag("--json", o->json, "JSON on standard output");
-  i->callback([o, &exit_code] { exit_code = info(*o); });
+void add_recording_commands(Arguments app, int& exit_code) {
+  auto o = std::make_shared<RecordingOptions>();
+  Arguments i = app.add_subcommand("info", "contents of a recording");
+  i.add_option("file", o->file, "recording").required();
+  i.add_flag("--json", o->json, "JSON on standard output");
+  i.callback([o, &exit_code] { exit_code = info(*o); });
 
-  CLI::App* e = app.add_subcommand("export", "exports a recording to files for other programs");
-  e->add_option("file", o->file, "recording")->required();
-  e->add_option("-o,--output", o->output, "path of the files, without ending")->required();
-  e->add_option("--format", o->format, "csv, ply, npz, vtu or vti")->capture_default_str();
-  e->add_option("--system", o->systems, "systems (default: all)");
-  e->add_option("--every", o->every, "every n-th frame")->check(CLI::Range(1, 1000000000));
-  e->callback([o, &exit_code] { exit_code = export_files(*o); });
+  Arguments e = app.add_subcommand("export", "exports a recording to files for other programs");
+  e.add_option("file", o->file, "recording").required();
+  e.add_option("-o,--output", o->output, "path of the files, without ending").required();
+  e.add_option("--format", o->format, "csv, ply, npz, vtu or vti").shows_default();
+  e.add_option("--system", o->systems, "systems (default: all)");
+  e.add_option("--every", o->every, "every n-th frame").in_range(1, 1000000000);
+  e.callback([o, &exit_code] { exit_code = export_files(*o); });
 
-  CLI::App* d = app.add_subcommand("diff", "first and largest difference of two recordings");
-  d->add_option("first", o->file, "recording")->required();
-  d->add_option("second", o->other, "recording")->required();
-  d->add_option("--tolerance", o->tolerance, "largest difference that is ignored")
-      ->check(CLI::Range(0.0, 1e300));
-  d->add_flag("--json", o->json, "JSON on standard output");
-  d->callback([o, &exit_code] { exit_code = diff(*o); });
+  Arguments d = app.add_subcommand("diff", "first and largest difference of two recordings");
+  d.add_option("first", o->file, "recording").required();
+  d.add_option("second", o->other, "recording").required();
+  d.add_option("--tolerance", o->tolerance, "largest difference that is ignored").in_range(0.0, 1e300);
+  d.add_flag("--json", o->json, "JSON on standard output");
+  d.callback([o, &exit_code] { exit_code = diff(*o); });
 }
 
 }  // namespace truestep

@@ -1,9 +1,9 @@
 // truestep info | export | diff: inspect, convert and compare recordings.
 #pragma once
-#include <CLI/App.hpp>
+#include "server/cli/arguments.h"
 
 namespace truestep {
 
-void add_recording_commands(CLI::App& app, int& exit_code);
+void add_recording_commands(Arguments app, int& exit_code);
 
 }  // namespace truestep

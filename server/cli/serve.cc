@@ -3,11 +3,6 @@
 #include <malloc.h>
 #include <signal.h>
 
-#include <CLI/CLI.hpp>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/signal_set.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <condition_variable>
 #include <cstdlib>
 #include <filesystem>
@@ -23,10 +18,11 @@
 #include "server/cli/duration.h"
 #include "server/cli/exit_codes.h"
 #include "server/data/folder_lock.h"
+#include "server/net/access/address.h"
+#include "server/net/health.h"
+#include "server/net/termination.h"
 
 namespace truestep {
-
-namespace asio = boost::asio;
 
 namespace {
 
@@ -43,15 +39,8 @@ struct ServeOptions {
   bool insecure = false;
 };
 
-bool is_loopback(const std::string& host) {
-  if (host == "localhost") return true;
-  boost::system::error_code e;
-  const auto address = asio::ip::make_address(host, e);
-  return !e && address.is_loopback();
-}
-
 AppOptions app_options(const ServeOptions& o) {
-  if (!is_loopback(o.host) && o.key_file.empty() && !o.insecure) {
+  if (!net::is_loopback(o.host) && o.key_file.empty() && !o.insecure) {
     throw Error(
         "bad_request",
         "binding " + o.host +
@@ -87,22 +76,21 @@ std::string default_data_dir() {
   return home && *home ? std::string(home) + "/.local/share/truestep" : "/tmp/truestep";
 }
 
-// Regularly unloads and removes what nobody uses.
-void sweep_every(asio::steady_timer& timer, App& app) {
-  auto pause = std::min(std::chrono::seconds(30), app.options.limits.idle_ttl);
-  if (app.options.keep_sessions) pause = std::min(pause, app.options.keep_sessions->keep);
-  timer.expires_after(std::max(pause, std::chrono::seconds(1)));
-  timer.async_wait([&](const boost::system::error_code& e) {
-    if (e) return;
-    for (const EntryPtr& entry : app.store.expire()) unload(app, entry);
-    if (app.archive) {
-      for (const std::string& id : app.archive->sweep()) spdlog::info("session {} is no longer kept", id);
-    }
-    app.recordings.sweep();
-    // Returns memory freed by large sessions and studies to the operating system.
-    malloc_trim(0);
-    sweep_every(timer, app);
-  });
+std::chrono::seconds pause_between_sweeps(const AppOptions& options) {
+  auto pause = std::min(std::chrono::seconds(30), options.limits.idle_ttl);
+  if (options.keep_sessions) pause = std::min(pause, options.keep_sessions->keep);
+  return std::max(pause, std::chrono::seconds(1));
+}
+
+// Unloads and removes what nobody uses.
+void sweep(App& app) {
+  for (const EntryPtr& entry : app.store.expire()) unload(app, entry);
+  if (app.archive) {
+    for (const std::string& id : app.archive->sweep()) log_info("session {} is no longer kept", id);
+  }
+  app.recordings.sweep();
+  // Returns memory freed by large sessions and studies to the operating system.
+  malloc_trim(0);
 }
 
 /// Open streams hold their sessions and the sessions hold the streams; this breaks the cycle.
@@ -121,7 +109,7 @@ class LastResort {
       : thread_([this, end = std::chrono::steady_clock::now() + patience] {
           std::unique_lock lock(mutex_);
           if (over_.wait_until(lock, end, [this] { return ended_; })) return;
-          spdlog::warn("work still running is abandoned");
+          log_warn("work still running is abandoned");
           std::_Exit(kExitOk);
         }) {}
   ~LastResort() {
@@ -175,14 +163,14 @@ FolderLock lock_data_folder(std::string& folder) {
     return FolderLock(folder);
   } catch (const Error& e) {
     if (e.code() != "folder_unusable") throw;
-    spdlog::warn("no recordings, and no session outlives the server: {}", e.what());
+    log_warn("no recordings, and no session outlives the server: {}", e.what());
     folder.clear();
     return {};
   }
 }
 
 int serve(const ServeOptions& options) {
-  spdlog::set_level(spdlog::level::from_str(options.log_level));
+  start_log(options.log_level);
   AppOptions settings = app_options(options);
   if (settings.data_dir.empty()) settings.data_dir = default_data_dir();
   // Before reading anything in the folder: recordings of another running server must not be repaired.
@@ -191,113 +179,91 @@ int serve(const ServeOptions& options) {
   App app(settings);
   net::Server server(settings.net, make_router(app));
   app.server = &server;
-  asio::io_context main_loop;
   // Large blocks are mapped individually, so that freeing one returns it to the system, whatever surrounds
   // it.
   mallopt(M_MMAP_THRESHOLD, 1 << 20);
   // A closed peer or log pipe shows up as an error of write().
   ::signal(SIGPIPE, SIG_IGN);
-  spdlog::set_error_handler([](const std::string&) {});
-  asio::signal_set signals(main_loop, SIGTERM, SIGINT, SIGHUP);
+  net::Termination termination;
   app.repairing = true;
   app.recordings.read_folder();
   server.start();
   std::cout << "Truestep " << version() << " listening on " << server.url() << std::endl;
   if (app.archive) {
-    for (const std::string& what : app.archive->damage()) spdlog::error("{}", what);
+    for (const std::string& what : app.archive->damage()) log_error("{}", what);
   }
   app.recordings.repair(*app.recording_thread);
   app.repairing = false;
 
-  asio::steady_timer sweeper(main_loop);
-  sweep_every(sweeper, app);
-  signals.async_wait([&](const boost::system::error_code&, int) {
-    sweeper.cancel();
-    main_loop.stop();
-  });
-  main_loop.run();
-  spdlog::info("shutting down");
+  termination.wait(pause_between_sweeps(app.options), [&app] { sweep(app); });
+  log_info("shutting down");
   shut_down(server, app);
   return kExitOk;
 }
 
-// A hand-written GET of /healthz: the container's health check needs no other program.
 int health(const std::string& url) {
-  std::string_view rest = url;
-  if (rest.starts_with("http://")) rest.remove_prefix(7);
-  rest = rest.substr(0, rest.find('/'));
-  const size_t colon = rest.rfind(':');
-  const std::string host(rest.substr(0, colon)),
-      port(colon == std::string_view::npos ? "80" : rest.substr(colon + 1));
-  asio::ip::tcp::iostream stream;
-  stream.expires_after(std::chrono::seconds(3));
-  stream.connect(host, port);
-  stream << "GET /healthz HTTP/1.1\r\nHost: " << rest << "\r\nConnection: close\r\n\r\n" << std::flush;
-  std::string line;
-  std::getline(stream, line);
-  const bool good = line.starts_with("HTTP/1.1 200");
+  const bool good = net::is_healthy(url);
   std::cout << (good ? "ok" : "no answer from " + url) << '\n';
   return good ? kExitOk : kExitServer;
 }
 
 }  // namespace
 
-void add_serve_command(CLI::App& app, int& exit_code) {
+void add_serve_command(Arguments app, int& exit_code) {
   auto o = std::make_shared<ServeOptions>();
-  CLI::App* c = app.add_subcommand("serve", "serves API and viewer");
-  c->add_option("--host", o->host, "address to listen on")->capture_default_str();
-  c->add_option("--port", o->port, "port; 0: any free one")->capture_default_str();
-  c->add_option("--data-dir", o->data_dir,
-                "folder of sessions and recordings (default: ~/.local/share/truestep)");
-  c->add_option("--api-key-file", o->key_file,
-                "keys that clients must present, one per line: NAME KEY [admin]");
-  c->add_flag("--insecure", o->insecure,
-              "serve other machines without keys (the Host header is still checked)");
-  c->add_option("--allow-host", o->hosts, "further host names of this server");
-  c->add_option("--allow-origin", o->origins, "further allowed origins of browsers");
-  c->add_option("--threads", o->threads, "threads that advance sessions (default: all)")
-      ->check(CLI::Range(1, 1024));
-  c->add_option("--max-memory", o->max_memory_mb, "megabytes of all sessions together")
-      ->check(CLI::Range(1.0, 1e9))
-      ->capture_default_str();
-  c->add_option("--max-message", o->max_message_kib,
-                "KiB of a message that a stream's client sends; a longer one closes the stream with 1009")
-      ->check(CLI::Range(1, 1 << 20))
-      ->capture_default_str();
-  c->add_option("--max-sessions", o->max_sessions, "most sessions at once")
-      ->check(CLI::Range(1, 1000000))
-      ->capture_default_str();
-  c->add_option("--session-ttl", o->session_ttl,
-                "seconds after which an unused session is saved to disk, or removed if sessions are not kept")
-      ->check(CLI::Range(1, 1000000000))
-      ->capture_default_str();
-  c->add_option("--pause-unwatched", o->pause_unwatched,
-                "how long a session keeps playing when its last viewer has left (10s, 5m), or forever; with "
-                "\"keep_running\" it always does")
-      ->capture_default_str();
-  c->add_option("--keep-sessions", o->keep_sessions,
-                "how long an unused session stays on disk: 7d, 12h, 30m, 90s, forever; 0: sessions end with "
-                "the server or when they are unused for long")
-      ->capture_default_str();
-  c->add_option("--max-kept", o->max_kept_mb,
-                "megabytes of sessions on disk; beyond, those unused longest are removed")
-      ->check(CLI::Range(1.0, 1e9))
-      ->capture_default_str();
-  c->add_option("--keep-recordings", o->keep_recordings, "how long a finished recording stays, or forever")
-      ->capture_default_str();
-  c->add_option("--max-recordings", o->max_recordings_mb,
-                "megabytes of recordings; beyond, no new one begins; 0: no limit")
-      ->check(CLI::Range(0.0, 1e12))
-      ->capture_default_str();
-  c->add_option("--log-level", o->log_level, "log level")
-      ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}))
-      ->capture_default_str();
-  c->callback([o, &exit_code] { exit_code = serve(*o); });
+  Arguments c = app.add_subcommand("serve", "serves API and viewer");
+  c.add_option("--host", o->host, "address to listen on").shows_default();
+  c.add_option("--port", o->port, "port; 0: any free one").shows_default();
+  c.add_option("--data-dir", o->data_dir,
+               "folder of sessions and recordings (default: ~/.local/share/truestep)");
+  c.add_option("--api-key-file", o->key_file,
+               "keys that clients must present, one per line: NAME KEY [admin]");
+  c.add_flag("--insecure", o->insecure,
+             "serve other machines without keys (the Host header is still checked)");
+  c.add_option("--allow-host", o->hosts, "further host names of this server");
+  c.add_option("--allow-origin", o->origins, "further allowed origins of browsers");
+  c.add_option("--threads", o->threads, "threads that advance sessions (default: all)").in_range(1, 1024);
+  c.add_option("--max-memory", o->max_memory_mb, "megabytes of all sessions together")
+      .in_range(1.0, 1e9)
+      .shows_default();
+  c.add_option("--max-message", o->max_message_kib,
+               "KiB of a message that a stream's client sends; a longer one closes the stream with 1009")
+      .in_range(1, 1 << 20)
+      .shows_default();
+  c.add_option("--max-sessions", o->max_sessions, "most sessions at once")
+      .in_range(1, 1000000)
+      .shows_default();
+  c.add_option("--session-ttl", o->session_ttl,
+               "seconds after which an unused session is saved to disk, or removed if sessions are not kept")
+      .in_range(1, 1000000000)
+      .shows_default();
+  c.add_option("--pause-unwatched", o->pause_unwatched,
+               "how long a session keeps playing when its last viewer has left (10s, 5m), or forever; with "
+               "\"keep_running\" it always does")
+      .shows_default();
+  c.add_option("--keep-sessions", o->keep_sessions,
+               "how long an unused session stays on disk: 7d, 12h, 30m, 90s, forever; 0: sessions end with "
+               "the server or when they are unused for long")
+      .shows_default();
+  c.add_option("--max-kept", o->max_kept_mb,
+               "megabytes of sessions on disk; beyond, those unused longest are removed")
+      .in_range(1.0, 1e9)
+      .shows_default();
+  c.add_option("--keep-recordings", o->keep_recordings, "how long a finished recording stays, or forever")
+      .shows_default();
+  c.add_option("--max-recordings", o->max_recordings_mb,
+               "megabytes of recordings; beyond, no new one begins; 0: no limit")
+      .in_range(0.0, 1e12)
+      .shows_default();
+  c.add_option("--log-level", o->log_level, "log level")
+      .one_of({"debug", "info", "warn", "error", "off"})
+      .shows_default();
+  c.callback([o, &exit_code] { exit_code = serve(*o); });
 
   auto url = std::make_shared<std::string>("http://127.0.0.1:8080");
-  CLI::App* h = app.add_subcommand("health", "checks that a running server is healthy");
-  h->add_option("url", *url, "address of the server")->capture_default_str();
-  h->callback([url, &exit_code] { exit_code = health(*url); });
+  Arguments h = app.add_subcommand("health", "checks that a running server is healthy");
+  h.add_option("url", *url, "address of the server").shows_default();
+  h.callback([url, &exit_code] { exit_code = health(*url); });
 }
 
 }  // namespace truestep

@@ -1,9 +1,9 @@
 // truestep serve and truestep health.
 #pragma once
-#include <CLI/App.hpp>
+#include "server/cli/arguments.h"
 
 namespace truestep {
 
-void add_serve_command(CLI::App& app, int& exit_code);
+void add_serve_command(Arguments app, int& exit_code);
 
 }  // namespace truestep

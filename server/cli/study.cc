@@ -2,7 +2,6 @@
 // finished case per line. A sweep whose folder holds rows.jsonl of the same request continues from there.
 #include "server/cli/study.h"
 
-#include <CLI/CLI.hpp>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -25,7 +24,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct Options {
+struct StudyOptions {
   std::string kind, scene, output, refine, progress = "auto";
   std::vector<std::string> set;
   int threads = 0;
@@ -103,7 +102,7 @@ void print_table(const StudyResult& result) {
   }
 }
 
-int study(const Options& o) {
+int study(const StudyOptions& o) {
   std::string kind = o.kind;
   std::replace(kind.begin(), kind.end(), '-', '_');
   json::object document{{"kind", kind}, {"scene", load_scene_document(o.scene)}};
@@ -157,29 +156,28 @@ int study(const Options& o) {
 
 }  // namespace
 
-void add_study_command(CLI::App& app, int& exit_code) {
-  auto options = std::make_shared<Options>();
-  CLI::App* c = app.add_subcommand(
+void add_study_command(Arguments app, int& exit_code) {
+  auto options = std::make_shared<StudyOptions>();
+  Arguments c = app.add_subcommand(
       "study", "measures a scene: work-precision, convergence, stability, cross-check, sweep");
   std::vector<std::string> kinds;
   for (const StudyKind& k : study_kinds()) {
     kinds.emplace_back(k.name);
     std::replace(kinds.back().begin(), kinds.back().end(), '_', '-');
   }
-  c->add_option("kind", options->kind, "which study")->required()->check(CLI::IsMember(kinds));
-  c->add_option("scene", options->scene, "scene file, gallery name, or - for standard input")->required();
-  c->add_option("-o,--output", options->output, "folder for result.json, result.csv and result.svg");
-  c->add_option("--set", options->set,
-                "a parameter of the study, e.g. --set integrators='[\"rk4\"]' --set horizon=2");
-  c->add_option("--refine", options->refine,
-                "convergence and work-precision: what is refined, time, space or both")
-      ->check(CLI::IsMember(refine_names()));
-  c->add_option("--threads", options->threads, "threads of a sweep (default: all)")
-      ->check(CLI::Range(1, 1024));
-  c->add_flag("--json", options->json, "the result as one JSON object on standard output");
-  c->add_option("--progress", options->progress, "progress on standard error")
-      ->check(CLI::IsMember({"auto", "plain", "none"}));
-  c->callback([options, &exit_code] { exit_code = study(*options); });
+  c.add_option("kind", options->kind, "which study").required().one_of(kinds);
+  c.add_option("scene", options->scene, "scene file, gallery name, or - for standard input").required();
+  c.add_option("-o,--output", options->output, "folder for result.json, result.csv and result.svg");
+  c.add_option("--set", options->set,
+               "a parameter of the study, e.g. --set integrators='[\"rk4\"]' --set horizon=2");
+  c.add_option("--refine", options->refine,
+               "convergence and work-precision: what is refined, time, space or both")
+      .one_of(refine_names());
+  c.add_option("--threads", options->threads, "threads of a sweep (default: all)").in_range(1, 1024);
+  c.add_flag("--json", options->json, "the result as one JSON object on standard output");
+  c.add_option("--progress", options->progress, "progress on standard error")
+      .one_of({"auto", "plain", "none"});
+  c.callback([options, &exit_code] { exit_code = study(*options); });
 }
 
 }  // namespace truestep

@@ -1,8 +1,7 @@
 // `truestep study`: runs a study of a scene and writes its table, plot and result.
 #pragma once
-namespace CLI {
-class App;
-}
+#include "server/cli/arguments.h"
+
 namespace truestep {
-void add_study_command(CLI::App& app, int& exit_code);
+void add_study_command(Arguments app, int& exit_code);
 }  // namespace truestep

@@ -2,10 +2,6 @@
 
 #include <sys/socket.h>
 
-#include <boost/asio/bind_cancellation_slot.hpp>
-#include <boost/asio/co_spawn.hpp>
-#include <boost/asio/redirect_error.hpp>
-#include <boost/asio/use_awaitable.hpp>
 #include <cerrno>
 
 #include "engine/base/errors.h"
@@ -14,8 +10,6 @@
 #include "server/net/websocket/handshake.h"
 
 namespace truestep::net {
-
-namespace asio = boost::asio;
 
 namespace {
 
@@ -54,8 +48,8 @@ std::string_view code_of(int status) {
 
 }  // namespace
 
-Connection::Connection(Socket socket, Service& service)
-    : socket_(std::move(socket)), service_(service), remote_(endpoint_text(socket_)) {
+Connection::Connection(Socket socket, Service& service, Executor& loop)
+    : socket_(std::move(socket)), service_(service), remote_(endpoint_text(socket_)), handler_context_(loop) {
   enter(Phase::idle);
 }
 
@@ -91,7 +85,7 @@ void Connection::tick(Clock::time_point now) {
   }
   if (phase_ == Phase::handler && left()) {
     gone_ = true;
-    cancel_handler_.emit(asio::cancellation_type::terminal);
+    handler_context_.cancel();
   }
   if (now <= deadline_) return;
   service_.stats.timeouts++;
@@ -126,7 +120,7 @@ void Connection::check_key_again() {
 void Connection::drain() {
   if (websocket_) return websocket_->close(1001, "the service is shutting down");
   if (phase_ == Phase::idle) return abort();
-  if (phase_ == Phase::handler) cancel_handler_.emit(asio::cancellation_type::terminal);
+  if (phase_ == Phase::handler) handler_context_.cancel();
 }
 
 void Connection::abort() {
@@ -135,9 +129,7 @@ void Connection::abort() {
   socket_.close(ec);
 }
 
-// co_await stands in statements of its own: GCC 12 destroys the awaitable of a co_await that && or || has
-// skipped.
-asio::awaitable<void> Connection::run() {
+Task<> Connection::run() {
   const auto self = shared_from_this();
   while (!closing_) {
     const bool complete = co_await read_head();
@@ -203,7 +195,7 @@ RequestParser::Progress Connection::parse() {
   return parser_->progress();
 }
 
-asio::awaitable<bool> Connection::read_head() {
+Task<bool> Connection::read_head() {
   enter(Phase::idle);
   parser_.emplace(request_, service_.options.max_head);
   if (buffer_.size() == 0 && buffer_.capacity() > 2 * kRead) buffer_.shrink_to_fit();
@@ -227,7 +219,7 @@ asio::awaitable<bool> Connection::read_head() {
   co_return false;
 }
 
-asio::awaitable<bool> Connection::read_body(size_t limit) {
+Task<bool> Connection::read_body(size_t limit) {
   enter(Phase::body);
   parser_->set_body_limit(limit);
   if (parser_->expects_continue() && buffer_.size() == 0 && parser_->status() == 0) {
@@ -256,12 +248,11 @@ asio::awaitable<bool> Connection::read_body(size_t limit) {
   }
 }
 
-asio::awaitable<bool> Connection::read_more(size_t size) {
-  boost::system::error_code ec;
-  const size_t n =
-      co_await socket_.async_read_some(buffer_.prepare(size), asio::redirect_error(asio::use_awaitable, ec));
+Task<bool> Connection::read_more(size_t size) {
+  const auto [error, n] =
+      co_await Io([&](const Resume& handler) { socket_.async_read_some(buffer_.prepare(size), handler); });
   buffer_.commit(n);
-  co_return !ec;
+  co_return !error;
 }
 
 Response Connection::answer(const Route& route) {
@@ -275,14 +266,15 @@ Response Connection::answer(const Route& route) {
   }
 }
 
-asio::awaitable<Response> Connection::wait_for(const Route& route) {
+Task<Response> Connection::wait_for(const Route& route) {
   enter(Phase::handler);
   ended_looks_ = 0;
   try {
     if (route.check) route.check(request_);
-    co_return co_await asio::co_spawn(
-        socket_.get_executor(), route.async_handler(request_),
-        asio::bind_cancellation_slot(cancel_handler_.slot(), asio::use_awaitable));
+    Task<Response> handler = route.async_handler(request_);
+    handler_context_.reset();
+    handler.run_in(handler_context_);
+    co_return co_await handler;
   } catch (const Error& e) {
     co_return problem(request_, e);
   } catch (const std::exception& e) {
@@ -321,7 +313,7 @@ void Connection::refuse(int status, std::string_view reason) {
 }
 
 // On success upgrade_ is set.
-asio::awaitable<Response> Connection::open_websocket(const Route& route) {
+Task<Response> Connection::open_websocket(const Route& route) {
   if (!request_.body.empty() || buffer_.size() > 0)
     co_return problem(request_, "bad_request", "nothing may be sent after a handshake before its answer");
   if (auto refused = check_handshake(request_, route, subprotocol_)) co_return std::move(*refused);
@@ -330,8 +322,10 @@ asio::awaitable<Response> Connection::open_websocket(const Route& route) {
     if (route.before_open) {
       enter(Phase::handler);
       ended_looks_ = 0;
-      co_await asio::co_spawn(socket_.get_executor(), route.before_open(request_),
-                              asio::bind_cancellation_slot(cancel_handler_.slot(), asio::use_awaitable));
+      Task<> before = route.before_open(request_);
+      handler_context_.reset();
+      before.run_in(handler_context_);
+      co_await before;
     }
     if (service_.draining) co_return problem(request_, "draining", "the service is shutting down");
     upgrade_ = route.open_websocket(request_);

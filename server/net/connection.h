@@ -3,8 +3,6 @@
 // compares a few times a second, so a request costs no timer; a request whose handler answers at once costs
 // no further coroutine.
 #pragma once
-#include <boost/asio/awaitable.hpp>
-#include <boost/asio/cancellation_signal.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <memory>
 #include <optional>
@@ -15,6 +13,7 @@
 #include "server/net/http/router.h"
 #include "server/net/options.h"
 #include "server/net/server.h"
+#include "server/net/socket.h"
 #include "server/net/websocket/websocket_stream.h"
 
 namespace truestep::net {
@@ -33,10 +32,10 @@ class Connection : public std::enable_shared_from_this<Connection> {
  public:
   static constexpr size_t kRead = 4096;  ///< bytes per read
 
-  Connection(Socket socket, Service& service);
+  Connection(Socket socket, Service& service, Executor& loop);
 
   /// Serves until the connection ends.
-  boost::asio::awaitable<void> run();
+  Task<> run();
   /// Checks the deadlines.
   void tick(Clock::time_point now);
   /// Lets a running request finish; an idle connection ends at once, a WebSocket is closed with 1001.
@@ -48,22 +47,22 @@ class Connection : public std::enable_shared_from_this<Connection> {
   enum class Phase : uint8_t { idle, head, body, handler, write, linger };
 
   RequestParser::Progress parse();
-  boost::asio::awaitable<bool> read_head();
-  boost::asio::awaitable<bool> read_body(size_t limit);
-  boost::asio::awaitable<bool> read_more(size_t size);
-  boost::asio::awaitable<Response> wait_for(const Route& route);
+  Task<bool> read_head();
+  Task<bool> read_body(size_t limit);
+  Task<bool> read_more(size_t size);
+  Task<Response> wait_for(const Route& route);
   Response answer(const Route& route);
   Response no_route(const Router::Match& match);
   void deny(Response response);
   void refuse(int status, std::string_view reason);
   bool prepare(Response& response, std::string_view& large_body);
-  boost::asio::awaitable<bool> finish_response(const Response& response, std::string_view large_body);
-  boost::asio::awaitable<bool> write_out(std::string_view body = {});
-  boost::asio::awaitable<bool> send_file(const FileBody& file, uint64_t offset, uint64_t length);
-  boost::asio::awaitable<bool> send_stream(const StreamBody& stream);
-  boost::asio::awaitable<void> wait_writable();
-  boost::asio::awaitable<void> linger();
-  boost::asio::awaitable<Response> open_websocket(const Route& route);
+  Task<bool> finish_response(const Response& response, std::string_view large_body);
+  Task<bool> write_out(std::string_view body = {});
+  Task<bool> send_file(const FileBody& file, uint64_t offset, uint64_t length);
+  Task<bool> send_stream(const StreamBody& stream);
+  Task<> wait_writable();
+  Task<> linger();
+  Task<Response> open_websocket(const Route& route);
   void enter(Phase phase);
   bool left();
   void check_key_again();
@@ -85,8 +84,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::shared_ptr<WebSocketHandler> upgrade_;  ///< set by a successful handshake
   std::string subprotocol_;
   std::shared_ptr<ServedWebSocket> websocket_;
-  uint64_t keys_version_ = 0;  ///< version of the keys among which the open WebSocket's was found
-  boost::asio::cancellation_signal cancel_handler_;
+  uint64_t keys_version_ = 0;    ///< version of the keys among which the open WebSocket's was found
+  TaskContext handler_context_;  ///< of the handler that is waited for
 };
 
 }  // namespace truestep::net

@@ -2,10 +2,6 @@
 // it does not; files go from the page cache to the socket without passing through this process.
 #include <sys/sendfile.h>
 
-#include <boost/asio/bind_cancellation_slot.hpp>
-#include <boost/asio/co_spawn.hpp>
-#include <boost/asio/redirect_error.hpp>
-#include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core/buffers_suffix.hpp>
 #include <cerrno>
 #include <charconv>
@@ -27,7 +23,7 @@ constexpr size_t kCollect = size_t{64} << 10;
 }  // namespace
 
 // Writes out_ and then body; false when the connection is gone.
-asio::awaitable<bool> Connection::write_out(std::string_view body) {
+Task<bool> Connection::write_out(std::string_view body) {
   const std::array<asio::const_buffer, 2> both{asio::buffer(out_), asio::buffer(body)};
   boost::beast::buffers_suffix<std::array<asio::const_buffer, 2>> rest(both);
   while (boost::beast::buffer_bytes(rest) > 0) {
@@ -45,13 +41,12 @@ asio::awaitable<bool> Connection::write_out(std::string_view body) {
 }
 
 // The write time-out restarts whenever the peer has taken something.
-asio::awaitable<void> Connection::wait_writable() {
+Task<> Connection::wait_writable() {
   enter(Phase::write);
-  boost::system::error_code ec;
-  co_await socket_.async_wait(Socket::wait_write, asio::redirect_error(asio::use_awaitable, ec));
+  co_await Io([&](const Resume& handler) { socket_.async_wait(Socket::wait_write, handler); });
 }
 
-asio::awaitable<bool> Connection::send_file(const FileBody& file, uint64_t offset, uint64_t length) {
+Task<bool> Connection::send_file(const FileBody& file, uint64_t offset, uint64_t length) {
   auto at = static_cast<off_t>(offset);
   while (length > 0) {
     const ssize_t sent =
@@ -73,15 +68,16 @@ asio::awaitable<bool> Connection::send_file(const FileBody& file, uint64_t offse
 
 // RFC 9112 section 7.1: size in hexadecimal, line, piece, line. A stream that fails ends without the last
 // chunk, so that the client knows.
-asio::awaitable<bool> Connection::send_stream(const StreamBody& stream) {
+Task<bool> Connection::send_stream(const StreamBody& stream) {
   const bool chunked = !closing_;
   for (;;) {
     enter(Phase::handler);
     std::optional<std::string> piece;
     try {
-      piece =
-          co_await asio::co_spawn(socket_.get_executor(), stream.next(),
-                                  asio::bind_cancellation_slot(cancel_handler_.slot(), asio::use_awaitable));
+      Task<std::optional<std::string>> next = stream.next();
+      handler_context_.reset();
+      next.run_in(handler_context_);
+      piece = co_await next;
     } catch (const std::exception&) {
       abort();
       co_return false;
@@ -130,7 +126,7 @@ bool Connection::prepare(Response& r, std::string_view& large_body) {
   return out_.size() < kCollect;
 }
 
-asio::awaitable<bool> Connection::finish_response(const Response& r, std::string_view large_body) {
+Task<bool> Connection::finish_response(const Response& r, std::string_view large_body) {
   if (!co_await write_out(large_body)) co_return false;
   if (const auto* stream = std::get_if<StreamBody>(&r.body)) {
     const bool sent = co_await send_stream(*stream);
@@ -142,7 +138,7 @@ asio::awaitable<bool> Connection::finish_response(const Response& r, std::string
   co_return sent;
 }
 
-asio::awaitable<void> Connection::linger() {
+Task<> Connection::linger() {
   boost::system::error_code ec;
   socket_.shutdown(Socket::shutdown_send, ec);
   enter(Phase::linger);

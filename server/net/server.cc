@@ -161,7 +161,7 @@ void Server::start() {
   const size_t usable =
       descriptors > 2 * kReservedDescriptors ? descriptors - kReservedDescriptors : descriptors / 2;
   if (o.max_connections > usable) {
-    spdlog::info("at most {} connections: this process may open {} descriptors", usable, descriptors);
+    log_info("at most {} connections: this process may open {} descriptors", usable, descriptors);
     o.max_connections = usable;
   }
   for (int i = 0; i < std::max(1, o.threads); ++i) s.shards.push_back(std::make_unique<Shard>(s.service));

@@ -1,6 +1,5 @@
 #include "server/net/shard.h"
 
-#include <boost/asio/co_spawn.hpp>
 #include <boost/asio/post.hpp>
 
 #include "engine/base/log.h"
@@ -13,7 +12,7 @@ namespace {
 constexpr auto kSweep = std::chrono::milliseconds(250);
 }
 
-Shard::Shard(Service& service) : service_(service), work_(io_.get_executor()), timer_(io_) {}
+Shard::Shard(Service& service) : service_(service), work_(io().get_executor()), timer_(io()) {}
 
 Shard::~Shard() {
   join();
@@ -27,10 +26,10 @@ void Shard::start() {
 void Shard::run() {
   for (;;) {
     try {
-      io_.run();
+      io().run();
       return;
     } catch (const std::exception& e) {
-      spdlog::error("network thread: {}", e.what());
+      log_error("network thread: {}", e.what());
     }
   }
 }
@@ -40,19 +39,20 @@ void Shard::adopt(Socket socket) {
   socket.non_blocking(true, ec);
   socket.set_option(asio::ip::tcp::no_delay(true), ec);
   service_.stats.connections++;
-  const auto at =
-      connections_.insert(connections_.end(), std::make_shared<Connection>(std::move(socket), service_));
-  asio::co_spawn(io_, (*at)->run(), [this, at](std::exception_ptr failure) {
+  const auto at = connections_.emplace(connections_.end());
+  at->connection = std::make_shared<Connection>(std::move(socket), service_, loop_);
+  at->task.emplace(at->connection->run(), context_, [this, at](const std::exception_ptr& failure) {
     if (failure) {
       try {
         std::rethrow_exception(failure);
       } catch (const std::exception& e) {
-        spdlog::error("a connection ended with: {}", e.what());
+        log_error("a connection ended with: {}", e.what());
       }
     }
     connections_.erase(at);
     service_.stats.connections--;
   });
+  at->task->start();
   if (!sweeping_) sweep();
 }
 
@@ -64,20 +64,20 @@ void Shard::sweep() {
   timer_.async_wait([this](const boost::system::error_code& ec) {
     if (ec) return;
     const auto now = Clock::now();
-    for (const auto& c : connections_) c->tick(now);
+    for (const Served& s : connections_) s.connection->tick(now);
     sweep();
   });
 }
 
 void Shard::drain() {
-  asio::post(io_, [this] {
-    for (const auto& c : connections_) c->drain();
+  asio::post(io(), [this] {
+    for (const Served& s : connections_) s.connection->drain();
   });
 }
 
 void Shard::abort_all() {
-  asio::post(io_, [this] {
-    for (const auto& c : connections_) c->abort();
+  asio::post(io(), [this] {
+    for (const Served& s : connections_) s.connection->abort();
     timer_.cancel();
   });
 }

@@ -1,13 +1,14 @@
 // One network thread: an event loop, the connections it serves, and the sweep that checks their deadlines.
 #pragma once
 #include <boost/asio/executor_work_guard.hpp>
-#include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <list>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "server/net/connection.h"
+#include "server/net/event_loop.h"
 
 namespace truestep::net {
 
@@ -23,20 +24,25 @@ class Shard {
   void abort_all();
   /// Lets the loop end when nothing is left to do, or at once after `stop_loop`; then joins the thread.
   void join();
-  void stop_loop() { io_.stop(); }
-  boost::asio::io_context& io() { return io_; }
+  void stop_loop() { io().stop(); }
+  boost::asio::io_context& io() { return loop_.io(); }
   /// On this shard's thread: serves an accepted connection.
   void adopt(Socket socket);
 
  private:
+  struct Served {
+    std::shared_ptr<Connection> connection;
+    std::optional<RootTask> task;
+  };
   void run();
   void sweep();
   Service& service_;
-  boost::asio::io_context io_{1};
+  EventLoop loop_;
   boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_;
   boost::asio::steady_timer timer_;
   bool sweeping_ = false;
-  std::list<std::shared_ptr<Connection>> connections_;
+  TaskContext context_{loop_};
+  std::list<Served> connections_;
   std::thread thread_;
 };
 

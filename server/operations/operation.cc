@@ -67,7 +67,7 @@ void Operation::run(const ThreadArena& arena, std::vector<boost::json::object> e
   } catch (const Error& e) {
     end(e.code() == "cancelled" ? OperationStatus::cancelled : OperationStatus::failed, e, nullptr);
   } catch (const std::exception& e) {
-    spdlog::error("operation {}: {}", id, e.what());
+    log_error("operation {}: {}", id, e.what());
     end(OperationStatus::failed, Error("internal", "the study failed"), nullptr);
   }
 }

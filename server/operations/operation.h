@@ -11,7 +11,8 @@
 
 #include "engine/base/errors.h"
 #include "engine/studies/study.h"
-#include "server/net/async.h"
+#include "server/tasks/offload.h"
+#include "server/tasks/signal.h"
 
 namespace truestep {
 
@@ -39,7 +40,7 @@ class Operation {
   const StudyRequest request;
   const std::string request_text;  ///< canonical JSON; rows can be reused only by the same request
   std::atomic<bool> cancelled{false};
-  net::Signal changed;  ///< raised after every change of the view
+  Signal changed;  ///< raised after every change of the view
 
   OperationView view() const;
   /// The finished rows of a sweep so far.

@@ -1,7 +1,6 @@
 #include "server/operations/operation_store.h"
 
 #include <algorithm>
-#include <boost/asio/post.hpp>
 
 #include "server/sessions/lane.h"
 #include "server/sessions/store.h"
@@ -14,7 +13,7 @@ constexpr int kNice = 12;
 
 OperationStore::OperationStore(OperationLimits limits, int threads, MemoryBudget& budget)
     : limits_(limits), budget_(budget), arena_(threads) {
-  boost::asio::post(thread_, [] { yield_to_others(kNice); });
+  thread_.post([] { yield_to_others(kNice); });
 }
 
 OperationStore::~OperationStore() {
@@ -48,7 +47,7 @@ OperationPtr OperationStore::start(StudyRequest request, const std::string& requ
     forget_oldest();
   }
   const auto held = std::make_shared<MemoryBudget::Lease>(std::move(lease));
-  boost::asio::post(thread_, [this, operation, held, earlier = std::move(earlier)]() mutable {
+  thread_.post([this, operation, held, earlier = std::move(earlier)]() mutable {
     std::mutex several;  // cases of a sweep come from several threads
     operation->run(arena_, std::move(earlier), [&](const Cost& variant) {
       require_admission(variant, limits_.per_run);

@@ -1,13 +1,13 @@
 // The operations of a server: one runs at a time (timed studies must not disturb each other), the others wait
 // in order, and the most recent ended ones are kept for their results.
 #pragma once
-#include <boost/asio/thread_pool.hpp>
 #include <deque>
 #include <map>
 #include <mutex>
 
 #include "engine/scene/admission.h"
 #include "server/net/http/message.h"
+#include "server/net/worker_pool.h"
 #include "server/operations/operation.h"
 #include "server/sessions/memory_budget.h"
 
@@ -47,7 +47,7 @@ class OperationStore {
   mutable std::mutex mutex_;
   std::map<std::string, OperationPtr, std::less<>> operations_;
   std::deque<std::string> order_;
-  boost::asio::thread_pool thread_{1};
+  net::WorkerPool thread_{1};
 };
 
 }  // namespace truestep

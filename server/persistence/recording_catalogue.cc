@@ -131,12 +131,12 @@ void RecordingCatalogue::settle(Row& row, RecordingThread& thread) {
       break;
     case RecoveryOutcome::kRecovered:
       f.state = RecordingFate::repaired;
-      spdlog::warn("recording {} was not finished: {} of {} frames kept", file, report.frames_kept,
-                   report.frames_found);
+      log_warn("recording {} was not finished: {} of {} frames kept", file, report.frames_kept,
+               report.frames_found);
       break;
     default:
       f.state = RecordingFate::damaged;
-      spdlog::error("recording {} could not be repaired: {}", file, report.message);
+      log_error("recording {} could not be repaired: {}", file, report.message);
   }
 }
 
@@ -235,7 +235,7 @@ void RecordingCatalogue::write_note(const RecordingFacts& f) const {
   try {
     write_file(note_path(path(f.id)), bytes_of(text), Durability::process);
   } catch (const Error& e) {
-    spdlog::warn("recording {}: {}", f.id, e.what());
+    log_warn("recording {}: {}", f.id, e.what());
   }
 }
 

@@ -36,7 +36,7 @@ struct Creation {
   const Clock::time_point begun = Clock::now();
   std::atomic<const char*> stage{"reading"};
   Interrupt interrupt;
-  net::Signal done;
+  Signal done;
   std::atomic<bool> ended{false};
   // Written before `ended`.
   EntryPtr entry;

@@ -12,13 +12,14 @@
 
 #include "engine/base/interrupt.h"
 #include "engine/session/session.h"
-#include "server/net/async.h"
 #include "server/net/http/message.h"
 #include "server/sessions/fair_mutex.h"
 #include "server/sessions/job.h"
 #include "server/sessions/memory_budget.h"
 #include "server/sessions/poll_sink.h"
 #include "server/stream/encoded_frames.h"
+#include "server/tasks/offload.h"
+#include "server/tasks/signal.h"
 
 namespace truestep {
 
@@ -69,7 +70,7 @@ struct SessionEntry {
   std::atomic<int> streams{0};       ///< open WebSockets
   std::atomic<bool> removed{false};  ///< taken out of the store; its jobs stop
   std::atomic<uint64_t> version{1};  ///< grows whenever the state or its past changes
-  net::Signal changed;               ///< notified together with `version`
+  Signal changed;                    ///< notified together with `version`
 
   FairMutex mutex;
   MemoryBudget::Lease past;  ///< of the snapshots kept for seeking; without room, fewer are kept

@@ -6,7 +6,7 @@
 #include <functional>
 #include <memory>
 
-#include "server/net/async.h"
+#include "server/tasks/signal.h"
 
 namespace truestep {
 
@@ -40,7 +40,7 @@ struct Job {
   // Below: written once by the worker, before `done` is notified.
   std::atomic<End> end{End::none};
   std::exception_ptr error;
-  net::Signal done;
+  Signal done;
 
   // Only the worker touches these.
   bool begun = false;
@@ -54,13 +54,13 @@ using JobPtr = std::shared_ptr<Job>;
 struct JobQueue {
   std::deque<JobPtr> calls;  ///< run before the next step
   std::deque<JobPtr> runs;
-  bool scheduled = false;                              ///< a turn is queued or running
-  bool wary = false;                                   ///< the last step took unexpectedly long
-  double used = 0;                                     ///< weighted s; turns are ordered by it
-  uint64_t due = 0;                                    ///< steps that playing still owes
-  std::chrono::steady_clock::time_point clock;         ///< time up to which playing has been accounted for
-  std::shared_ptr<boost::asio::steady_timer> waiting;  ///< until the next step of playing
-  std::shared_ptr<boost::asio::steady_timer> leaving;  ///< until a viewer comes back
+  bool scheduled = false;                       ///< a turn is queued or running
+  bool wary = false;                            ///< the last step took unexpectedly long
+  double used = 0;                              ///< weighted s; turns are ordered by it
+  uint64_t due = 0;                             ///< steps that playing still owes
+  std::chrono::steady_clock::time_point clock;  ///< time up to which playing has been accounted for
+  TimerPtr waiting;                             ///< until the next step of playing
+  TimerPtr leaving;                             ///< until a viewer comes back
 };
 
 }  // namespace truestep

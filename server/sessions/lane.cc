@@ -55,7 +55,7 @@ void Lane::work(int niceness) {
     try {
       next.mapped()();
     } catch (const std::exception& e) {
-      spdlog::error("work: {}", e.what());
+      log_error("work: {}", e.what());
     }
     // Release what the turn captured before taking the lock: its destructor may add turns.
     next = {};

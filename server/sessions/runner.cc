@@ -1,13 +1,10 @@
 #include "server/sessions/runner.h"
 
 #include <algorithm>
-#include <boost/asio/post.hpp>
 
 #include "engine/base/log.h"
 
 namespace truestep {
-
-namespace asio = boost::asio;
 
 namespace {
 
@@ -16,13 +13,13 @@ constexpr int kPlayingNice = 4, kSlowNice = 10, kPictureNice = 5;
 }  // namespace
 
 Runner::Runner(int workers, std::optional<std::chrono::milliseconds> grace)
-    : pool_(static_cast<size_t>(std::max(2, workers))),
+    : pool_(std::max(2, workers)),
       picture_thread_(1),
       grace_(grace),
       express_(std::max(2, workers), 0),
       playing_(workers, kPlayingNice),
       slow_(workers, kSlowNice) {
-  asio::post(picture_thread_, [] { yield_to_others(kPictureNice); });
+  picture_thread_.post([] { yield_to_others(kPictureNice); });
 }
 
 Runner::~Runner() {
@@ -77,7 +74,7 @@ void Runner::queue(const EntryPtr& entry, const JobPtr& job) {
   }
 }
 
-asio::awaitable<JobPtr> Runner::end_of(EntryPtr entry, JobPtr job) {
+Task<JobPtr> Runner::end_of(EntryPtr entry, JobPtr job) {
   const auto ended = [job] { return job->end != Job::End::none; };
   const auto give_up = [entry, job] {
     job->cancelled = true;
@@ -85,17 +82,71 @@ asio::awaitable<JobPtr> Runner::end_of(EntryPtr entry, JobPtr job) {
     const auto& runs = entry->jobs.runs;
     if (!runs.empty() && runs.front() == job) entry->interrupt.raise();
   };
-  co_await net::wait_for_end(job->done, ended, give_up);
+  co_await wait_for_end(job->done, ended, give_up);
   if (job->end == Job::End::threw) std::rethrow_exception(job->error);
   co_return job;
 }
 
-asio::awaitable<JobPtr> Runner::run_to(EntryPtr entry, Job::Kind kind, Aim aim) {
+Task<JobPtr> Runner::run_to(EntryPtr entry, Job::Kind kind, Aim aim) {
   return end_of(entry, start(entry, Job::run(kind, std::move(aim))));
 }
 
-asio::awaitable<JobPtr> Runner::call(EntryPtr entry, std::function<void(SessionEntry&)> f) {
+Task<JobPtr> Runner::call(EntryPtr entry, std::function<void(SessionEntry&)> f) {
   return end_of(entry, start(entry, Job::between_steps(std::move(f))));
+}
+
+namespace {
+
+struct LongWork {
+  std::shared_ptr<Interrupt> interrupt = std::make_shared<Interrupt>();
+  Signal done;
+  std::atomic<bool> ended{false};
+  std::exception_ptr error;
+};
+
+}  // namespace
+
+Task<> Runner::work_elsewhere(std::function<void()> f, Threads threads) {
+  const auto work = std::make_shared<LongWork>();
+  {
+    const std::lock_guard lock(long_mutex_);
+    std::erase_if(long_interrupts_, [](const auto& w) { return w.expired(); });
+    long_interrupts_.push_back(work->interrupt);
+    if (stopping_) work->interrupt->raise();
+  }
+  const std::function<void()> run = [work, &f] {
+    try {
+      const InterruptScope scope(*work->interrupt);
+      interruption_point();
+      f();
+    } catch (...) {
+      work->error = std::current_exception();
+    }
+    work->ended = true;
+    work->done.notify();
+  };
+  if (threads == Threads::long_work) {
+    start_long_work(run);
+  } else {
+    picture_thread_.post([this, run] {
+      run();
+      --pictures_;
+    });
+  }
+  const auto ended = [work] { return work->ended.load(); };
+  const auto give_up = [work] { work->interrupt->raise(); };
+  co_await wait_for_end(work->done, ended, give_up);
+  if (work->error) std::rethrow_exception(work->error);
+}
+
+Task<net::Response> Runner::draw(std::function<net::Response()> f) {
+  if (pictures_.fetch_add(1) >= kMostPictures) {
+    --pictures_;
+    throw Error("quota_exceeded", "too many pictures are being drawn; try again");
+  }
+  net::Response response;
+  co_await work_elsewhere([&] { response = f(); }, Threads::pictures);
+  co_return response;
 }
 
 void Runner::start_long_work(const std::function<void()>& f) {
@@ -120,18 +171,15 @@ void Runner::keep_playing(const EntryPtr& entry) {
 // nobody watches.
 void Runner::left_alone(const EntryPtr& entry) {
   if (!grace_ || stopping_ || entry->removed || entry->keep_running || !entry->session.playing()) return;
-  const auto timer = std::make_shared<asio::steady_timer>(pool_);
-  timer->expires_after(*grace_);
   if (entry->jobs.leaving) entry->jobs.leaving->cancel();
-  entry->jobs.leaving = timer;
-  timer->async_wait([this, entry, timer](const boost::system::error_code& e) {
-    if (e || stopping_) return;
+  entry->jobs.leaving = pool_.call_at(Clock::now() + *grace_, [this, entry](const TimerPtr& timer) {
+    if (stopping_) return;
     const std::lock_guard lock(entry->mutex);
     if (entry->jobs.leaving != timer) return;
     entry->jobs.leaving.reset();
     if (entry->streams > 0 || entry->keep_running || !entry->session.playing()) return;
     if (entry->watched()) return left_alone(entry);
-    spdlog::info("session {}: paused, no viewers", entry->id);
+    log_info("session {}: paused, no viewers", entry->id);
     entry->session.pause();
     entry->jobs.due = 0;
     entry->paused_unwatched = true;

@@ -7,8 +7,6 @@
 
 namespace truestep {
 
-namespace asio = boost::asio;
-
 namespace {
 
 constexpr double kLate = 0.5;  // s for which playing owes a step
@@ -90,9 +88,8 @@ class Runner::UnderWatch {
 };
 
 void Runner::watch() {
-  watch_timer_.expires_after(kWatch);
-  watch_timer_.async_wait([this](const boost::system::error_code& e) {
-    if (e || stopping_) return;
+  pool_.call_at(Clock::now() + kWatch, [this](const TimerPtr&) {
+    if (stopping_) return;
     const auto now = Clock::now();
     bool any = false;
     for (InPlace& place : in_place_) {
@@ -242,7 +239,7 @@ void Runner::turn(const EntryPtr& entry, LaneKind kind) {
           one_step(entry, lock, next == Next::silent_step ? Session::Output::silent : Session::Output::aloud);
     } catch (const std::exception& e) {
       // Out of memory, for example: the step is abandoned and the client that asked for it is told why.
-      spdlog::error("session {}: {}", entry->id, e.what());
+      log_error("session {}: {}", entry->id, e.what());
       entry->session.pause();
       if (job) {
         job->error = std::current_exception();
@@ -279,13 +276,12 @@ void Runner::turn(const EntryPtr& entry, LaneKind kind) {
 void Runner::wait_for_clock(const EntryPtr& entry) {
   const Session& session = entry->session;
   const double wait = (1 - session.alpha()) * session.world().dt() / session.speed();
-  const auto timer = std::make_shared<asio::steady_timer>(pool_);
-  timer->expires_after(std::max<Clock::duration>(
-      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(wait, 1.0))),
-      kShortestWait));
-  entry->jobs.waiting = timer;
-  timer->async_wait([this, entry, timer](const boost::system::error_code& e) {
-    if (e || stopping_) return;
+  const auto due =
+      Clock::now() + std::max<Clock::duration>(std::chrono::duration_cast<Clock::duration>(
+                                                   std::chrono::duration<double>(std::min(wait, 1.0))),
+                                               kShortestWait);
+  entry->jobs.waiting = pool_.call_at(due, [this, entry](const TimerPtr& timer) {
+    if (stopping_) return;
     const std::lock_guard lock(entry->mutex);
     if (entry->jobs.waiting != timer) return;
     entry->jobs.waiting.reset();

@@ -109,7 +109,7 @@ void SessionStore::keep(SessionEntry& entry) {
     entry.keeper->keep_for(entry.recording);
     entry.session.add_sink(entry.keeper);
   } catch (const Error& e) {
-    spdlog::warn("session {} is not kept: {}", entry.id, e.what());
+    log_warn("session {} is not kept: {}", entry.id, e.what());
   }
 }
 

@@ -1,14 +1,10 @@
 #include "server/stream/stream_client.h"
 
-#include <boost/asio/post.hpp>
-
 #include "engine/base/log.h"
 #include "engine/scene/json/json.h"
 #include "engine/session/commands.h"
 
 namespace truestep {
-
-namespace asio = boost::asio;
 
 namespace {
 constexpr Wish kDrawn = Wish::constant | Wish::obstacles;
@@ -16,15 +12,19 @@ constexpr auto kPlaybackEvery = std::chrono::seconds(1);
 }  // namespace
 
 StreamClient::StreamClient(EntryPtr entry, Runner& runner, StreamStats& stats)
-    : entry_(std::move(entry)), runner_(runner), stats_(stats), strand_(runner.pool().get_executor()) {
+    : entry_(std::move(entry)), runner_(runner), stats_(stats), strand_(runner.pool()) {
   fields_ = wire_fields(entry_->session.world(), {}, {}, WireEncoding::f32);
   request_ = request_for(fields_, FrameRequest::Extras::none);
   request_.wishes = kDrawn;
 }
 
+std::shared_ptr<net::WebSocketHandler> make_stream(EntryPtr entry, Runner& runner, StreamStats& stats) {
+  return std::make_shared<StreamClient>(std::move(entry), runner, stats);
+}
+
 template <class F>
 void StreamClient::locked(F f) {
-  asio::post(strand_, [self = shared_from_this(), f = std::move(f)] {
+  strand_.post([self = shared_from_this(), f = std::move(f)] {
     if (self->closed_) return;
     const std::lock_guard lock(self->entry_->mutex);
     f();
@@ -52,7 +52,7 @@ void StreamClient::on_close(uint16_t, std::string_view) {
   entry_->streams--;
   entry_->touch();
   // Not through locked(), which does nothing once closed.
-  asio::post(strand_, [self = shared_from_this()] {
+  strand_.post([self = shared_from_this()] {
     const std::lock_guard lock(self->entry_->mutex);
     self->entry_->session.remove_sink(self.get());
     if (self->entry_->streams > 0) return;
@@ -140,7 +140,7 @@ void StreamClient::report(const std::exception_ptr& error, const std::string& re
     send(problem_message(e.code(), e.what(), request_id,
                          e.issues().empty() ? "" : e.issues().front().pointer));
   } catch (const std::exception& e) {
-    spdlog::error("stream: {}", e.what());
+    log_error("stream: {}", e.what());
     send(problem_message("internal", "", request_id, ""));
   }
 }

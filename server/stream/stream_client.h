@@ -3,23 +3,16 @@
 // state as soon as there is room; policy `every` queues within the connection's bound and closes with 4408
 // beyond it.
 #pragma once
-#include <boost/asio/strand.hpp>
-#include <boost/asio/thread_pool.hpp>
 #include <memory>
 #include <string>
 
 #include "engine/sinks/stream/delta_coder.h"
 #include "engine/sinks/stream/frame_encoding.h"
-#include "server/net/websocket/websocket.h"
-#include "server/sessions/runner.h"
+#include "server/net/worker_pool.h"
 #include "server/stream/messages.h"
+#include "server/stream/stream.h"
 
 namespace truestep {
-
-/// Counters over all streams, for the metrics page.
-struct StreamStats {
-  std::atomic<uint64_t> frames{0}, dropped{0}, bytes{0};
-};
 
 class StreamClient : public net::WebSocketHandler,
                      public Sink,
@@ -65,7 +58,7 @@ class StreamClient : public net::WebSocketHandler,
   EntryPtr entry_;
   Runner& runner_;
   StreamStats& stats_;
-  boost::asio::strand<boost::asio::thread_pool::executor_type> strand_;
+  net::Strand strand_;
   std::shared_ptr<net::WebSocket> socket_;
   WireForm form_ = WireForm::protobuf;
 

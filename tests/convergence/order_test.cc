@@ -13,7 +13,7 @@ namespace {
 
 // Halving h must divide the error by 2^order: within 0.1 in the exponent. After extrapolation the next term
 // of the error expansion leaves a few hundredths.
-constexpr double kTolerance = 0.1;
+constexpr double kOrderTolerance = 0.1;
 
 // Adaptive methods take every step as a whole if no error is too large.
 const IntegratorOptions kOptions = {.tolerance = 1e300, .newton_tolerance = 1e-13};
@@ -57,7 +57,7 @@ TEST(Order, EveryRowKeepsItsPromise) {
       const double observed = order_of(m, p, promised);
       std::printf("%-18s %-22s promised %d observed %.3f\n", named.name, std::string(m.name).c_str(),
                   promised, observed);
-      EXPECT_NEAR(observed, promised, kTolerance) << m.name << " on " << named.name;
+      EXPECT_NEAR(observed, promised, kOrderTolerance) << m.name << " on " << named.name;
     }
   }
 }
@@ -75,7 +75,7 @@ TEST(Order, AMutatedTableauFails) {
     RungeKutta(kWrong, m).step(in.t, in.h, m.x, m.v, m.x, m.v);
   };
   for (const Named& named : kProblems) {
-    EXPECT_LT(order_of(wrong, named.make(), 4), 4 - kTolerance) << named.name;
+    EXPECT_LT(order_of(wrong, named.make(), 4), 4 - kOrderTolerance) << named.name;
   }
 }
 

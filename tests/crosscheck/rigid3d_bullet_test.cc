@@ -12,7 +12,7 @@ namespace truestep::testing {
 using namespace rigid3d;
 namespace {
 
-constexpr double kG = 9.81;
+constexpr double kGravity = 9.81;
 
 TEST(Bullet, FreeFallDiffersByTheFirstOrderErrorOfItsSteps) {
   // Semi-implicit Euler falls g t h / 2 farther than the parabola; ours follows the parabola.
@@ -21,7 +21,7 @@ TEST(Bullet, FreeFallDiffersByTheFirstOrderErrorOfItsSteps) {
   for (const double h : {1.0 / 60, 1.0 / 120}) {
     EngineRun a = ours(d, h), b = theirs(d, h);
     a.seconds(1), b.seconds(1);
-    EXPECT_NEAR(a.x(0).y - b.x(0).y, kG * h / 2, 1e-9);
+    EXPECT_NEAR(a.x(0).y - b.x(0).y, kGravity * h / 2, 1e-9);
     EXPECT_NEAR(a.v(0).y, b.v(0).y, 1e-9);
   }
   // Control: nine tenths of gravity are half a metre off.
@@ -29,7 +29,7 @@ TEST(Bullet, FreeFallDiffersByTheFirstOrderErrorOfItsSteps) {
   std::get<SphereBodyDef>(wrong.bodies[0]).gravity_scale = 0.9;
   EngineRun a = ours(d), b = theirs(wrong);
   a.seconds(1), b.seconds(1);
-  EXPECT_GT(std::abs(a.x(0).y - b.x(0).y - kG / 120), 0.4);
+  EXPECT_GT(std::abs(a.x(0).y - b.x(0).y - kGravity / 120), 0.4);
 }
 
 TEST(Bullet, ABoxSlidesAsFar) {
@@ -46,7 +46,7 @@ TEST(Bullet, ABoxSlidesAsFar) {
   const auto own = [](const Rigid3dDef& d) { return ours(d); };
   const auto other = [](const Rigid3dDef& d) { return theirs(d); };
   // v^2 / (2 mu g), to within v h / 2 of the first step.
-  const double expected = 9 / (2 * 0.5 * kG), tolerance = 3.0 / 120 + 0.005;
+  const double expected = 9 / (2 * 0.5 * kGravity), tolerance = 3.0 / 120 + 0.005;
   EXPECT_NEAR(distance(own, 0.5), expected, tolerance);
   EXPECT_NEAR(distance(other, 0.5), expected, tolerance);
   EXPECT_GT(std::abs(distance(other, 0.6) - expected), tolerance);

@@ -4,13 +4,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <boost/asio/co_spawn.hpp>
-#include <boost/asio/detached.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 
 #include "engine/base/text/utf8.h"
+#include "server/net/event_loop.h"
 #include "server/net/http/request_parser.h"
 #include "server/net/websocket/websocket_stream.h"
 
@@ -58,10 +57,13 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   RequestParser(request, 4096).feed(kHandshake);
   int ends = 0;
   {
-    boost::asio::io_context io(1);
+    EventLoop loop;
+    auto& io = loop.io();
+    truestep::TaskContext context(loop);
     const auto socket = make_websocket(Socket(io, boost::asio::ip::tcp::v4(), pair[0]), request,
                                        std::make_shared<Echo>(ends), kLimits, "");
-    boost::asio::co_spawn(io, socket->run(), boost::asio::detached);
+    truestep::RootTask task(socket->run(), context, [](const std::exception_ptr&) {});
+    task.start();
     io.poll();
     const size_t piece = std::max<size_t>(1, data[0]);
     for (size_t at = 1; at < size; at += piece) {

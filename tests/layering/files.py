@@ -1,4 +1,4 @@
-"""Rules about single files and the README: length, head comment, machine paths, folder table, compiler flags, files compiled apart."""
+"""Rules about single files and the README: length, head comment, machine paths, folder table, compiler flags."""
 import json
 import re
 from pathlib import Path
@@ -101,19 +101,3 @@ def check_flags(tree):
             path = Path(entry["file"])
             if path.is_relative_to(tree.root / "engine") and "-ffp-contract=off" not in entry["command"]:
                 yield Finding(path.relative_to(tree.root).as_posix(), 1, "flags", "compiled without -ffp-contract=off")
-
-
-def check_joined_apart(tree):
-    """A file that is renamed would be joined with others, and nobody would see why the program became slower."""
-    path = "cmake/unity.cmake"
-    if path not in tree.paths:
-        return
-    text = "\n".join(line.split("#")[0] for line in tree.text(path).splitlines())
-    names = re.search(r"set\(joined_apart\s([^)]*)\)", text)
-    if not names:
-        yield Finding(path, 1, "apart", "no list joined_apart")
-        return
-    there = {Path(p).name for p in tree.paths if p.startswith(("engine/", "server/")) and p.endswith(".cc")}
-    for name in names[1].split():
-        if name not in there:
-            yield Finding(path, 1, "apart", f"joined_apart names {name}, which is no source of engine/ or server/")

@@ -1,7 +1,8 @@
 """Who may include whom: a file includes its own layer and the layers above it, never below.
 
 The order is DESIGN's section 3. Besides the order: include paths start at the root, one system never includes
-another, the engine knows no HTTP and no socket, GL stays inside the picture sink, the server holds no physics.
+another, the engine knows no HTTP and no socket, GL stays inside the picture sink, the server holds no physics,
+Boost.Asio and Beast stay inside server/net, CLI11 inside one file.
 """
 import re
 
@@ -10,6 +11,7 @@ from source import Finding
 LAYERS = ["base", "math", "geometry", "kernels", "neighbours", "core", "integrators", "collision", "lattice", "rigid", "animation", "systems", "couplings", "reference",
           "scene", "session", "studies", "sinks"]
 PHYSICS = {"math", "geometry", "kernels", "neighbours", "integrators", "collision", "lattice", "rigid", "animation", "systems", "couplings", "reference"}
+NET = re.compile(r"^boost/(asio|beast)[./]")
 NETWORK = re.compile(r"^(boost/(asio|beast)|sys/socket|sys/epoll|netinet/|arpa/|netdb\.h|poll\.h|curl/|prometheus/|CLI/)")
 GL = re.compile(r"^(GL|GLES[23]?|EGL|KHR)/")
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
@@ -53,7 +55,12 @@ def complaints(path, bracket, target):
             a, b = path.split("/")[2:4], target.split("/")[2:4]
             if len(a) == len(b) == 2 and a[0] != b[0]:
                 yield f"the system {a[0]} includes the system {b[0]}: share a kernel or write a coupling"
-    elif theirs in PHYSICS:
-        yield f"no physics in the server, but this includes {theirs}"
+    else:
+        if NET.match(target) and not path.startswith("server/net/"):
+            yield f"<{target}>: Boost.Asio and Beast belong to server/net alone; others see requests, answers, tasks and executors"
+        if target.startswith("CLI/") and path != "server/cli/arguments.cc":
+            yield f"<{target}>: CLI11 belongs to server/cli/arguments.cc alone"
+        if theirs in PHYSICS:
+            yield f"no physics in the server, but this includes {theirs}"
     if GL.match(target) and not path.startswith("engine/sinks/picture"):
         yield f"<{target}>: GL belongs to engine/sinks/picture alone"

@@ -48,9 +48,9 @@ def sources_of_objects(tree, layers):
     top = tree.build / "engine/CMakeFiles/truestep_engine.dir"
     sources = {}
     for path in sorted(top.glob("**/*.o")):
-        if path.parent.name == "Unity":
-            joined = path.with_suffix("")
-            names = re.findall(r'/(engine/[^"]*)"', joined.read_text()) if joined.exists() else []
+        if "joined" in path.parts:
+            joined = tree.build / "engine" / path.relative_to(top).with_suffix("")
+            names = re.findall(r'"(engine/[^"]*)"', joined.read_text()) if joined.exists() else []
         else:
             names = ["engine/" + path.relative_to(top).as_posix().removesuffix(".o")]
         if names and all(n in tree.paths for n in names) and layer_of(names[0]) in layers:

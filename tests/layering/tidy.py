@@ -24,8 +24,8 @@ def compiled():
 
 def parts(file):
     """What a joined source includes."""
-    lines = Path(file).read_text().splitlines() if "/Unity/" in file else []
-    return [line.split('"')[1] for line in lines if line.startswith("#include")]
+    lines = Path(file).read_text().splitlines() if "/joined/" in file else []
+    return [str(ROOT / line.split('"')[1]) for line in lines if line.startswith("#include")]
 
 
 def changed(since):

@@ -12,8 +12,10 @@
 #include "engine/base/errors.h"
 #include "engine/scene/json/json.h"
 #include "server/net/access/digest.h"
-#include "server/net/async.h"
 #include "server/net/server.h"
+#include "server/net/worker_pool.h"
+#include "server/tasks/offload.h"
+#include "server/tasks/signal.h"
 
 namespace truestep::net {
 
@@ -84,20 +86,16 @@ class NetServer : public testing::Test {
                [](const Request&) -> Response { throw std::runtime_error("secret"); });
     router.add(Method::get, "/file", "a file",
                [this](const Request&) { return Response::file(file_.string(), "text/plain"); });
-    router.add(Method::get, "/poll", "waits for a signal",
-               [this](const Request&) -> asio::awaitable<Response> {
-                 const bool raised =
-                     co_await signal_.wait(signal_.version(), std::chrono::steady_clock::now() + 20s);
-                 co_return Response::text(raised ? "raised" : "timeout");
-               });
-    router.add(Method::get, "/pool", "computes elsewhere",
-               [this](const Request&) -> asio::awaitable<Response> {
-                 const auto caller = std::this_thread::get_id();
-                 const bool other =
-                     co_await offload(pool_, [caller] { return std::this_thread::get_id() != caller; });
-                 co_return Response::text(other && std::this_thread::get_id() == caller ? "there and back"
-                                                                                        : "wrong thread");
-               });
+    router.add(Method::get, "/poll", "waits for a signal", [this](const Request&) -> Task<Response> {
+      const bool raised = co_await signal_.wait(signal_.version(), std::chrono::steady_clock::now() + 20s);
+      co_return Response::text(raised ? "raised" : "timeout");
+    });
+    router.add(Method::get, "/pool", "computes elsewhere", [this](const Request&) -> Task<Response> {
+      const auto caller = std::this_thread::get_id();
+      const bool other = co_await offload(pool_, [caller] { return std::this_thread::get_id() != caller; });
+      co_return Response::text(other && std::this_thread::get_id() == caller ? "there and back"
+                                                                             : "wrong thread");
+    });
     router.websocket("/echo", "echoes", {"b.v1", "a.v1"},
                      [this](const Request&) { return std::make_shared<EchoHandler>(seen_); });
     server_ = std::make_unique<Server>(options, std::move(router));
@@ -134,7 +132,7 @@ class NetServer : public testing::Test {
   static std::string body(const std::string& answer) { return answer.substr(answer.find("\r\n\r\n") + 4); }
 
   asio::io_context io_;
-  asio::thread_pool pool_{1};
+  WorkerPool pool_{1};
   Signal signal_;
   Seen seen_;
   std::filesystem::path file_ = std::filesystem::temp_directory_path() / ("truestep_net_" + random_hex128());

@@ -131,6 +131,20 @@ Collider build(const CapsuleColliderDef& d) {
 
 }  // namespace
 
+const DefTable& collider_surface_table() {
+  static const DefTable t =
+      TableOf<ColliderCommonDef>("a collider")
+          .text("id", &ColliderCommonDef::id,
+                "name for set_parameter (<id>.restitution, <id>.friction) and pictures")
+          .number("friction", &ColliderCommonDef::friction, "1", at_least(0), "Coulomb's coefficient")
+          .number("restitution", &ColliderCommonDef::restitution, "1", between(0, 1),
+                  "fraction of the normal speed kept in a bounce")
+          .number("rest_speed", &ColliderCommonDef::rest_speed, "m/s", at_least(0),
+                  "slower approaches do not bounce")
+          .build();
+  return t;
+}
+
 ColliderVariants collider_variants() {
   return {{"plane", &plane_table()},
           {"box", &box_table()},

@@ -66,7 +66,7 @@ using AnyColliderDef = std::variant<PlaneColliderDef, BoxColliderDef, SphereColl
                                     MeshColliderDef, HeightFieldColliderDef>;
 using AnyColliderDefs = std::vector<AnyColliderDef>;
 
-using ColliderVariants = std::vector<std::pair<std::string, const DefTable*>>;
+using ColliderVariants = std::vector<NamedTable>;
 /// Names and tables of the alternatives in the order of ColliderDef, for TableOf::variants.
 ColliderVariants collider_variants();
 /// The same of AnyColliderDef (solid_collider_def.cc).
@@ -85,17 +85,12 @@ ColliderSet build_colliders(const ColliderDefs& defs);
 /// The same without the meshes and height fields of a list, which build_solid_colliders builds.
 ColliderSet build_colliders_but_solids(const AnyColliderDefs& defs);
 
-/// Adds the rows of an alternative D's ColliderCommonDef but its motion.
+/// The rows of ColliderCommonDef but its motion.
+const DefTable& collider_surface_table();
+/// Adds them to the table of an alternative D.
 template <class D>
 TableOf<D>& add_collider_surface(TableOf<D>& t) {
-  std::string D::*id = &ColliderCommonDef::id;
-  double D::*friction = &ColliderCommonDef::friction;
-  double D::*restitution = &ColliderCommonDef::restitution;
-  double D::*rest_speed = &ColliderCommonDef::rest_speed;
-  return t.text("id", id, "name for set_parameter (<id>.restitution, <id>.friction) and pictures")
-      .number("friction", friction, "1", at_least(0), "Coulomb's coefficient")
-      .number("restitution", restitution, "1", between(0, 1), "fraction of the normal speed kept in a bounce")
-      .number("rest_speed", rest_speed, "m/s", at_least(0), "slower approaches do not bounce");
+  return t.template base<ColliderCommonDef>(collider_surface_table());
 }
 /// And its motion.
 template <class D>

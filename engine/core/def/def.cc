@@ -1,6 +1,7 @@
 #include "engine/core/def/def.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace truestep {
 
@@ -9,6 +10,11 @@ const ParamRow* DefTable::find(std::string_view name) const {
     if (r.name == name || std::find(r.also.begin(), r.also.end(), name) != r.also.end()) return &r;
   }
   return nullptr;
+}
+
+TableBuilder::TableBuilder(const char* sentence, void* (*make)(), void (*end)(void* owner)) {
+  table_.sentence = sentence;
+  table_.make = [=] { return std::shared_ptr<void>(make(), end); };
 }
 
 ParamRow& TableBuilder::row(ParamKind kind, const Words& words, Limits limits) {
@@ -25,8 +31,13 @@ ParamRow& TableBuilder::value(ParamKind kind, const Words& words, size_t offset,
   return r;
 }
 
-ParamRow& TableBuilder::choice(const Words& words, size_t offset, ChoiceAccess access,
-                               std::vector<std::string> choices) {
+void TableBuilder::choice(const Words& words, size_t offset, ChoiceAccess access,
+                          std::initializer_list<const char*> choices) {
+  choice(words, offset, access, std::vector<std::string>(choices.begin(), choices.end()));
+}
+
+void TableBuilder::choice(const Words& words, size_t offset, ChoiceAccess access,
+                          const std::vector<std::string>& choices) {
   ParamRow& r = row(ParamKind::choice, words, any());
   // "a|b": b is read as a synonym of a, which is the form written.
   std::vector<size_t> meant;
@@ -43,7 +54,6 @@ ParamRow& TableBuilder::choice(const Words& words, size_t offset, ChoiceAccess a
   r.get = [=](const void* o) {
     return ParamValue(first_word(choices[access.get(static_cast<const char*>(o) + offset)]));
   };
-  return r;
 }
 
 ParamRow& TableBuilder::nested(ParamKind kind, const Words& words, size_t offset, NestedAccess access,
@@ -54,6 +64,33 @@ ParamRow& TableBuilder::nested(ParamKind kind, const Words& words, size_t offset
   r.size = [=](const void* o) { return access.size(static_cast<const char*>(o) + offset); };
   r.at = [=](const void* o, size_t i) { return access.at(static_cast<const char*>(o) + offset, i); };
   return r;
+}
+
+void TableBuilder::variants(const Words& words, size_t offset, size_t (*size)(const void* member),
+                            Count count) {
+  ParamRow& r = row(ParamKind::variants, words, any());
+  r.count = count;
+  r.size = [=](const void* o) { return size(static_cast<const char*>(o) + offset); };
+}
+
+void TableBuilder::variant(const NamedTable& named, size_t offset, VariantAccess access) {
+  table_.rows.back().variants.push_back(
+      {first_word(named.words), other_words(named.words), named.table,
+       [=](void* o) { return access.append(static_cast<char*>(o) + offset); },
+       [=](const void* o, size_t i) { return access.at(static_cast<const char*>(o) + offset, i); }});
+}
+
+void TableBuilder::append(const DefTable& base, size_t offset) {
+  if (offset != 0) throw std::logic_error("a struct must begin with the base whose rows it takes");
+  table_.rows.insert(table_.rows.end(), base.rows.begin(), base.rows.end());
+}
+
+void TableBuilder::set_required() {
+  table_.rows.back().presence = Presence::required;
+}
+
+void TableBuilder::add_synonym(const char* word) {
+  table_.rows.back().also.emplace_back(word);
 }
 
 std::string first_word(const std::string& words) {

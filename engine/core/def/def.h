@@ -12,6 +12,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -97,6 +98,12 @@ struct ParamVariant {
   std::function<const void*(const void* owner, size_t i)> at;  ///< null when element i is another type
 };
 
+/// A "type" with its synonyms after bars, "revolute|hinge|pin", and the table of its struct.
+struct NamedTable {
+  const char* words;
+  const DefTable* table;
+};
+
 /// Splits "revolute|hinge|pin" into "revolute" and {"hinge", "pin"}.
 std::string first_word(const std::string& words);
 std::vector<std::string> other_words(const std::string& words);
@@ -167,6 +174,10 @@ struct ChoiceAccess {
   void (*set)(void* member, size_t i);
   size_t (*get)(const void* member);
 };
+struct VariantAccess {
+  void* (*append)(void* member);
+  const void* (*at)(const void* member, size_t i);
+};
 struct NestedAccess {
   void* (*append)(void* member);
   size_t (*size)(const void* member);
@@ -177,14 +188,23 @@ struct NestedAccess {
 /// in its struct.
 class TableBuilder {
  protected:
+  TableBuilder(const char* sentence, void* (*make)(), void (*end)(void* owner));
   struct Words {
     const char *name, *unit, *sentence;
   };
   ParamRow& row(ParamKind kind, const Words& words, Limits limits);
   ParamRow& value(ParamKind kind, const Words& words, size_t offset, ValueAccess access, Limits limits);
-  ParamRow& choice(const Words& words, size_t offset, ChoiceAccess access, std::vector<std::string> choices);
+  void choice(const Words& words, size_t offset, ChoiceAccess access,
+              std::initializer_list<const char*> choices);
+  void choice(const Words& words, size_t offset, ChoiceAccess access,
+              const std::vector<std::string>& choices);
   ParamRow& nested(ParamKind kind, const Words& words, size_t offset, NestedAccess access,
                    const DefTable* nested);
+  void variants(const Words& words, size_t offset, size_t (*size)(const void* member), Count count);
+  void variant(const NamedTable& named, size_t offset, VariantAccess access);
+  void append(const DefTable& base, size_t offset);
+  void set_required();
+  void add_synonym(const char* word);
 
   DefTable table_;
 };
@@ -193,10 +213,10 @@ class TableBuilder {
 template <class D>
 class TableOf : TableBuilder {
  public:
-  explicit TableOf(std::string sentence) {
-    table_.sentence = std::move(sentence);
-    table_.make = [] { return std::static_pointer_cast<void>(std::make_shared<D>()); };
-  }
+  explicit TableOf(const char* sentence)
+      : TableBuilder(
+            sentence, [] { return static_cast<void*>(new D()); },
+            [](void* owner) { delete static_cast<D*>(owner); }) {}
 
   template <class M>  // double or std::optional<double>
   TableOf& number(const char* name, M D::*m, const char* unit, Limits limits, const char* sentence) {
@@ -248,11 +268,14 @@ class TableOf : TableBuilder {
   }
   /// Enumeration E whose values 0, 1, 2 ... have the names in `choices`, in that order.
   template <class E>
-  TableOf& choice(const char* name, E D::*m, std::vector<std::string> choices, const char* sentence) {
-    static constexpr ChoiceAccess access = {
-        [](void* member, size_t i) { *static_cast<E*>(member) = static_cast<E>(i); },
-        [](const void* member) { return static_cast<size_t>(*static_cast<const E*>(member)); }};
-    TableBuilder::choice({name, "", sentence}, offset(m), access, std::move(choices));
+  TableOf& choice(const char* name, E D::*m, std::initializer_list<const char*> choices,
+                  const char* sentence) {
+    TableBuilder::choice({name, "", sentence}, offset(m), access_choice<E>(), choices);
+    return *this;
+  }
+  template <class E>
+  TableOf& choice(const char* name, E D::*m, const std::vector<std::string>& choices, const char* sentence) {
+    TableBuilder::choice({name, "", sentence}, offset(m), access_choice<E>(), choices);
     return *this;
   }
   /// A nested struct that is always present.
@@ -293,27 +316,37 @@ class TableOf : TableBuilder {
   /// of a type follow it after bars: "revolute|hinge|pin".
   template <class... N>
   TableOf& variants(const char* name, std::vector<std::variant<N...>> D::*m,
-                    std::vector<std::pair<std::string, const DefTable*>> alternatives, Count count,
-                    const char* sentence) {
-    ParamRow& r = row(ParamKind::variants, {name, "", sentence}, any());
-    r.count = count;
-    add_variants<N...>(r, m, alternatives, std::index_sequence_for<N...>{});
-    r.size = [m](const void* o) -> size_t { return (static_cast<const D*>(o)->*m).size(); };
+                    const std::vector<NamedTable>& alternatives, Count count, const char* sentence) {
+    using Member = std::vector<std::variant<N...>>;
+    TableBuilder::variants(
+        {name, "", sentence}, offset(m),
+        [](const void* member) { return static_cast<const Member*>(member)->size(); }, count);
+    add_variants<Member>(offset(m), alternatives, std::index_sequence_for<N...>{});
+    return *this;
+  }
+
+  /// Adds the rows of `Base`, which D begins with: compiled once for all structs that share them.
+  template <class Base>
+  requires std::is_base_of_v<Base, D> TableOf& base(const DefTable& rows) {
+    alignas(D) static const char room[sizeof(D)] = {};
+    const Base* at = reinterpret_cast<const D*>(room);
+    append(rows, static_cast<size_t>(reinterpret_cast<const char*>(at) - room));
     return *this;
   }
 
   /// Makes the last row mandatory.
   TableOf& required() {
-    table_.rows.back().presence = Presence::required;
+    set_required();
     return *this;
   }
   /// A synonym for the last parameter: accepted, and echoed under the parameter's name.
   TableOf& also(const char* word) {
-    table_.rows.back().also.emplace_back(word);
+    add_synonym(word);
     return *this;
   }
   /// A check across members.
-  TableOf& check(std::function<void(const D&, const DefTable::Report&)> f) {
+  template <class F>
+  TableOf& check(F f) {
     table_.check = [f](const void* o, const DefTable::Report& report) {
       f(*static_cast<const D*>(o), report);
     };
@@ -342,18 +375,21 @@ class TableOf : TableBuilder {
         .count = count;
     return *this;
   }
-  template <class... N, size_t... I, class Members>
-  void add_variants(ParamRow& r, Members m, const std::vector<std::pair<std::string, const DefTable*>>& names,
-                    std::index_sequence<I...>) {
-    (r.variants.push_back({first_word(names[I].first), other_words(names[I].first), names[I].second,
-                           [m](void* o) -> void* {
-                             auto& list = static_cast<D*>(o)->*m;
-                             list.emplace_back(std::in_place_index<I>);
-                             return &std::get<I>(list.back());
-                           },
-                           [m](const void* o, size_t i) -> const void* {
-                             return std::get_if<I>(&(static_cast<const D*>(o)->*m)[i]);
-                           }}),
+  template <class E>
+  static constexpr ChoiceAccess access_choice() {
+    return {[](void* member, size_t i) { *static_cast<E*>(member) = static_cast<E>(i); },
+            [](const void* member) { return static_cast<size_t>(*static_cast<const E*>(member)); }};
+  }
+  template <class Member, size_t... I>
+  void add_variants(size_t offset, const std::vector<NamedTable>& names, std::index_sequence<I...>) {
+    (variant(names[I], offset,
+             {[](void* member) -> void* {
+                // Not by in_place_index: the vector's growth is compiled once, not for each alternative.
+                return &static_cast<Member*>(member)->emplace_back().template emplace<I>();
+              },
+              [](const void* member, size_t i) -> const void* {
+                return std::get_if<I>(&(*static_cast<const Member*>(member))[i]);
+              }}),
      ...);
   }
 };

@@ -6,6 +6,8 @@
 
 namespace truestep {
 
+ForceSystem::~ForceSystem() = default;
+
 ForceSystem::ForceSystem(std::unique_ptr<const ForceField> field, const Integrator& method,
                          IntegratorOptions options)
     : field_(std::move(field)), method_(method), options_(options) {

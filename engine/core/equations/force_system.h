@@ -11,6 +11,7 @@ namespace truestep {
 
 class ForceSystem : public StagedSystem {
  public:
+  ~ForceSystem() override;
   State initial_state() const override;
   /// energy.kinetic, energy.potential and energy.total (J) if the field has them, and the method's counters.
   void observe(const State& state, double t, Observables& out) const override;

@@ -7,6 +7,13 @@
 
 namespace truestep {
 
+State::State() = default;
+State::State(const State&) = default;
+State::State(State&&) noexcept = default;
+State& State::operator=(const State&) = default;
+State& State::operator=(State&&) noexcept = default;
+State::~State() = default;
+
 std::string_view scalar_name(Scalar s) {
   constexpr std::string_view kNames[] = {"f64", "f32", "i32", "u32", "u64"};
   return kNames[static_cast<size_t>(s)];

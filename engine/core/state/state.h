@@ -63,6 +63,13 @@ class State {
  public:
   using Column = uint32_t;
 
+  State();
+  State(const State&);
+  State(State&&) noexcept;
+  State& operator=(const State&);
+  State& operator=(State&&) noexcept;
+  ~State();
+
   /// Adds a zero-filled column; names are unique (Error "duplicate_column" otherwise).
   Column add(ColumnInfo info, size_t rows);
   std::optional<Column> find(std::string_view name) const;

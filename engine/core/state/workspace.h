@@ -14,31 +14,32 @@ namespace truestep {
 
 class Workspace {
  public:
+  Workspace();
+  Workspace(const Workspace&);
+  Workspace(Workspace&&) noexcept;
+  Workspace& operator=(const Workspace&);
+  Workspace& operator=(Workspace&&) noexcept;
+  ~Workspace();
+
   /// n elements under `key` with unspecified contents; the memory is reused from step to step. Spans
   /// obtained earlier under other keys stay valid.
-  std::span<double> doubles(std::string_view key, size_t n) { return object<Buffer>(key).get(n); }
+  std::span<double> doubles(std::string_view key, size_t n);
 
   /// The object of type T under `key`, default-constructed at first use. A key belongs to one type.
   template <class T>
   T& object(std::string_view key) {
-    for (Slot& s : slots_) {
-      if (s.key == key && *s.type == typeid(T)) return *static_cast<T*>(s.object.get());
-    }
-    slots_.push_back({std::string(key), &typeid(T), std::make_shared<T>()});
-    return *static_cast<T*>(slots_.back().object.get());
+    if (void* found = find(key, typeid(T))) return *static_cast<T*>(found);
+    return *static_cast<T*>(keep(key, typeid(T), std::make_shared<T>()));
   }
 
   /// Forgets everything.
-  void clear() { slots_.clear(); }
+  void clear();
 
  private:
-  struct Buffer {
-    std::vector<double, CacheLineAllocator<double>> data;
-    std::span<double> get(size_t n) {
-      if (data.size() < n) data.resize(n);
-      return {data.data(), n};
-    }
-  };
+  /// Null: nothing of this type is kept under `key`.
+  void* find(std::string_view key, const std::type_info& type);
+  void* keep(std::string_view key, const std::type_info& type, std::shared_ptr<void> object);
+
   struct Slot {
     std::string key;
     const std::type_info* type;

@@ -12,7 +12,7 @@ namespace truestep::attachment {
 namespace {
 
 /// Accuracy of each Newton step.
-constexpr double kAccuracy = 1e-12;
+constexpr double kLinkAccuracy = 1e-12;
 
 }  // namespace
 
@@ -37,7 +37,7 @@ void BodyAttachment::solve_links(const CoupledStates& s, const StepInput& in, st
       links.push_back(a);
     }
     if (worst <= kLengthTolerance) break;
-    sides_.solve(this->points(s), this->bodies(s), in, links, kAccuracy, 3 * links.size() + 10);
+    sides_.solve(this->points(s), this->bodies(s), in, links, kLinkAccuracy, 3 * links.size() + 10);
     sides_.move(this->points(s), this->bodies(s), in, links);
     for (size_t k = 0; k < links.size(); ++k) {
       sum.add(-links[k].impulse, 0);

@@ -12,7 +12,7 @@ namespace truestep::attachment {
 namespace {
 
 /// Relative accuracy of the solution.
-constexpr double kAccuracy = 1e-12;
+constexpr double kSpringAccuracy = 1e-12;
 /// Fraction of an impulse that the force at the end may differ by.
 constexpr double kSolved = 1e-6;
 constexpr double kRounding = 1e-15;  ///< of lengths
@@ -102,7 +102,7 @@ void BodyAttachment::solve_springs(const CoupledStates& s, const StepInput& in, 
       links.push_back(a);
     }
     if (links.empty() || solved) break;
-    sides_.solve(this->points(s), this->bodies(s), in, links, kAccuracy, 3 * links.size() + 10);
+    sides_.solve(this->points(s), this->bodies(s), in, links, kSpringAccuracy, 3 * links.size() + 10);
     sides_.move(this->points(s), this->bodies(s), in, links);
     const AnsweredLink* a = links.data();
     for (const Live& l : all) {

@@ -13,12 +13,12 @@ namespace {
 
 /// Columns of the coupling's own state, for the last substep.
 enum : State::Column {
-  kContacts = exchange_columns::end,  ///< u64
-  kDeepest,                           ///< f64, m
+  kBodyContacts = exchange_columns::end,  ///< u64
+  kDeepest,                               ///< f64, m
   kLoads  ///< f64 x 3, N, per initial body: its load in the last substep in which it was awake
 };
 /// Most searches per substep; anything that has passed after the last one is found by the guard.
-constexpr int kMostRounds = 3;
+constexpr int kMostBodyRounds = 3;
 /// m; touches deeper than this at the end are answered again.
 constexpr double kPassed = 1e-9;
 /// m/s^2: a change of load that would accelerate a sleeping body by more wakes it.
@@ -150,7 +150,7 @@ void BodyContact::end(const CoupledStates& s, const StepInput& in) const {
   scratch.form_of.resize(bodies.count());
   for (size_t i = 0; i < bodies.count(); ++i) scratch.form_of[i] = bodies.form_index(i);
   scratch.load.assign(sleep_ ? bodies.count() : 0, {});
-  s.own.span<uint64_t>(kContacts)[0] = answer(s, in, scratch, BodyTouchSolver::Bounces::yes, sum);
+  s.own.span<uint64_t>(kBodyContacts)[0] = answer(s, in, scratch, BodyTouchSolver::Bounces::yes, sum);
   s.own.f64(kDeepest)[0] = scratch.deepest;
   book_sum(s.own, sum);
   if (sleep_) compare_loads(s.own, this->bodies(s), in.h, scratch);
@@ -207,7 +207,7 @@ size_t BodyContact::answer(const CoupledStates& s, const StepInput& in, Scratch&
   const BodyTouchQuery query = scratch.query(*this, this->points(s), points, bodies);
   BodyTouchSolver solver(def_, points, bodies, in.h);
   size_t acted = 0;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMostBodyRounds; ++round) {
     std::vector<BodyTouch>& touches = scratch.touches;
     {
       const ProfileScope scope(in.profile, "search");
@@ -251,7 +251,7 @@ void BodyContact::observe(const ConstCoupledStates& s, Observables& out) const {
   } else {
     observe_exchange(s.own, out);
   }
-  out.add("contacts", static_cast<double>(s.own.span<uint64_t>(kContacts)[0]), "1");
+  out.add("contacts", static_cast<double>(s.own.span<uint64_t>(kBodyContacts)[0]), "1");
   out.add("penetration", s.own.f64(kDeepest)[0], "m");
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr State::Column kContacts = exchange_columns::end;
 /// Most searches per substep; touches after the last are found in the next substep, or by the guard.
-constexpr uint32_t kMostRounds = 4;
+constexpr uint32_t kMostTouchRounds = 4;
 
 /// Both sides at the substep's start, and scratch memory of search and solver.
 struct ContactScratch {
@@ -125,7 +125,7 @@ void ContactCoupling::end(const CoupledStates& s, const StepInput& in) const {
   const std::vector<Touch>* touches = &search(0);
   PointContactSolver solver(def_, query, points, other, scratch.solver);
   size_t acted = 0;
-  for (uint32_t round = 0; round < kMostRounds && !touches->empty(); ++round) {
+  for (uint32_t round = 0; round < kMostTouchRounds && !touches->empty(); ++round) {
     // Answers bend paths, which may lead to touches not found yet.
     if (round > 0) touches = &search(round);
     const ProfileScope scope(in.profile, "contacts");

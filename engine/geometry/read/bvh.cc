@@ -17,9 +17,9 @@ constexpr double kDegree = 0.017453292519943295;
 constexpr const char* kChannelNames[] = {"Xposition", "Yposition", "Zposition",
                                          "Xrotation", "Yrotation", "Zrotation"};
 
-class Reader {
+class BvhReader {
  public:
-  explicit Reader(std::span<const std::string> lines) : lines_(lines) { skip(); }
+  explicit BvhReader(std::span<const std::string> lines) : lines_(lines) { skip(); }
 
   BvhMotion read() {
     expect("HIERARCHY");
@@ -234,7 +234,7 @@ Pose BvhMotion::local(size_t frame, size_t joint) const {
 }
 
 BvhMotion read_bvh(std::span<const std::string> lines) {
-  return Reader(lines).read();
+  return BvhReader(lines).read();
 }
 
 std::string write_bvh(const BvhMotion& m) {

@@ -8,20 +8,20 @@ namespace truestep {
 namespace {
 
 constexpr int64_t kMostTag = std::numeric_limits<int64_t>::max() / 4;
-constexpr int64_t kMostElements = 8'000'000;  // of all dimensions
-constexpr int64_t kMostGroups = 10'000;       // of one entity, and in all
+constexpr int64_t kMostMshElements = 8'000'000;  // of all dimensions
+constexpr int64_t kMostGroups = 10'000;          // of one entity, and in all
 
 struct Type {
   uint8_t corners;
   int8_t dimension;
 };
 // By Gmsh's number: line, triangle, quadrangle, tetrahedron, hexahedron; a point is number 15.
-constexpr Type kTypes[] = {{0, 0}, {2, 1}, {3, 2}, {4, 2}, {4, 3}, {8, 3}};
+constexpr Type kElementTypes[] = {{0, 0}, {2, 1}, {3, 2}, {4, 2}, {4, 3}, {8, 3}};
 constexpr int64_t kPoint = 15, kPrism = 6, kPyramid = 7;
 
-class Reader {
+class MshReader {
  public:
-  explicit Reader(std::string_view text) : lines_(text) {}
+  explicit MshReader(std::string_view text) : lines_(text) {}
 
   MshSections read() {
     if (!lines_.next_filled() || lines_.word() != "$MeshFormat")
@@ -107,7 +107,7 @@ class Reader {
   void entities() {
     line("numbers of entities");
     int64_t numbers[4];
-    for (int64_t& n : numbers) n = count("the number of entities", kMostElements);
+    for (int64_t& n : numbers) n = count("the number of entities", kMostMshElements);
     for (int dimension = 0; dimension < 4; ++dimension) {
       for (int64_t k = 0; k < numbers[dimension]; ++k) {
         line("an entity");
@@ -139,7 +139,7 @@ class Reader {
   }
   void new_nodes() {
     line("numbers of nodes");
-    const int64_t blocks = count("the number of blocks", kMostElements),
+    const int64_t blocks = count("the number of blocks", kMostMshElements),
                   n = count("the number of nodes", static_cast<int64_t>(kMostFileVertices));
     std::vector<int64_t> numbers;
     for (int64_t b = 0; b < blocks; ++b) {
@@ -188,7 +188,7 @@ class Reader {
   }
   void old_elements() {
     line("the number of elements");
-    const int64_t n = count("the number of elements", kMostElements);
+    const int64_t n = count("the number of elements", kMostMshElements);
     for (int64_t k = 0; k < n; ++k) {
       line("an element");
       tag("the number of an element");
@@ -212,8 +212,8 @@ class Reader {
   }
   void new_elements() {
     line("numbers of elements");
-    const int64_t blocks = count("the number of blocks", kMostElements),
-                  n = count("the number of elements", kMostElements);
+    const int64_t blocks = count("the number of blocks", kMostMshElements),
+                  n = count("the number of elements", kMostMshElements);
     for (int64_t b = 0; b < blocks; ++b) {
       line("a block of elements");
       const auto dimension = static_cast<int>(lines_.integer("a dimension", 0, 3));
@@ -248,14 +248,14 @@ class Reader {
 
 size_t msh_corners(int64_t type) {
   if (type == kPoint) return 1;
-  return type >= 1 && type < static_cast<int64_t>(std::size(kTypes)) ? kTypes[type].corners : 0;
+  return type >= 1 && type < static_cast<int64_t>(std::size(kElementTypes)) ? kElementTypes[type].corners : 0;
 }
 int msh_dimension(uint8_t type) {
-  return type == kPoint ? 0 : kTypes[type].dimension;
+  return type == kPoint ? 0 : kElementTypes[type].dimension;
 }
 
 MshSections read_msh_sections(std::string_view text) {
-  return Reader(text).read();
+  return MshReader(text).read();
 }
 
 }  // namespace truestep

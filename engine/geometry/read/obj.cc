@@ -21,9 +21,9 @@ bool among(std::string_view word, std::span<const std::string_view> words) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-class Reader {
+class ObjReader {
  public:
-  explicit Reader(std::string_view text) : lines_(text) {}
+  explicit ObjReader(std::string_view text) : lines_(text) {}
 
   SurfaceFile read() {
     while (lines_.next_filled()) {
@@ -113,7 +113,7 @@ bool is_obj_statement(std::string_view word) {
 }
 
 SurfaceFile read_obj(std::string_view text) {
-  return Reader(text).read();
+  return ObjReader(text).read();
 }
 
 }  // namespace truestep

@@ -9,7 +9,7 @@ namespace truestep {
 
 namespace {
 
-constexpr double kMostCorners = 10'000;  // of a face
+constexpr double kMostPlyCorners = 10'000;  // of a face
 
 /// Values one after another, as text.
 class TextValues {
@@ -79,9 +79,9 @@ class BinaryValues {
 };
 
 template <class Values>
-class Reader {
+class PlyReader {
  public:
-  Reader(const PlyHeader& header, Values values) : header_(header), values_(std::move(values)) {}
+  PlyReader(const PlyHeader& header, Values values) : header_(header), values_(std::move(values)) {}
 
   SurfaceFile read() {
     for (const PlyElement& e : header_.elements) {
@@ -148,7 +148,7 @@ class Reader {
   }
   void face(PlyType type, double corners, size_t which) {
     const std::string what = "a corner of face " + std::to_string(which);
-    if (corners < 3 || corners > kMostCorners) {
+    if (corners < 3 || corners > kMostPlyCorners) {
       values_.fail("face " + std::to_string(which) + " has " + std::to_string(static_cast<int64_t>(corners)) +
                    " corners: it must have 3 to 10000");
     }
@@ -179,10 +179,10 @@ class Reader {
 SurfaceFile read_ply(std::string_view bytes) {
   TextLines lines(bytes);
   const PlyHeader header = read_ply_header(lines);
-  if (header.format == PlyFormat::ascii) return Reader(header, TextValues(lines)).read();
+  if (header.format == PlyFormat::ascii) return PlyReader(header, TextValues(lines)).read();
   const ByteOrder order =
       header.format == PlyFormat::binary_little_endian ? ByteOrder::little : ByteOrder::big;
-  return Reader(header, BinaryValues(bytes, bytes.size() - lines.text_after().size(), order)).read();
+  return PlyReader(header, BinaryValues(bytes, bytes.size() - lines.text_after().size(), order)).read();
 }
 
 }  // namespace truestep

@@ -6,13 +6,13 @@ namespace truestep {
 
 namespace {
 
-constexpr size_t kMostElements = 100, kMostProperties = 1000;
+constexpr size_t kMostSections = 100, kMostProperties = 1000;
 
 struct TypeName {
   std::string_view name;
   PlyType type;
 };
-constexpr TypeName kTypes[] = {
+constexpr TypeName kTypeNames[] = {
     {"char", PlyType::i8},   {"uchar", PlyType::u8},   {"short", PlyType::i16},   {"ushort", PlyType::u16},
     {"int", PlyType::i32},   {"uint", PlyType::u32},   {"float", PlyType::f32},   {"double", PlyType::f64},
     {"int8", PlyType::i8},   {"uint8", PlyType::u8},   {"int16", PlyType::i16},   {"uint16", PlyType::u16},
@@ -20,7 +20,7 @@ constexpr TypeName kTypes[] = {
 
 PlyType read_type(TextLines& lines) {
   const std::string_view w = lines.word();
-  for (const TypeName& t : kTypes) {
+  for (const TypeName& t : kTypeNames) {
     if (t.name == w) return t.type;
   }
   lines.fail(quoted(w) + " is not a type: use char, uchar, short, ushort, int, uint, float, double");
@@ -77,7 +77,7 @@ PlyHeader read_ply_header(TextLines& lines) {
     if (key == "end_header") break;
     if (key == "comment" || key == "obj_info") continue;
     if (key == "element") {
-      if (out.elements.size() == kMostElements) lines.fail("more than a hundred elements");
+      if (out.elements.size() == kMostSections) lines.fail("more than a hundred elements");
       PlyElement e;
       e.name = lines.word();
       e.count = static_cast<size_t>(

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/base/interrupt.h"
 #include "engine/core/equations/lagged_dissipation.h"
 
 namespace truestep {

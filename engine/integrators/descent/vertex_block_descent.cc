@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/interrupt.h"
 #include "engine/core/equations/point_forces.h"
 #include "engine/integrators/descent/descent.h"
 #include "engine/integrators/table/methods.h"

@@ -32,7 +32,7 @@ Alpha with_radius(double r) {
 
 enum class Acceleration : uint8_t { evaluated, carried };
 
-constexpr auto memory_size = generalized_alpha_memory;
+constexpr auto alpha_memory_size = generalized_alpha_memory;
 
 class NewmarkSteps final : public Interpolant {
  public:
@@ -52,7 +52,7 @@ class NewmarkSteps final : public Interpolant {
   void begin(double t) {
     const double* y = eq_.array(y_);
     double* a = eq_.array(kA);
-    if (kept_ == Acceleration::carried && in_.memory.size() == memory_size(2 * n_) &&
+    if (kept_ == Acceleration::carried && in_.memory.size() == alpha_memory_size(2 * n_) &&
         std::equal(y, y + 2 * n_, in_.memory.data() + n_)) {
       std::copy_n(in_.memory.data(), n_, a);
       return;
@@ -106,7 +106,7 @@ class NewmarkSteps final : public Interpolant {
 
   void remember() {
     if (in_.project && !in_.memory.empty()) in_.project(in_.f, in_.y);
-    if (kept_ == Acceleration::evaluated || in_.memory.size() != memory_size(2 * n_)) return;
+    if (kept_ == Acceleration::evaluated || in_.memory.size() != alpha_memory_size(2 * n_)) return;
     std::copy_n(eq_.array(kA1), n_, in_.memory.data());
     std::copy_n(in_.y, 2 * n_, in_.memory.data() + n_);
   }
@@ -211,7 +211,7 @@ size_t generalized_alpha_memory(size_t n) {
 }
 
 void prepare_generalized_alpha(const ForceField& field, State& state) {
-  add_memory(state, memory_size(2 * state.f64(state.at("velocity")).size()));
+  add_memory(state, alpha_memory_size(2 * state.f64(state.at("velocity")).size()));
 }
 
 // Without damping the map of one step has eigenvalues on the unit circle up to omega h = 1 / sqrt(gamma/2 -

@@ -8,7 +8,7 @@
 namespace truestep::molecular {
 namespace {
 
-constexpr double kHalfTurn = 3.141592653589793, kTurn = 6.283185307179586;
+constexpr double kMeshHalfTurn = 3.141592653589793, kMeshTurn = 6.283185307179586;
 constexpr size_t kAtoms = 256;  // of a block
 
 double component(const Vec3& v, size_t axis) {
@@ -81,7 +81,7 @@ void MeshEwald::plan(const MeshSetting& s, const Vec3& edges) {
       double re = 0, im = 0;
       for (size_t j = 0; j + 1 < p; ++j) {
         const trig::SinCos c =
-            trig::sincos(kTurn * static_cast<double>(m * j % k[a]) / static_cast<double>(k[a]));
+            trig::sincos(kMeshTurn * static_cast<double>(m * j % k[a]) / static_cast<double>(k[a]));
         re += weight[p - 2 - j] * c.cos, im += weight[p - 2 - j] * c.sin;
       }
       moduli_[a][m] = 1 / (re * re + im * im);
@@ -261,10 +261,10 @@ void MeshEwald::transform_x(const ThreadArena& arena) {
 MeshEwald::Sums MeshEwald::convolve(const Vec3& edges, const ThreadArena& arena) {
   const auto [kx, ky, kz] = planned_.points;
   const EwaldSetting& s = planned_.ewald;
-  const double volume = edges.x * edges.y * edges.z, factor = 2 * kTurn * s.coulomb / volume,
+  const double volume = edges.x * edges.y * edges.z, factor = 2 * kMeshTurn * s.coulomb / volume,
                damp = 1 / (4 * s.alpha * s.alpha);
   const auto square = [](size_t m, size_t points, double edge) {
-    const double k = kTurn * static_cast<double>(wave_number(m, points)) / edge;
+    const double k = kMeshTurn * static_cast<double>(wave_number(m, points)) / edge;
     return k * k;
   };
   arena.for_blocks(kx, 1, [&, kx = kx, ky = ky, kz = kz](size_t x, size_t) {
@@ -331,8 +331,8 @@ EwaldEnergy MeshEwald::add(const MeshSetting& setting, const Vec3& edges, std::s
   double squares = 0, net = 0;
   for (const double q : charge) squares += q * q, net += q;
   const double volume = edges.x * edges.y * edges.z;
-  const double background = -kHalfTurn * s.coulomb * net * net / (2 * volume * s.alpha * s.alpha);
-  const EwaldEnergy out{sums.energy + background - s.coulomb * s.alpha / std::sqrt(kHalfTurn) * squares,
+  const double background = -kMeshHalfTurn * s.coulomb * net * net / (2 * volume * s.alpha * s.alpha);
+  const EwaldEnergy out{sums.energy + background - s.coulomb * s.alpha / std::sqrt(kMeshHalfTurn) * squares,
                         sums.virial + 3 * background};
   if (force.empty()) return out;
   transform_x(arena), transform_y(arena), transform_z_back(arena);

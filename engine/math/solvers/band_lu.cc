@@ -8,7 +8,7 @@
 namespace truestep {
 
 namespace {
-constexpr double kHuge = 1e300;
+constexpr double kHugePivot = 1e300;
 
 // a - b c
 double subtract_product(double a, double b, double c) {
@@ -47,7 +47,7 @@ bool BandLu<T>::factor_tridiagonal() {
   for (size_t k = 0;; ++k) {
     const T* c = a_.data() + 4 * k;
     const double size = magnitude(diagonal);
-    if (!(size > 0 && size < kHuge)) return false;
+    if (!(size > 0 && size < kHugePivot)) return false;
     const T inverse = inverse_[k] = reciprocal(diagonal);
     if (k + 1 == n_) return true;
     if (magnitude(c[3]) > size) return false;
@@ -73,7 +73,7 @@ bool BandLu<T>::factor_general() {
     for (size_t i = 1; i <= rows; ++i) {
       if (magnitude(column[i]) > best) best = magnitude(column[i]), p = i;
     }
-    regular = regular && best > 0 && best < kHuge;
+    regular = regular && best > 0 && best < kHugePivot;
     pivot_[k] = k + p;
     last = std::max(last, std::min(k + p + upper_, n_ - 1));
     if (p != 0) {

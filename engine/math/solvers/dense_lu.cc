@@ -8,7 +8,7 @@ namespace truestep {
 
 namespace {
 constexpr size_t kPanel = 4;
-constexpr double kHuge = 1e300;
+constexpr double kHugeEntry = 1e300;
 
 // c[i] -= sum_w l_w[i] u[w]
 template <class T>
@@ -50,7 +50,7 @@ bool DenseLu<T>::factor_panel(size_t first, size_t width) {
     for (size_t i = k + 1; i < n_; ++i) {
       if (magnitude(column[i]) > best) best = magnitude(column[i]), p = i;
     }
-    regular = regular && best > 0 && best < kHuge;
+    regular = regular && best > 0 && best < kHugeEntry;
     pivot_[k] = p;
     if (p != k) {
       for (size_t j = first; j < end; ++j) std::swap(a_[j * n_ + k], a_[j * n_ + p]);

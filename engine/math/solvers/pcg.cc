@@ -11,11 +11,11 @@ namespace truestep {
 namespace {
 
 // Rows per task: few enough that a cloth keeps several threads busy.
-constexpr size_t kRows = 1024;
+constexpr size_t kSummedRows = 1024;
 
 template <class Body>
 void rows(const ThreadArena& arena, size_t n, Body body) {
-  arena.for_blocks(n, kRows, [&](size_t begin, size_t end) { body(begin / kRows, begin, end); });
+  arena.for_blocks(n, kSummedRows, [&](size_t begin, size_t end) { body(begin / kSummedRows, begin, end); });
 }
 
 // z = D^-1 r for block rows [begin, end).
@@ -72,7 +72,7 @@ void Pcg::reserve(const BlockSparse& a) {
   const auto width = static_cast<size_t>(a.block_size());
   for (Vector* v : {&r_, &z_, &p_, &q_}) v->resize(a.size() + 1);
   inverse_.resize(n * width * width + 3);
-  sums_.resize((n + kRows - 1) / kRows);
+  sums_.resize((n + kSummedRows - 1) / kSummedRows);
 }
 
 Pcg::Result Pcg::solve(const BlockSparse& a, std::span<const double> b, std::span<double> x, double tolerance,
@@ -132,7 +132,7 @@ Pcg::Result Pcg::solve(const BlockSparse& a, std::span<const double> b, std::spa
     if (it >= max_iterations) return {Outcome::out_of_iterations, it, std::sqrt(next / start)};
     const double beta = next / rz;
     rz = next;
-    arena.for_blocks(size, kRows * width, [&](size_t begin, size_t end) {
+    arena.for_blocks(size, kSummedRows * width, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) p[i] = z[i] + beta * p[i];
     });
   }

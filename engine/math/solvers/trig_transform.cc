@@ -7,7 +7,7 @@ namespace truestep {
 
 namespace {
 using End = TrigTransform::End;
-constexpr size_t kL = Fft::kLanes, kE = Fft::kElement;
+constexpr size_t kLanes = Fft::kLanes, kElement = Fft::kElement;
 
 size_t extended(End low, End high, size_t n) {
   return low == End::periodic ? n : low == high ? 2 * n : 4 * n;
@@ -26,7 +26,7 @@ double TrigTransform::angle(size_t i) const {
 }
 
 size_t TrigTransform::scratch_size() const {
-  return fft_.size() * kE + fft_.scratch_size();
+  return fft_.size() * kElement + fft_.scratch_size();
 }
 
 void TrigTransform::forward(double* x, size_t node_stride, size_t line_stride, size_t count,
@@ -41,7 +41,7 @@ void TrigTransform::backward(double* x, size_t node_stride, size_t line_stride, 
 void TrigTransform::run(Way way, double* x, size_t node_stride, size_t line_stride, size_t count,
                         double* scratch) const {
   const size_t total = fft_.size(), n = n_;
-  double *e = scratch, *rest = scratch + total * kE;
+  double *e = scratch, *rest = scratch + total * kElement;
   const bool mixed = low_ != high_;
   // Mixed ends are always handled from the zero end: index j counts from there.
   const auto node = [&](size_t j) { return mixed && low_ == End::even ? n - j : j; };
@@ -62,17 +62,17 @@ void TrigTransform::run(Way way, double* x, size_t node_stride, size_t line_stri
     }
     for (size_t l = 0; l < count; ++l) to[l * line_stride] = v[l];
   };
-  const auto at = [&](size_t j) { return e + j * kE; };
-  const auto zero = [&](size_t j) { std::fill_n(at(j), kE, 0.0); };
-  const auto copy = [&](size_t to, size_t from) { std::copy_n(at(from), kE, at(to)); };
+  const auto at = [&](size_t j) { return e + j * kElement; };
+  const auto zero = [&](size_t j) { std::fill_n(at(j), kElement, 0.0); };
+  const auto copy = [&](size_t to, size_t from) { std::copy_n(at(from), kElement, at(to)); };
   const auto negate = [&](size_t to, size_t from) {
-    for (size_t l = 0; l < kE; ++l) at(to)[l] = -at(from)[l];
+    for (size_t l = 0; l < kElement; ++l) at(to)[l] = -at(from)[l];
   };
-  double values[kE];
+  double values[kElement];
   // For odd extensions, a line in the real lanes ends up in the imaginary ones: -2i S.
   const auto store_odd = [&](size_t j, size_t k, double scale) {
     const double* z = at(k);
-    for (size_t l = 0; l < kL; ++l) values[l] = -scale * z[kL + l], values[kL + l] = scale * z[l];
+    for (size_t l = 0; l < kLanes; ++l) values[l] = -scale * z[kLanes + l], values[kLanes + l] = scale * z[l];
     store(j, values);
   };
   const auto length = static_cast<double>(n);
@@ -83,9 +83,9 @@ void TrigTransform::run(Way way, double* x, size_t node_stride, size_t line_stri
     const double scale = way == Way::forward ? 0.5 : 0.5 / length;
     for (size_t k = 0; k < n; ++k) {
       const double *z = at(k), *m = at((n - k) % n);
-      for (size_t l = 0; l < kL; ++l) {
-        values[l] = scale * ((z[l] + m[l]) - (z[kL + l] - m[kL + l]));
-        values[kL + l] = scale * ((z[kL + l] + m[kL + l]) + (z[l] - m[l]));
+      for (size_t l = 0; l < kLanes; ++l) {
+        values[l] = scale * ((z[l] + m[l]) - (z[kLanes + l] - m[kLanes + l]));
+        values[kLanes + l] = scale * ((z[kLanes + l] + m[kLanes + l]) + (z[l] - m[l]));
       }
       store(k, values);
     }
@@ -101,7 +101,7 @@ void TrigTransform::run(Way way, double* x, size_t node_stride, size_t line_stri
     fft_.run(e, rest);
     const double scale = way == Way::forward ? 1 : 0.5 / length;
     for (size_t k = 0; k <= n; ++k) {
-      for (size_t l = 0; l < kE; ++l) values[l] = scale * at(k)[l];
+      for (size_t l = 0; l < kElement; ++l) values[l] = scale * at(k)[l];
       store(k, values);
     }
   } else if (way == Way::forward) {

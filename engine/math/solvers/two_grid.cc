@@ -10,7 +10,7 @@ namespace truestep {
 
 namespace {
 
-constexpr size_t kRows = 1024;              // per task
+constexpr size_t kTaskRows = 1024;          // per task
 constexpr size_t kWanted = 400;             // number of aggregates: a factorisation of this size costs little
 constexpr size_t kLeast = 24, kMost = 512;  // rows per aggregate
 constexpr int kPowerSteps = 10;
@@ -19,7 +19,7 @@ constexpr int kDegree = 3;
 
 template <class Body>
 void blocks(const ThreadArena& arena, size_t n, Body body) {
-  arena.for_blocks(n, kRows, [&](size_t begin, size_t end) { body(begin / kRows, begin, end); });
+  arena.for_blocks(n, kTaskRows, [&](size_t begin, size_t end) { body(begin / kTaskRows, begin, end); });
 }
 
 Vec3 times(const double* block, const Vec3& v) {
@@ -119,7 +119,7 @@ void TwoGrid::analyze(const BlockSparse& a) {
   }
   for (Vector* v : {&arm_, &free_, &r_, &z_, &p_, &q_, &d_, &s_, &t_}) v->resize(3 * n + 3);
   inverse_.resize(9 * n + 3);
-  sums_.resize((n + kRows - 1) / kRows);
+  sums_.resize((n + kTaskRows - 1) / kTaskRows);
   small_.resize(6 * sizes.size());
   stamp_ = a.pattern_stamp();
 }

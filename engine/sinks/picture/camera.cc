@@ -9,7 +9,7 @@
 namespace truestep::picture {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
+constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180;
 
 bool finite(const Vec3& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -100,7 +100,7 @@ DrawCamera camera_for(const DrawList& list, double aspect) {
   // Never exactly along `up`, or the picture would have no upright direction.
   const Vec3 back = normalized(list.facing ? *list.facing + axes.front * 1e-3 : oblique);
   const Vec3 right = normalized(cross(axes.up, back)), above = cross(back, right);
-  const double ky = std::tan(camera.fov_degrees * kDegree / 2) * list.fill, kx = ky * aspect;
+  const double ky = std::tan(camera.fov_degrees * kRadiansPerDegree / 2) * list.fill, kx = ky * aspect;
   Slab horizontal, vertical;
   double nearest = -std::numeric_limits<double>::infinity(), farthest = -nearest;
   for_each_ball(list, [&](const Ball& ball) {

@@ -20,7 +20,7 @@ using JudgedBy = MethodAnswer::JudgedBy;
 constexpr double kRuns = 10;                 // runs of the scene at the requested accuracy that a search may
                                              // cost
 constexpr double kLeast = 0.04;              // s, less than creating a session costs anyway
-constexpr double kShort = 0.8;               // s, for scenes whose steps take milliseconds
+constexpr double kShortStudy = 0.8;          // s, for scenes whose steps take milliseconds
 constexpr double kPatience = 100;            // steps of slower scenes
 constexpr double kWholeSearch = 24;          // runs that a search over the whole horizon takes
 constexpr double kAim = 0.3, kEnough = 0.5;  // fractions of the tolerance: target of the settings, and good
@@ -38,9 +38,9 @@ std::vector<std::string_view> worth_trying(double tolerance, bool stiff) {
   return {"dop853", "rkn1210", "ias15", "kahan_li8"};
 }
 
-class Search {
+class MethodSearch {
  public:
-  Search(const json::value& document, const MethodQuestion& question, const StudyContext& context)
+  MethodSearch(const json::value& document, const MethodQuestion& question, const StudyContext& context)
       : document_(document), question_(question), context_(context), started_(thread_cpu_seconds()) {}
 
   MethodAnswer run() {
@@ -87,7 +87,7 @@ class Search {
     per_step = std::max(per_step, accurate_step(probe));
     const double whole = std::max(steps, scene.header.time.duration / dt_) * per_step;
     limit_ = std::min({question_.budget, std::max(kLeast, kRuns * (built + whole)),
-                       std::max(kShort, kPatience * per_step)});
+                       std::max(kShortStudy, kPatience * per_step)});
     const double affordable = left() / (kWholeSearch * per_step);
     const double measured = std::clamp(std::floor(affordable), std::min(steps, 8.0), steps);
     const double samples = std::min(16.0, measured);
@@ -268,7 +268,7 @@ class Search {
 
 MethodAnswer search_method(const json::value& document, const MethodQuestion& question,
                            const StudyContext& context) {
-  return Search(document, question, context).run();
+  return MethodSearch(document, question, context).run();
 }
 
 }  // namespace truestep

@@ -21,10 +21,10 @@ struct Attempt {
   std::string method;
 };
 
-class Search {
+class TraceSearch {
  public:
-  Search(const json::value& document, TraceRequest request, double dt, double cpu_limit,
-         const StudyContext& context)
+  TraceSearch(const json::value& document, TraceRequest request, double dt, double cpu_limit,
+              const StudyContext& context)
       : document_(document), request_(std::move(request)), dt_(dt), left_(cpu_limit), context_(context) {}
 
   /// The run with this method, if the system takes it and it finishes in time, with the scene's steps divided
@@ -104,8 +104,8 @@ ReferenceSearch find_reference(const json::value& document, const TraceRequest& 
   constexpr std::array<std::string_view, 5> kStiff = {"radau5", "rodas5p", "cvode_bdf", "dop853", "ias15"};
   constexpr std::array<std::string_view, 4> kExplicit = {"dop853", "dopri5", "cvode_adams", "radau5"};
   constexpr std::array<std::string_view, 4> kImplicit = {"cvode_bdf", "rodas5p", "sdirk4", "cvode_adams"};
-  Search search(document, request, sample_interval / static_cast<double>(request.steps_per_sample), cpu_limit,
-                context);
+  TraceSearch search(document, request, sample_interval / static_cast<double>(request.steps_per_sample),
+                     cpu_limit, context);
   const bool split = steps_matter(build_world(document, context));
   const uint64_t fine = split ? 8 : 1, coarse = split ? 4 : 1;
   for (const std::string_view name : effort.stiff ? kStiff : kUsual) {

@@ -16,7 +16,7 @@ namespace json = boost::json;
 
 namespace {
 
-constexpr double kShort = 0.005;  // s
+constexpr double kShortRun = 0.005;  // s
 constexpr int64_t kMostRepeats = 25;
 constexpr double kProbe = 0.02;      // share of the budget for finding out how fast the scene steps
 constexpr double kFewestSteps = 16;  // fewest steps of the scene that a study covers
@@ -198,7 +198,7 @@ class Measurer {
       Trace t;
       // Short runs are repeated more often: the clock's own noise is a few microseconds.
       double total = 0;
-      for (int64_t r = 0; r < params_.repeats || (total < kShort && r < kMostRepeats); ++r) {
+      for (int64_t r = 0; r < params_.repeats || (total < kShortRun && r < kMostRepeats); ++r) {
         t = trace(world, request_, context_);
         spent += t.cpu_seconds, total += t.cpu_seconds;
         times.push_back(t.cpu_seconds);

@@ -19,7 +19,7 @@ void put(double (*matrix)[kMotionsAndPose], size_t k, const Force& f) {
   for (size_t r = 0; r < 6; ++r) matrix[r][k] = c[r];
 }
 
-Vec3 unit(size_t k) {
+Vec3 unit_axis(size_t k) {
   return {k == 0 ? 1.0 : 0, k == 1 ? 1.0 : 0, k == 2 ? 1.0 : 0};
 }
 
@@ -31,9 +31,9 @@ Motion direction(const Node& n, size_t k) {
     case Move::prismatic:
       return {{}, n.axis};
     case Move::spherical:
-      return {unit(k), {}};
+      return {unit_axis(k), {}};
     case Move::translation:
-      return {{}, unit(k)};
+      return {{}, unit_axis(k)};
     case Move::fixed:
       break;
   }
@@ -82,7 +82,7 @@ void LinearTree::linearise(const Tree& tree, std::span<const double> q, std::spa
     }
     const Force momentum = n.inertia * w.v;
     for (size_t k = 0; k < 6; ++k) {
-      const Motion e = k < 3 ? Motion{unit(k), {}} : Motion{{}, unit(k - 3)};
+      const Motion e = k < 3 ? Motion{unit_axis(k), {}} : Motion{{}, unit_axis(k - 3)};
       const Force inertial = n.inertia * e;
       put(s.own, k, cross(e, momentum) + cross(w.v, inertial));
       put(s.own, 6 + k, inertial);
@@ -103,7 +103,7 @@ void LinearTree::linearise(const Tree& tree, std::span<const double> q, std::spa
     const Vec3 f = R.apply_inverse(push.force), t = R.apply_inverse(push.torque);
     auto& own = nodes_[size_t(push.node)].own;
     for (size_t k = 0; k < 3; ++k) {
-      const Vec3 df = cross(f, unit(k)), dt = cross(push.at, df) + cross(t, unit(k));
+      const Vec3 df = cross(f, unit_axis(k)), dt = cross(push.at, df) + cross(t, unit_axis(k));
       const double c[] = {dt.x, dt.y, dt.z, df.x, df.y, df.z};
       for (size_t r = 0; r < 6; ++r) own[r][12 + k] -= c[r];
     }

@@ -8,7 +8,7 @@
 
 namespace truestep::crowd {
 namespace {
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN(), kPi = 3.141592653589793;
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN(), kHalfTurn = 3.141592653589793;
 }  // namespace
 
 /// Nowak, Schadschneider 2012 (Phys. Rev. E 85:066128, after Rex, Loewen 2007), with a strip around each
@@ -54,7 +54,8 @@ void Crowd::observe(const State& s, double, Observables& out) const {
     const Load l = load(sorted, s, slot);
     smallest = std::min(smallest, l.gap);
     const double r = sorted.r[slot];
-    if (def_.model == Model::social_force && r > 0) pressure = std::max(pressure, l.radial / (2 * kPi * r));
+    if (def_.model == Model::social_force && r > 0)
+      pressure = std::max(pressure, l.radial / (2 * kHalfTurn * r));
     images(sorted.grid.position(slot), def_.density_radius, [&](const Vec3& shift) {
       const Vec3 p = sorted.grid.position(slot) + shift;
       sorted.grid.near(p, [&](size_t from, size_t to) {
@@ -67,7 +68,7 @@ void Crowd::observe(const State& s, double, Observables& out) const {
   out.add("left", left, "1");
   out.add("arrived", left + arrived, "1");
   out.add("speed.mean", n > 0 ? speed / count : kNone, "m/s");
-  out.add("density.mean", n > 0 ? density / (count * kPi * disc) : kNone, "1/m^2");
+  out.add("density.mean", n > 0 ? density / (count * kHalfTurn * disc) : kNone, "1/m^2");
   out.add("energy.kinetic", energy, "J");
   // No value when nobody has a neighbour.
   out.add("separation.smallest", smallest < HUGE_VAL ? smallest : kNone, "m");
@@ -99,7 +100,7 @@ FieldView Crowd::field(const State& s, size_t part, size_t which, std::vector<do
     for (size_t slot = 0; slot < sorted.grid.size(); ++slot) {
       const size_t row = sorted.grid.point(slot);
       if (row < first || row >= first + n || !(sorted.r[slot] > 0)) continue;
-      scratch[row - first] = load(sorted, s, slot).radial / (2 * kPi * sorted.r[slot]);
+      scratch[row - first] = load(sorted, s, slot).radial / (2 * kHalfTurn * sorted.r[slot]);
     }
   }
   return {scratch.data(), Scalar::f64, n, 1};

@@ -8,7 +8,7 @@ namespace truestep::flocking {
 namespace {
 
 constexpr int64_t kMost = 1'000'000, kMostAllPairs = 20'000;
-constexpr double kTurn = 6.283185307179586;
+constexpr double kWholeView = 6.283185307179586;
 
 void check_box(const FlockingDef& d, const DefTable::Report& report) {
   if (d.sides == Sides::open) return;
@@ -85,7 +85,7 @@ const DefTable& flocking_table() {
             .number("alignment", &D::alignment, "1/s", at_least(0),
                     "times the difference to the mean velocity")
             .number("cohesion", &D::cohesion, "1/s^2", at_least(0), "times the distance to the mean position")
-            .number("view_angle", &D::view_angle, "rad", between(0, kTurn),
+            .number("view_angle", &D::view_angle, "rad", between(0, kWholeView),
                     "full angle about the heading within which neighbours are seen")
             .number("min_speed", &D::min_speed, "m/s", at_least(0), "lower limit")
             .number("max_speed", &D::max_speed, "m/s", above(0), "upper limit")
@@ -107,7 +107,7 @@ const DefTable& flocking_table() {
                     "away from a predator at contact")
             .number("radius", &D::radius, "m", above(0),
                     "vicsek: of the neighbours whose headings are averaged")
-            .number("noise", &D::noise, "rad", between(0, kTurn),
+            .number("noise", &D::noise, "rad", between(0, kWholeView),
                     "vicsek: full angle of the random change of the heading every step")
             .number("coupling", &D::coupling, "1/s", at_least(0), "cucker_smale: K")
             .number("influence_range", &D::influence_range, "m", above(0),

@@ -8,7 +8,7 @@
 namespace truestep::grid_fluid {
 
 namespace {
-double component(const Vec3& v, size_t c) {
+double axis_component(const Vec3& v, size_t c) {
   return c == 0 ? v.x : c == 1 ? v.y : v.z;
 }
 }  // namespace
@@ -37,8 +37,8 @@ Vec3 MovingSolids::velocity(uint32_t n, const Vec3& at) const {
 }
 
 double MovingSolids::velocity(const Solids::Face& face, size_t c) const {
-  if (places_.spin[face.obstacle] == Vec3{}) return component(places_.velocity[face.obstacle], c);
-  return component(velocity(face.obstacle, model_->grid.position(c, face.at)), c);
+  if (places_.spin[face.obstacle] == Vec3{}) return axis_component(places_.velocity[face.obstacle], c);
+  return axis_component(velocity(face.obstacle, model_->grid.position(c, face.at)), c);
 }
 
 double MovingSolids::crossing_rate() const {
@@ -52,7 +52,7 @@ double MovingSolids::crossing_rate() const {
     const double turning = norm(places_.spin[n]) * reach;
     double rate = 0;
     for (size_t c = 0; c < g.dimensions; ++c)
-      rate += (std::abs(component(places_.velocity[n], c)) + turning) / g.spacing[c];
+      rate += (std::abs(axis_component(places_.velocity[n], c)) + turning) / g.spacing[c];
     most = std::max(most, rate);
   }
   return most;

@@ -7,7 +7,7 @@ namespace truestep::heightfield_wave {
 
 namespace {
 using Node = ExpressionGraph::Node;
-enum Variable : int32_t { kT, kX, kY };
+enum Variable : int32_t { kTimeAxis, kXAxis, kYAxis };
 }  // namespace
 
 BasinTexts::BasinTexts(const HeightfieldWaveDef& d) : has_exact(!d.exact.empty()) {

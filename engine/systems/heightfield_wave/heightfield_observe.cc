@@ -7,11 +7,11 @@
 namespace truestep::heightfield_wave {
 
 namespace {
-enum Column : State::Column { kDepth, kX, kY };
+enum Observed : State::Column { kObservedDepth, kObservedX, kObservedY };
 }
 
 FieldView HeightfieldWave::field(const State& s, size_t, size_t field, std::vector<double>& scratch) const {
-  const auto h = s.f64(kDepth);
+  const auto h = s.f64(kObservedDepth);
   const size_t n = h.size();
   if (field == 1) return {h.data(), Scalar::f64, n, 1};
   const uint32_t width = field == 2 ? 3 : 1;
@@ -22,7 +22,8 @@ FieldView HeightfieldWave::field(const State& s, size_t, size_t field, std::vect
       continue;
     }
     const double share = h[i] > basin_.dry ? 1 / h[i] : 0;
-    const double u = share * s.f64(kX)[i], v = basin_.dimensions == 2 ? share * s.f64(kY)[i] : 0;
+    const double u = share * s.f64(kObservedX)[i],
+                 v = basin_.dimensions == 2 ? share * s.f64(kObservedY)[i] : 0;
     if (field == 2) {
       scratch[3 * i] = u, scratch[3 * i + 1] = v;
     } else {
@@ -33,12 +34,12 @@ FieldView HeightfieldWave::field(const State& s, size_t, size_t field, std::vect
 }
 
 void HeightfieldWave::observe(const State& s, double t, Observables& out) const {
-  const auto h = s.f64(kDepth);
+  const auto h = s.f64(kObservedDepth);
   const bool plane = basin_.dimensions == 2;
   double volume = 0, kinetic = 0, potential = 0, px = 0, py = 0, deepest = 0, fastest = 0, wet = 0;
   double low = INFINITY, high = -INFINITY;
   for (size_t i = 0; i < h.size(); ++i) {
-    const double z = bed(i), qx = s.f64(kX)[i], qy = plane ? s.f64(kY)[i] : 0;
+    const double z = bed(i), qx = s.f64(kObservedX)[i], qy = plane ? s.f64(kObservedY)[i] : 0;
     volume += h[i], px += qx, py += qy;
     potential += h[i] * (z + 0.5 * h[i]);
     deepest = std::max(deepest, h[i]);

@@ -29,53 +29,11 @@ class Implicit {
     double fastest = 0;  ///< m/s, of any node
   };
 
-  void reserve(const G& g, size_t slots) {
-    for (Vector* v : {&v_, &anchor_, &gradient_, &step_, &r_, &p_, &q_, &z_}) v->reserve(g.nodes.capacity());
-    inverse_.reserve(g.nodes.capacity() / 4 * kSix);
-    tangents_.reserve(slots * kTangent);
-    sums_.reserve(g.blocks.reserved()), stored_.reserve(g.blocks.reserved_owners());
-    held_.reserve(g.blocks.reserved() * G::Size::kBlockNodes / 8);
-  }
+  void reserve(const G& g, size_t slots);
 
   /// Replaces the velocities v* in g.nodes, before boundaries, by those after h s; with FLIP the gain goes to
   /// g.changes. `pull` is the acceleration that sets the scale of tolerances.
-  Report solve(G& g, const Setting& set, double t, double h, double pull, const ThreadArena& arena) {
-    h_ = h, set_ = &set;
-    const size_t n = g.nodes.size();
-    for (Vector* v : {&v_, &anchor_, &gradient_, &step_, &r_, &p_, &q_, &z_}) v->resize(n);
-    inverse_.resize(n / 4 * kSix);
-    tangents_.resize(g.now.slots() * kTangent);
-    double mass = 0, squares = 0;
-    for (size_t k = 0; k < n; ++k) {
-      anchor_[k] = k % 4 == 0 ? 0 : g.nodes[k];
-      if (k % 4 == 0) mass += g.nodes[k];
-      squares += g.nodes[k - k % 4] * anchor_[k] * anchor_[k];
-    }
-    Report out{.converged = true};
-    if (mass > 0) {
-      held_.find(g, set, t, anchor_, v_);
-      const double small =
-          kTolerance * std::max({std::sqrt(squares / mass), pull * h, 1e-9 * set.def.cell / h});
-      start(g, arena);
-      invert_blocks(g, arena);
-      out.converged = false;
-      for (int round = 0; round < kRounds; ++round) {
-        if (!newton(g, small * std::sqrt(mass), arena)) return out;
-        out.converged = !held_.change(v_, gradient_, push_, speed_);
-        if (out.converged) break;
-      }
-    }
-    for (size_t k = 0; k < n; k += 4) {
-      double speed2 = 0;
-      for (size_t i = k + 1; i < k + 4; ++i) {
-        if (!g.changes.empty()) g.changes[i] += v_[i] - g.nodes[i];
-        g.nodes[i] = v_[i], speed2 += v_[i] * v_[i];
-      }
-      out.fastest = std::max(out.fastest, speed2);
-    }
-    out.fastest = std::sqrt(out.fastest);
-    return out;
-  }
+  Report solve(G& g, const Setting& set, double t, double h, double pull, const ThreadArena& arena);
 
  private:
   static constexpr double kTolerance = 1e-6;  ///< of velocities, in the mass norm
@@ -83,74 +41,19 @@ class Implicit {
   static constexpr size_t kTangent = 2 * D * D + D * D + D * (D - 1);
 
   /// Newton's initial guess: v* after boundaries, or rest if that would invert a particle.
-  void start(G& g, const ThreadArena& arena) {
-    if (std::isfinite(energy(g, v_, arena))) return;
-    held_.rest(v_);
-  }
+  void start(G& g, const ThreadArena& arena);
 
   /// Velocity gradient of a group for the node velocities in `tile`.
-  static M gradient_of(const Stencils<D, Nodes, double>& at, const double* tile, double per_second) {
-    alignas(64) double rows[G::kRowNumbers];
-    for (int lane = 0; lane < W::kLanes; ++lane)
-      gather<D, Nodes, G::Size::kReach, G::Size::kRow>(at, lane, tile, rows);
-    M c;
-    W moment[4];
-    for (int q = 0; q < D; ++q) {
-      from_rows(rows + (q + 1) * 4 * W::kLanes, moment);
-      for (int i = 0; i < D; ++i) c(i, q) = moment[i + 1] * W(per_second);
-    }
-    return c;
-  }
+  static M gradient_of(const Stencils<D, Nodes, double>& at, const double* tile, double per_second);
   /// Visits every group of particles: visit(piece, slot, how many, stencil, h times the gradient of `nodes`,
   /// index of the tile).
-  template <class Visit>
-  void for_groups(G& g, const Vector& nodes, const ThreadArena& arena, const Visit& visit) {
-    const double dx = set_->def.cell, per_second = h_ / (Spline<Nodes, double>::kSecond * dx * dx);
-    arena.for_blocks(g.blocks.owners.size(), 4, [&](size_t begin, size_t end) {
-      alignas(64) double tile[G::kTileNumbers] = {};
-      Stencils<D, Nodes, double> at;
-      for (size_t k = begin; k < end; ++k) {
-        const Block& b = g.blocks.blocks[g.blocks.owners[k]];
-        Tiles<D, Nodes, double>::fill(b, nodes, tile);
-        for (size_t r = b.first; r < b.last; ++r) {
-          const Run& run = g.blocks.runs[r];
-          for (size_t s = run.begin; s < run.end; s += W::kLanes) {
-            g.locate(b, g.now.group(s), dx, at);
-            const int many = static_cast<int>(std::min<size_t>(W::kLanes, run.end - s));
-            visit(set_->pieces[run.body], s, many, at, gradient_of(at, tile, per_second), k);
-          }
-        }
-      }
-    });
-  }
+  using Visit =
+      FunctionRef<void(const Piece&, size_t, int, const Stencils<D, Nodes, double>&, const M&, size_t)>;
+  void for_groups(G& g, const Vector& nodes, const ThreadArena& arena, Visit visit);
   /// out = the forces on nodes, times h (N s), of the stress `stress_of(piece, slot, h C)` of all particles,
   /// J/m^3 (P F^T of the substep's start).
-  template <class StressOf>
-  void impulses(G& g, const Vector& nodes, Vector& out, const ThreadArena& arena, const StressOf& stress_of) {
-    const double dx = set_->def.cell, second = Spline<Nodes, double>::kSecond * dx * dx;
-    g.tiles.resize(g.blocks.owners.size() * G::kTileNumbers);
-    std::fill(g.tiles.begin(), g.tiles.end(), 0.0);
-    for_groups(g, nodes, arena,
-               [&](const Piece& piece, size_t s, int many, const Stencils<D, Nodes, double>& at, const M& c,
-                   size_t k) {
-                 const M a = stress_of(piece, s, c);
-                 const W share(h_ * piece.volume / second), zero = W::zero();
-                 alignas(64) double rows[G::kRowNumbers] = {};
-                 for (int q = 0; q < D; ++q) {
-                   W four[4] = {zero, zero, zero, zero};
-                   for (int i = 0; i < D; ++i) four[i + 1] = share * a(i, q);
-                   to_rows(four, rows + (q + 1) * 4 * W::kLanes);
-                 }
-                 double* tile = g.tiles.data() + k * G::kTileNumbers;
-                 for (int lane = 0; lane < many; ++lane)
-                   scatter<D, Nodes, G::Size::kReach, G::Size::kRow>(at, lane, rows, tile);
-               });
-    arena.for_blocks(g.blocks.blocks.size(), 8, [&](size_t begin, size_t end) {
-      for (size_t k = begin; k < end; ++k)
-        Tiles<D, Nodes, double>::sum(g.blocks, g.blocks.blocks[k], g.tiles,
-                                     out.data() + k * G::kBlockNumbers);
-    });
-  }
+  using StressOf = FunctionRef<M(const Piece&, size_t, const M&)>;
+  void impulses(G& g, const Vector& nodes, Vector& out, const ThreadArena& arena, StressOf stress_of);
 
   static M moved(const double* group, const M& c) {
     M f = c;
@@ -178,155 +81,27 @@ class Implicit {
     return sum(g, arena, [&](size_t i) { return a[i] * b[i]; });
   }
   /// Square of a residual in the norm of the inverse mass.
-  double size_of(const G& g, const Vector& r, const ThreadArena& arena) {
-    return sum(g, arena, [&](size_t i) {
-      const double m = g.nodes[i - i % 4];
-      return m > 0 ? r[i] * r[i] / m : 0.0;
-    });
-  }
+  double size_of(const G& g, const Vector& r, const ThreadArena& arena);
 
   /// E, or infinity if a particle is inverted whose law does not allow it.
-  double energy(G& g, const Vector& v, const ThreadArena& arena) {
-    stored_.assign(g.blocks.owners.size(), 0);
-    for_groups(
-        g, v, arena,
-        [&](const Piece& piece, size_t s, int many, const Stencils<D, Nodes, double>&, const M& c, size_t k) {
-          const M f = moved(g.now.group(s), c);
-          const W psi = response<D, double>(piece.material, f, W(1), W(1)).energy, j = determinant(f);
-          for (int lane = 0; lane < many; ++lane) {
-            const bool out = piece.material.law == Law::neo_hookean && !(j[lane] > kLeastVolume);
-            stored_[k] += out ? HUGE_VAL : piece.volume * psi[lane];
-          }
-        });
-    double total = sum(g, arena, [&](size_t i) {
-      const double d = v[i] - anchor_[i];
-      return i % 4 == 0 ? 0 : 0.5 * g.nodes[i - i % 4] * d * d;
-    });
-    for (const double e : stored_) total += e;
-    return total;
-  }
+  double energy(G& g, const Vector& v, const ThreadArena& arena);
 
   /// Computes the gradient of E at v_ and the particles' stiffness there.
-  void linearise(G& g, const ThreadArena& arena) {
-    impulses(g, v_, gradient_, arena, [&](const Piece& piece, size_t s, const M& c) {
-      Stiffness<D, double> k;
-      const double* group = g.now.group(s);
-      const M p = stress_and_stiffness(piece.material, moved(group, c), k);
-      double* to = tangents_.data() + s * kTangent;
-      for (const M* m : {&k.u, &k.v, &k.stretch}) {
-        for (int i = 0; i < D * D; ++i, to += W::kLanes) store(to, m->m[i]);
-      }
-      for (int i = 0; i < Stiffness<D, double>::kPairs; ++i, to += 2 * W::kLanes)
-        store(to, k.shear[i]), store(to + W::kLanes, k.turn[i]);
-      return p * transposed(G::load_square(group, L::f));
-    });
-    push_ = speed_ = 0;
-    for (size_t i = 0; i < gradient_.size(); ++i) {
-      push_ = std::max(push_, std::abs(gradient_[i])), speed_ = std::max(speed_, std::abs(v_[i]));
-      if (i % 4 != 0) gradient_[i] += g.nodes[i - i % 4] * (v_[i] - anchor_[i]);
-    }
-  }
+  void linearise(G& g, const ThreadArena& arena);
   /// q_ = Hessian of E times p_.
-  void product(G& g, const ThreadArena& arena) {
-    impulses(g, p_, q_, arena, [&](const Piece&, size_t s, const M& c) {
-      Stiffness<D, double> k;
-      const double* from = tangents_.data() + s * kTangent;
-      for (M* m : {&k.u, &k.v, &k.stretch}) {
-        for (int i = 0; i < D * D; ++i, from += W::kLanes) m->m[i] = load(from);
-      }
-      for (int i = 0; i < Stiffness<D, double>::kPairs; ++i, from += 2 * W::kLanes)
-        k.shear[i] = load(from), k.turn[i] = load(from + W::kLanes);
-      const M f = G::load_square(g.now.group(s), L::f);
-      return k.apply(c * f) * transposed(f);
-    });
-    for (size_t i = 0; i < q_.size(); ++i) q_[i] += g.nodes[i - i % 4] * p_[i];
-    held_.project(q_);
-  }
+  void product(G& g, const ThreadArena& arena);
 
   /// Inverses of m + sum_p V_p ((lambda + mu) b b^T + mu |b|^2), b = h times the gradient of the node's
   /// weight at the particle: the node's diagonal block of the Hessian at rest (linear elasticity).
-  void invert_blocks(G& g, const ThreadArena& arena) {
-    const double dx = set_->def.cell, per_second = h_ / (Spline<Nodes, double>::kSecond * dx * dx);
-    g.tiles.resize(g.blocks.owners.size() * G::kTileNumbers);
-    for (const Entries entries : {Entries::diagonal, Entries::others}) {
-      std::fill(g.tiles.begin(), g.tiles.end(), 0.0);
-      for_groups(g, v_, arena,
-                 [&](const Piece& piece, size_t, int many, const Stencils<D, Nodes, double>& at, const M&,
-                     size_t k) {
-                   double* tile = g.tiles.data() + k * G::kTileNumbers;
-                   const double both = piece.volume * (piece.material.lambda + piece.material.mu),
-                                own = piece.volume * piece.material.mu;
-                   for (int lane = 0; lane < many; ++lane)
-                     add_node_blocks<D, Nodes, G::Size::kReach, G::Size::kRow>(at, lane, per_second, both,
-                                                                               own, entries, tile);
-                 });
-      Vector& out = entries == Entries::diagonal ? q_ : p_;
-      arena.for_blocks(g.blocks.blocks.size(), 8, [&](size_t begin, size_t end) {
-        for (size_t k = begin; k < end; ++k)
-          Tiles<D, Nodes, double>::sum(g.blocks, g.blocks.blocks[k], g.tiles,
-                                       out.data() + k * G::kBlockNumbers);
-      });
-    }
-    for (size_t node = 0; node < q_.size(); node += 4)
-      inverse_of_block<D>(g.nodes[node], &q_[node + 1], &p_[node + 1], &inverse_[node / 4 * kSix]);
-  }
+  void invert_blocks(G& g, const ThreadArena& arena);
   /// z_ = inverse blocks times r_, in the free directions.
-  void precondition() {
-    for (size_t node = 0; node < r_.size(); node += 4)
-      apply_block(&inverse_[node / 4 * kSix], &r_[node], &z_[node]);
-    held_.project(z_);
-  }
+  void precondition();
 
   /// step_ ~ -Hessian^-1 gradient, until the residual has fallen by the factor `tolerance`.
-  void direction(G& g, double tolerance, const ThreadArena& arena) {
-    const size_t n = gradient_.size();
-    std::fill(step_.begin(), step_.end(), 0.0);
-    for (size_t i = 0; i < n; ++i) r_[i] = -gradient_[i];
-    held_.project(r_);
-    precondition();
-    p_ = z_;
-    double now = dot_of(g, r_, z_, arena);
-    const double enough = tolerance * tolerance * now;
-    for (int k = 0; k < kMostProducts && now > enough; ++k) {
-      product(g, arena);
-      const double curvature = dot_of(g, p_, q_, arena);
-      if (!(curvature > 0)) break;
-      const double alpha = now / curvature;
-      for (size_t i = 0; i < n; ++i) step_[i] += alpha * p_[i], r_[i] -= alpha * q_[i];
-      precondition();
-      const double next = dot_of(g, r_, z_, arena), beta = next / now;
-      for (size_t i = 0; i < n; ++i) p_[i] = z_[i] + beta * p_[i];
-      now = next;
-    }
-  }
+  void direction(G& g, double tolerance, const ThreadArena& arena);
 
   /// Iterates until the gradient is `small` (in the norm of the inverse mass) in the free directions.
-  bool newton(G& g, double small, const ThreadArena& arena) {
-    double before = energy(g, v_, arena);
-    for (int k = 0; k < kNewton; ++k) {
-      linearise(g, arena);
-      r_ = gradient_;
-      held_.project(r_);
-      const double size = std::sqrt(size_of(g, r_, arena));
-      if (!std::isfinite(size)) return false;
-      if (size <= small) return true;
-      direction(g, std::clamp(0.3 * small / size, 1e-8, 0.1), arena);
-      const double slope = dot_of(g, step_, gradient_, arena);
-      double share = 1, after = HUGE_VAL;
-      p_ = v_;
-      bool falls = false;
-      for (int tries = 0; tries < kHalvings && !falls; ++tries, share *= 0.5) {
-        for (size_t i = 0; i < v_.size(); ++i) v_[i] = p_[i] + share * step_[i];
-        after = energy(g, v_, arena);
-        // Armijo's condition, to rounding of the energy.
-        falls = after <= before + 1e-4 * share * slope + kRound * std::abs(before);
-      }
-      // As close as rounding of the energy allows.
-      if (!falls) return size <= kNear * small;
-      before = after;
-    }
-    return false;
-  }
+  bool newton(G& g, double small, const ThreadArena& arena);
 
   static constexpr double kRound = 1e-12, kNear = 100;
   const Setting* set_ = nullptr;

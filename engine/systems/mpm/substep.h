@@ -234,7 +234,7 @@ struct Grid : Boundaries<D, Nodes, T>, Group<D, T> {
   double touch_bodies(const Setting& set, const Vec3& gravity, double t, T h) {
     const MpmDef& def = set.def;
     const bool flip = def.transfer == Transfer::flip;
-    const auto visit = [&](const Box& box, const auto& see) {
+    const auto visit = [&](const Box& box, BodiesIn::See see) {
       const double lows[3] = {box.low.x, box.low.y, box.low.z},
                    highs[3] = {box.high.x, box.high.y, box.high.z};
       int first[3] = {}, last[3] = {};

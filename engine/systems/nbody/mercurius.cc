@@ -164,7 +164,8 @@ class Step {
   size_t n_;
 };
 
-void step(const ForceField& field, State& s, const StepInput& in, const IntegratorOptions& options) {
+void mercurius_step(const ForceField& field, State& s, const StepInput& in,
+                    const IntegratorOptions& options) {
   Step(static_cast<const NbodyField&>(field), s, in, options.tolerance).go();
 }
 
@@ -180,7 +181,7 @@ const Integrator& mercurius() {
                                .structure = Integrator::Structure::symplectic,
                                .equations = Integrator::Equations::second_order,
                                .source = "Chambers 1999, MNRAS 304:793; Rein et al. 2019, MNRAS 485:5490",
-                               .step = step};
+                               .step = mercurius_step};
   return kRow;
 }
 

@@ -33,7 +33,7 @@ void from_jacobi(std::span<const double> mass, double total, const double* in, d
   store3(out, 0, center);
 }
 
-void step(const ForceField& field, State& s, const StepInput& in, const IntegratorOptions&) {
+void wisdom_holman_step(const ForceField& field, State& s, const StepInput& in, const IntegratorOptions&) {
   const auto mass = s.f64(Columns::mass);
   const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity);
   const size_t n = mass.size();
@@ -86,7 +86,7 @@ const Integrator& wisdom_holman() {
                                .structure = Integrator::Structure::symplectic,
                                .equations = Integrator::Equations::second_order,
                                .source = "Wisdom, Holman 1991, Astron. J. 102:1528; Rein, Tamayo 2015",
-                               .step = step};
+                               .step = wisdom_holman_step};
   return kRow;
 }
 

@@ -11,7 +11,7 @@ namespace {
 /// Number of sides that approximate a round surface.
 constexpr int kSides = 32;
 /// Depth of a prism in each direction, as a multiple of the body's reach.
-constexpr double kDepth = 2;
+constexpr double kBodyDepth = 2;
 /// Maps x to y, y to z, z to x without rounding: turns the axis of a capsule from y to z.
 constexpr Quat kAlongZ{0.5, 0.5, 0.5, 0.5};
 
@@ -79,7 +79,7 @@ void add_prisms(const Outline& s, double depth, std::vector<SolidPart>& out) {
 
 std::optional<Solid> solid_of(const Body& b, std::span<const Shape> shapes) {
   if (shapes.empty() || b.sensor) return std::nullopt;
-  const double depth = kDepth * b.reach;
+  const double depth = kBodyDepth * b.reach;
   if (std::ranges::any_of(shapes, [](const Shape& s) { return s.outline.is_link(); })) {
     return surface(shapes, depth);
   }

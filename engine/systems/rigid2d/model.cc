@@ -16,7 +16,7 @@ using flat::norm;
 
 constexpr double kUsualSuspension = 1;  // Hz
 
-Rotation turned(double angle) {
+Rotation rotation_by(double angle) {
   const trig::SinCos t = trig::sincos(angle);
   return {t.cos, t.sin};
 }
@@ -35,7 +35,7 @@ struct MakeOutlines {
   }
   void operator()(const BoxDef& d) const {
     out.push_back(
-        flat::box(d.half_extents.x, d.half_extents.y, flatten(d.center), turned(d.angle), d.radius));
+        flat::box(d.half_extents.x, d.half_extents.y, flatten(d.center), rotation_by(d.angle), d.radius));
   }
   void operator()(const PolygonDef& d) const { out.push_back(flat::polygon(corners(d.points), d.radius)); }
   void operator()(const ChainDef& d) const {
@@ -99,7 +99,7 @@ struct Builder {
     if (d.one_way) b.one_way = true, b.one_way_direction = flat::unit(flatten(*d.one_way));
     b.group = static_cast<int32_t>(d.group);
     b.category = static_cast<uint32_t>(d.category), b.mask = static_cast<uint32_t>(d.mask);
-    const Rotation q = turned(d.angle);
+    const Rotation q = rotation_by(d.angle);
     b.angle = d.angle;
     b.position = position + q * center;
     if (d.motion != Motion::fixed) {
@@ -167,7 +167,7 @@ struct Builder {
     if (d.held == BodyChainDef::Held::both) hinged_to_world.push_back({first + links - 1, flatten(d.to)});
   }
 
-  Pose pose(uint32_t i) const { return {model.bodies[i].position, turned(model.bodies[i].angle)}; }
+  Pose pose(uint32_t i) const { return {model.bodies[i].position, rotation_by(model.bodies[i].angle)}; }
 
   Joint between(JointKind kind, uint32_t a, uint32_t b, Vec2 at_a, Vec2 at_b) const {
     Joint j;

@@ -28,88 +28,71 @@ const DefTable& copies_table() {
 }
 
 /// Rows common to bodies of all shapes.
-template <class D>
-TableOf<D>& add_common(TableOf<D>& t) {
-  BodyDef::Motion D::*motion = &BodyDef::motion;
-  std::string D::*id = &BodyDef::id;
-  Vec3 D::*position = &BodyDef::position;
-  Vec3 D::*axis = &BodyDef::axis;
-  Vec3 D::*velocity = &BodyDef::velocity;
-  Vec3 D::*spin = &BodyDef::angular_velocity;
-  double D::*angle = &BodyDef::angle;
-  double D::*density = &BodyDef::density;
-  double D::*linear = &BodyDef::linear_damping;
-  double D::*angular = &BodyDef::angular_damping;
-  double D::*gravity = &BodyDef::gravity_scale;
-  std::vector<double> D::*orientation = &BodyDef::orientation;
-  std::optional<double> D::*mass = &BodyDef::mass;
-  std::vector<double> D::*inertia = &BodyDef::inertia;
-  Vec3 D::*force = &BodyDef::force;
-  Vec3 D::*torque = &BodyDef::torque;
-  BodyDef::Axes D::*force_frame = &BodyDef::force_frame;
-  std::optional<double> D::*friction = &BodyDef::friction;
-  std::optional<double> D::*restitution = &BodyDef::restitution;
-  std::optional<double> D::*rolling = &BodyDef::rolling_resistance;
-  std::optional<double> D::*spinning = &BodyDef::spinning_resistance;
-  Vec3 D::*surface_velocity = &BodyDef::surface_velocity;
-  int64_t D::*group = &BodyDef::group;
-  int64_t D::*category = &BodyDef::category;
-  int64_t D::*mask = &BodyDef::mask;
-  bool D::*fixed_rotation = &BodyDef::fixed_rotation;
-  bool D::*sensor = &BodyDef::sensor;
-  bool D::*asleep = &BodyDef::asleep;
-  bool D::*can_sleep = &BodyDef::can_sleep;
-  std::optional<Vec3> D::*one_way = &BodyDef::one_way;
-  std::optional<Vec3> D::*color = &BodyDef::color;
-  std::optional<CopiesDef> D::*copies = &BodyDef::copies;
-  return t.text("id", id, "name for commands, expectations and pictures")
-      .choice("motion", motion, {"dynamic", "fixed", "kinematic"},
-              "moved by forces, not at all, or only by its own velocity")
-      .vector("position", position, "m", any(), "of the shape's origin")
-      .vector("axis", axis, "1", any(), "axis of its rotation; any length")
-      .number("angle", angle, "rad", any(), "angle of its rotation")
-      .numbers("orientation", orientation, "1", any(), {0, 4},
-               "unit quaternion w x y z, instead of axis and angle")
-      .vector("velocity", velocity, "m/s", any(), "of the centre of mass")
-      .vector("angular_velocity", spin, "rad/s", any(), "in the world")
-      .number("density", density, "kg/m^3", above(0), "uniform")
-      .number("mass", mass, "kg", above(0), "instead of density; scales the shape's inertia too")
-      .numbers("inertia", inertia, "kg m^2", any(), {0, 6},
-               "about the centre of mass, instead of that of the shape: xx yy zz or xx yy zz xy xz yz in its "
-               "axes; principal moments above 0, none above the sum of the other two")
-      .vector("force", force, "N", any(), "constant, at the centre of mass; keeps the body awake")
-      .vector("torque", torque, "N m", any(), "constant; keeps the body awake")
-      .choice("force_frame", force_frame, {"world", "body"},
-              "axes of force and torque: fixed, or turning with the shape. energy.potential includes a "
-              "force in the world; power.applied is the power of the others")
-      .number("linear_damping", linear, "1/s", at_least(0), "rate at which its velocity decays")
-      .number("angular_damping", angular, "1/s", at_least(0), "rate at which its angular velocity decays")
-      .number("gravity_scale", gravity, "1", any(), "factor on the gravity that acts on it")
-      .number("friction", friction, "1", at_least(0),
-              "Coulomb coefficient; of a contact: the square root of the product for both bodies")
-      .number("restitution", restitution, "1", between(0, 1),
-              "fraction of the normal speed kept; of a contact: the larger of both values")
-      .number("rolling_resistance", rolling, "m", at_least(0),
-              "torque against rolling per normal force; of a contact: the larger of both values")
-      .number("spinning_resistance", spinning, "m", at_least(0),
+/// What all bodies have in common.
+const DefTable& common_table() {
+  static const DefTable t =
+      TableOf<BodyDef>("a body")
+          .text("id", &BodyDef::id, "name for commands, expectations and pictures")
+          .choice("motion", &BodyDef::motion, {"dynamic", "fixed", "kinematic"},
+                  "moved by forces, not at all, or only by its own velocity")
+          .vector("position", &BodyDef::position, "m", any(), "of the shape's origin")
+          .vector("axis", &BodyDef::axis, "1", any(), "axis of its rotation; any length")
+          .number("angle", &BodyDef::angle, "rad", any(), "angle of its rotation")
+          .numbers("orientation", &BodyDef::orientation, "1", any(), {0, 4},
+                   "unit quaternion w x y z, instead of axis and angle")
+          .vector("velocity", &BodyDef::velocity, "m/s", any(), "of the centre of mass")
+          .vector("angular_velocity", &BodyDef::angular_velocity, "rad/s", any(), "in the world")
+          .number("density", &BodyDef::density, "kg/m^3", above(0), "uniform")
+          .number("mass", &BodyDef::mass, "kg", above(0),
+                  "instead of density; scales the shape's inertia too")
+          .numbers(
+              "inertia", &BodyDef::inertia, "kg m^2", any(), {0, 6},
+              "about the centre of mass, instead of that of the shape: xx yy zz or xx yy zz xy xz yz in its "
+              "axes; principal moments above 0, none above the sum of the other two")
+          .vector("force", &BodyDef::force, "N", any(),
+                  "constant, at the centre of mass; keeps the body awake")
+          .vector("torque", &BodyDef::torque, "N m", any(), "constant; keeps the body awake")
+          .choice("force_frame", &BodyDef::force_frame, {"world", "body"},
+                  "axes of force and torque: fixed, or turning with the shape. energy.potential includes a "
+                  "force in the world; power.applied is the power of the others")
+          .number("linear_damping", &BodyDef::linear_damping, "1/s", at_least(0),
+                  "rate at which its velocity decays")
+          .number("angular_damping", &BodyDef::angular_damping, "1/s", at_least(0),
+                  "rate at which its angular velocity decays")
+          .number("gravity_scale", &BodyDef::gravity_scale, "1", any(),
+                  "factor on the gravity that acts on it")
+          .number("friction", &BodyDef::friction, "1", at_least(0),
+                  "Coulomb coefficient; of a contact: the square root of the product for both bodies")
+          .number("restitution", &BodyDef::restitution, "1", between(0, 1),
+                  "fraction of the normal speed kept; of a contact: the larger of both values")
+          .number("rolling_resistance", &BodyDef::rolling_resistance, "m", at_least(0),
+                  "torque against rolling per normal force; of a contact: the larger of both values")
+          .number(
+              "spinning_resistance", &BodyDef::spinning_resistance, "m", at_least(0),
               "torque against spinning on the spot per normal force; absent: from friction under a patch of "
               "a hundredth of a ball's or capsule's radius; of a contact: the larger of both values")
-      .vector("surface_velocity", surface_velocity, "m/s", any(),
+          .vector(
+              "surface_velocity", &BodyDef::surface_velocity, "m/s", any(),
               "of its surface relative to its material, in its axes, like a belt's: friction carries along "
               "what touches it, by the component in the plane of contact")
-      .integer("group", group, between(-32768, 32767),
-               "bodies of the same group above 0 always touch, below 0 never; 0: category and mask decide")
-      .integer("category", category, between(0, 0xffffffff), "bits for the categories that it belongs to")
-      .integer("mask", mask, between(0, 0xffffffff), "bits for the categories that it collides with")
-      .boolean("fixed_rotation", fixed_rotation, "never rotates")
-      .boolean("sensor", sensor, "detects overlaps, collides with nothing")
-      .boolean("asleep", asleep, "sleeps until something touches it")
-      .boolean("can_sleep", can_sleep, "may fall asleep")
-      .vector("one_way", one_way, "1", any(),
-              "bodies that move along this direction (in the body's frame) pass, those that move "
-              "against it are held: up makes a platform to jump through")
-      .vector("color", color, "1", between(0, 1), "red, green, blue")
-      .object("copies", copies, copies_table(), "many bodies like this one");
+          .integer(
+              "group", &BodyDef::group, between(-32768, 32767),
+              "bodies of the same group above 0 always touch, below 0 never; 0: category and mask decide")
+          .integer("category", &BodyDef::category, between(0, 0xffffffff),
+                   "bits for the categories that it belongs to")
+          .integer("mask", &BodyDef::mask, between(0, 0xffffffff),
+                   "bits for the categories that it collides with")
+          .boolean("fixed_rotation", &BodyDef::fixed_rotation, "never rotates")
+          .boolean("sensor", &BodyDef::sensor, "detects overlaps, collides with nothing")
+          .boolean("asleep", &BodyDef::asleep, "sleeps until something touches it")
+          .boolean("can_sleep", &BodyDef::can_sleep, "may fall asleep")
+          .vector("one_way", &BodyDef::one_way, "1", any(),
+                  "bodies that move along this direction (in the body's frame) pass, those that move "
+                  "against it are held: up makes a platform to jump through")
+          .vector("color", &BodyDef::color, "1", between(0, 1), "red, green, blue")
+          .object("copies", &BodyDef::copies, copies_table(), "many bodies like this one")
+          .build();
+  return t;
 }
 
 void check_inertia(const std::vector<double>& I, const DefTable::Report& report) {
@@ -124,38 +107,41 @@ void check_inertia(const std::vector<double>& I, const DefTable::Report& report)
   }
 }
 
+/// `surface`: a shape without mass.
+void check_body(const BodyDef& d, bool surface, const DefTable::Report& report) {
+  if (!d.orientation.empty() && d.orientation.size() != 4)
+    report("/orientation", "must have four numbers w x y z");
+  if (d.orientation.size() == 4) {
+    double n = 0;
+    for (const double x : d.orientation) n += x * x;
+    if (!(std::abs(n - 1) < 1e-6)) report("/orientation", "must have length 1");
+  }
+  if (d.motion != BodyDef::Motion::dynamic) {
+    if (!d.inertia.empty()) report("/inertia", "only a dynamic body has an inertia");
+    if (norm2(d.force) > 0) report("/force", "only a dynamic body is moved by forces");
+    if (norm2(d.torque) > 0) report("/torque", "only a dynamic body is moved by forces");
+  }
+  if (d.fixed_rotation && !d.inertia.empty()) {
+    report("/inertia", "a body that never rotates has no inertia");
+  }
+  if (d.fixed_rotation && norm2(d.angular_velocity) > 0) {
+    report("/angular_velocity", "a body that never rotates has no angular velocity");
+  }
+  if (d.one_way && !(norm(*d.one_way) > 0)) report("/one_way", "the direction must not be zero");
+  check_inertia(d.inertia, report);
+  if (d.angle != 0 && !(norm(d.axis) > 0)) report("/axis", "the axis must not be zero");
+  if (body_count(d) > kMostBodies) report("/copies/count", "the copies are more than 200000 bodies");
+  if (surface && d.motion == BodyDef::Motion::dynamic) {
+    report("/motion", "this shape has no mass: it must be fixed");
+  }
+}
+
 template <class D>
 DefTable finish(TableOf<D>& t) {
-  add_common(t);
-  t.check([](const D& d, const DefTable::Report& report) {
-    if (!d.orientation.empty() && d.orientation.size() != 4)
-      report("/orientation", "must have four numbers w x y z");
-    if (d.orientation.size() == 4) {
-      double n = 0;
-      for (const double x : d.orientation) n += x * x;
-      if (!(std::abs(n - 1) < 1e-6)) report("/orientation", "must have length 1");
-    }
-    if (d.motion != BodyDef::Motion::dynamic) {
-      if (!d.inertia.empty()) report("/inertia", "only a dynamic body has an inertia");
-      if (norm2(d.force) > 0) report("/force", "only a dynamic body is moved by forces");
-      if (norm2(d.torque) > 0) report("/torque", "only a dynamic body is moved by forces");
-    }
-    if (d.fixed_rotation && !d.inertia.empty()) {
-      report("/inertia", "a body that never rotates has no inertia");
-    }
-    if (d.fixed_rotation && norm2(d.angular_velocity) > 0) {
-      report("/angular_velocity", "a body that never rotates has no angular velocity");
-    }
-    if (d.one_way && !(norm(*d.one_way) > 0)) report("/one_way", "the direction must not be zero");
-    check_inertia(d.inertia, report);
-    if (d.angle != 0 && !(norm(d.axis) > 0)) report("/axis", "the axis must not be zero");
-    if (body_count(d) > kMostBodies) report("/copies/count", "the copies are more than 200000 bodies");
-    constexpr bool surface = std::is_same_v<D, PlaneBodyDef> || std::is_same_v<D, HeightFieldBodyDef>;
-    if (surface && d.motion == BodyDef::Motion::dynamic) {
-      report("/motion", "this shape has no mass: it must be fixed");
-    }
-  });
-  return t.build();
+  constexpr bool surface = std::is_same_v<D, PlaneBodyDef> || std::is_same_v<D, HeightFieldBodyDef>;
+  return t.template base<BodyDef>(common_table())
+      .check([](const D& d, const DefTable::Report& report) { check_body(d, surface, report); })
+      .build();
 }
 
 const DefTable& sphere_table() {
@@ -230,15 +216,18 @@ const DefTable& plane_table() {
   return t;
 }
 
+const DefTable& part_table() {
+  static const DefTable t =
+      TableOf<PartDef>("a convex part")
+          .vector("position", &PartDef::position, "m", any(), "in the body's frame")
+          .vector("axis", &PartDef::axis, "1", any(), "axis of its rotation; any length")
+          .number("angle", &PartDef::angle, "rad", any(), "angle of its rotation")
+          .build();
+  return t;
+}
 template <class D>
 DefTable finish_part(TableOf<D>& t) {
-  Vec3 D::*position = &PartDef::position;
-  Vec3 D::*axis = &PartDef::axis;
-  double D::*angle = &PartDef::angle;
-  return t.vector("position", position, "m", any(), "in the body's frame")
-      .vector("axis", axis, "1", any(), "axis of its rotation; any length")
-      .number("angle", angle, "rad", any(), "angle of its rotation")
-      .build();
+  return t.template base<PartDef>(part_table()).build();
 }
 const DefTable& sphere_part_table() {
   static const DefTable t = [] {

@@ -17,7 +17,7 @@ namespace {
 constexpr double kItself = 0, kBodies = 1, kItselfAgain = 2;  // who leads
 constexpr int kTimesTried = 64;
 
-double smooth_step(double x) {
+double smooth_lead(double x) {
   x = std::clamp(x, 0.0, 1.0);
   return x * x * (3 - 2 * x);
 }
@@ -138,7 +138,7 @@ void Skeleton::blend_back(State& s, double t, Scratch& scratch) const {
   if (!lead) return;
   if (lead[LeadRows::by] == kItselfAgain) {
     const double length = lead[LeadRows::blend];
-    const double share = length > 0 ? smooth_step((t - lead[LeadRows::start]) / length) : 1;
+    const double share = length > 0 ? smooth_lead((t - lead[LeadRows::start]) / length) : 1;
     if (share >= 1) lead[LeadRows::by] = kItself;
     const double* left = lead - 8 * model_.joints.size();
     for (size_t j = 0; j < model_.joints.size(); ++j) {

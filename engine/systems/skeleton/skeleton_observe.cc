@@ -8,7 +8,7 @@ using namespace animation;
 using C = SkeletonColumns;
 
 namespace {
-constexpr MovedBodies kBones = MovedBodies::from(0);
+constexpr MovedBodies kObservedBones = MovedBodies::from(0);
 constexpr size_t kMostNamed = 32;  // joints whose positions are observables
 }  // namespace
 
@@ -72,10 +72,10 @@ FieldView Skeleton::field(const State& s, size_t part, size_t which, std::vector
     }
     return {scratch.data(), Scalar::f64, scratch.size(), 1};
   }
-  constexpr State::Column kColumns[3][4] = {
-      {C::kJointPosition, C::kJointVelocity, C::kJointOrientation, 0},
-      {kBones.position, kBones.velocity, kBones.orientation, kBones.angular_velocity},
-      {C::kSkin, C::kSkinVelocity, 0, 0}};
+  constexpr State::Column kColumns[3][4] = {{C::kJointPosition, C::kJointVelocity, C::kJointOrientation, 0},
+                                            {kObservedBones.position, kObservedBones.velocity,
+                                             kObservedBones.orientation, kObservedBones.angular_velocity},
+                                            {C::kSkin, C::kSkinVelocity, 0, 0}};
   const State::Column c = kColumns[part][which];
   return {s.f64(c).data(), Scalar::f64, s.rows(c), s.info(c).width};
 }
@@ -107,7 +107,7 @@ void Skeleton::apply(State& s, const Command& c) const {
 void Skeleton::check(StateCheck& check, double) const {
   const size_t n = model_.joints.size(), led = 2 * n + LeadRows::rows,
                rows = check.state().rows(C::kCoordinates);
-  check.below(kBones.form, model_.bones.size()).below(C::kDragJoint, n);
+  check.below(kObservedBones.form, model_.bones.size()).below(C::kDragJoint, n);
   check.together({C::kCoordinates}, led)
       .require(rows == n || rows == led, "coordinates are those of all joints");
 }

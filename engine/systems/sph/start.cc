@@ -13,7 +13,7 @@ namespace truestep::sph {
 
 namespace {
 
-Vec3 reach_of(const BodyDef& b) {
+Vec3 half_extent_of(const BodyDef& b) {
   return b.shape == Shape::ball ? Vec3{b.radius, b.radius, b.radius} : b.half_extents;
 }
 
@@ -28,14 +28,14 @@ class StandingLiquid {
     if (d.wraps(axis_) || norm(gravity) > weight_ * (1 + 1e-9)) weight_ = 0;
     const double floor = up_ > 0 ? along(d.low) : -along(d.high);
     stands_.resize(d.bodies.size());
-    const auto bottom = [&](const BodyDef& b) { return up_ * along(b.center) - along(reach_of(b)); };
+    const auto bottom = [&](const BodyDef& b) { return up_ * along(b.center) - along(half_extent_of(b)); };
     const auto on = [&](double low, double high) { return std::abs(low - high) <= 0.5 * d.spacing; };
     for (size_t pass = 0; pass < d.bodies.size(); ++pass) {
       for (size_t k = 0; k < d.bodies.size(); ++k) {
         const double low = bottom(d.bodies[k]);
         bool held = on(low, floor);
         for (size_t j = 0; j < d.bodies.size() && !held; ++j) {
-          held = stands_[j] && on(low, bottom(d.bodies[j]) + 2 * along(reach_of(d.bodies[j])));
+          held = stands_[j] && on(low, bottom(d.bodies[j]) + 2 * along(half_extent_of(d.bodies[j])));
         }
         stands_[k] = held;
       }

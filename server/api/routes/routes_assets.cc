@@ -4,7 +4,6 @@
 
 namespace truestep {
 
-namespace asio = boost::asio;
 namespace json = boost::json;
 using net::Method;
 using net::Request;
@@ -14,7 +13,7 @@ namespace {
 
 constexpr size_t kMostAsset = size_t{64} << 20;  // bytes
 
-asio::awaitable<Response> put(App& app, const Request& request) {
+Task<Response> put(App& app, const Request& request) {
   const auto kind = is_json(request) ? AssetStore::Kind::json : AssetStore::Kind::file;
   require_media(request, kind == AssetStore::Kind::json ? "application/json" : "application/octet-stream");
   const std::string sha256(request.param("sha256"));
@@ -42,21 +41,21 @@ void add_asset_routes(net::Router& router, App& app) {
            "to it as {\"asset\": sha256}",
            [&app](const Request& r) { return put(app, r); })
       .max_body = kMostAsset;
-  router.add(Method::get, asset, "An asset", [&app](const Request& r) -> asio::awaitable<Response> {
+  router.add(Method::get, asset, "An asset", [&app](const Request& r) -> Task<Response> {
     auto read = [&app, sha256 = std::string(r.param("sha256"))] {
       AssetStore::Asset asset = app.assets.get(sha256);
       if (asset.kind == AssetStore::Kind::json) return Response::json(std::move(asset.bytes));
       return Response::text(asset.bytes, "application/octet-stream");
     };
-    co_return co_await net::offload(app.runner.pool(), std::move(read));
+    co_return co_await offload(app.runner.pool(), std::move(read));
   });
   router.add(Method::delete_, asset, "Removes an asset; sessions created with it keep its value",
-             [&app](const Request& r) -> asio::awaitable<Response> {
+             [&app](const Request& r) -> Task<Response> {
                auto remove = [&app, sha256 = std::string(r.param("sha256"))] {
                  app.assets.remove(sha256);
                  return Response(204);
                };
-               co_return co_await net::offload(app.runner.pool(), std::move(remove));
+               co_return co_await offload(app.runner.pool(), std::move(remove));
              });
 }
 

@@ -8,7 +8,6 @@
 namespace truestep {
 
 namespace json = boost::json;
-namespace asio = boost::asio;
 using net::Method;
 using net::Request;
 using net::Response;
@@ -46,7 +45,7 @@ void add_catalogue_routes(net::Router& router, App& app) {
                return json_response(o);
              });
   router.add(Method::post, "/v1/scenes/validate", "Errors, warnings, plan and cost of a scene",
-             [&app](const Request& r) -> asio::awaitable<Response> {
+             [&app](const Request& r) -> Task<Response> {
                json::value document = co_await long_json_body(app, r);
                auto validate = [&] {
                  app.assets.resolve(document);

@@ -15,7 +15,6 @@
 namespace truestep {
 
 namespace json = boost::json;
-namespace asio = boost::asio;
 using net::Method;
 using net::Request;
 using net::Response;
@@ -110,7 +109,7 @@ WorldState state_of(SessionEntry& entry, uint64_t step) {
   return past.compute();
 }
 
-asio::awaitable<Response> frame_at(App& app, const Request& request) {
+Task<Response> frame_at(App& app, const Request& request) {
   EntryPtr entry = co_await session_of(app, request);
   const Media media = media_of(request);
   const std::string_view which = request.param("step");
@@ -136,7 +135,7 @@ asio::awaitable<Response> frame_at(App& app, const Request& request) {
 }
 
 // Polling: frames after a step, waiting up to `wait` seconds for the first one.
-asio::awaitable<Response> poll(App& app, const Request& request) {
+Task<Response> poll(App& app, const Request& request) {
   EntryPtr entry = co_await session_of(app, request);
   const Media media = media_of(request);
   const bool any_step = !request.query_value("after");
@@ -312,7 +311,7 @@ PictureSize size_of(const Request& request) {
   return out;
 }
 
-asio::awaitable<Response> picture(App& app, const Request& request) {
+Task<Response> picture(App& app, const Request& request) {
   EntryPtr entry = co_await session_of(app, request);
   const auto [width, height] = size_of(request);
   const PictureLook look = look_of(request);
@@ -372,9 +371,9 @@ void add_frame_routes(net::Router& router, App& app) {
                  [&app](const Request& r) {
                    EntryPtr entry = app.store.find(r.param("id"), r.caller);
                    if (!entry) throw Error("creating", "this session is being saved to disk; try again");
-                   return std::make_shared<StreamClient>(std::move(entry), app.runner, app.stream_stats);
+                   return make_stream(std::move(entry), app.runner, app.stream_stats);
                  })
-      .before_open = [&app](const Request& r) -> asio::awaitable<void> { co_await session_of(app, r); };
+      .before_open = [&app](const Request& r) -> Task<> { co_await session_of(app, r); };
 }
 
 }  // namespace truestep

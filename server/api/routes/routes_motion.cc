@@ -5,7 +5,6 @@
 
 namespace truestep {
 
-namespace asio = boost::asio;
 using net::Method;
 using net::Request;
 using net::Response;
@@ -47,7 +46,7 @@ Wanted wanted_of(const Request& request, const Session& session, MotionFormat fo
   return w;
 }
 
-asio::awaitable<Response> motion(App& app, const Request& request, MotionFormat format, const char* media) {
+Task<Response> motion(App& app, const Request& request, MotionFormat format, const char* media) {
   EntryPtr entry = co_await session_of(app, request);
   auto compute = [&] {
     std::unique_lock lock(entry->mutex);

@@ -8,7 +8,6 @@
 namespace truestep {
 
 namespace json = boost::json;
-namespace asio = boost::asio;
 using net::Method;
 using net::Request;
 using net::Response;
@@ -48,18 +47,18 @@ Response accepted(const Operation& o) {
   return r;
 }
 
-asio::awaitable<Response> start_run(App& app, const Request& request) {
+Task<Response> start_run(App& app, const Request& request) {
   json::value body = object_of(co_await long_json_body(app, request));
   auto work = [&app, body = std::move(body), caller = request.caller]() mutable {
     const std::string text = write_json(body);
     app.assets.resolve(body);
     return app.operations.start(read_request_of(run_kind(), body), text, "", caller);
   };
-  const OperationPtr o = co_await net::offload(app.runner.pool(), std::move(work));
+  const OperationPtr o = co_await offload(app.runner.pool(), std::move(work));
   co_return accepted(*o);
 }
 
-asio::awaitable<Response> start_study(App& app, const Request& request) {
+Task<Response> start_study(App& app, const Request& request) {
   json::object body = object_of(co_await long_json_body(app, request));
   std::string resume;
   if (const json::value* r = body.if_contains("resume")) {
@@ -78,7 +77,7 @@ asio::awaitable<Response> start_study(App& app, const Request& request) {
     app.assets.resolve(resolved);
     return app.operations.start(read_study_request(resolved), text, resume, caller);
   };
-  const OperationPtr o = co_await net::offload(app.runner.pool(), std::move(work));
+  const OperationPtr o = co_await offload(app.runner.pool(), std::move(work));
   co_return accepted(*o);
 }
 
@@ -92,8 +91,7 @@ net::StreamBody events_of(OperationPtr operation) {
   auto position = std::make_shared<Position>();
   // A coroutine's arguments live as long as it does; a closure's captures would have to be kept alive by
   // hand.
-  const auto next = [](OperationPtr o,
-                       std::shared_ptr<Position> p) -> asio::awaitable<std::optional<std::string>> {
+  const auto next = [](OperationPtr o, std::shared_ptr<Position> p) -> Task<std::optional<std::string>> {
     if (p->ended) co_return std::nullopt;
     if (p->seen != UINT64_MAX) {
       const bool changed =

@@ -9,7 +9,6 @@
 namespace truestep {
 
 namespace json = boost::json;
-namespace asio = boost::asio;
 using net::Method;
 using net::Request;
 using net::Response;
@@ -48,7 +47,7 @@ uint64_t step_target(const json::object& body, const Session& s) {
 }
 
 // The clock after a run of steps, or why the run stopped early.
-asio::awaitable<Response> after_run(App& app, const Request& request, EntryPtr entry, JobPtr job) {
+Task<Response> after_run(App& app, const Request& request, EntryPtr entry, JobPtr job) {
   co_return co_await with_session(app, entry, [&](SessionEntry& e) {
     if (e.session.failure()) return instability(request, e.session);
     if (job->end == Job::End::cancelled) return cut_short(app, request, e);
@@ -56,7 +55,7 @@ asio::awaitable<Response> after_run(App& app, const Request& request, EntryPtr e
   });
 }
 
-asio::awaitable<Response> step(App& app, const Request& request) {
+Task<Response> step(App& app, const Request& request) {
   EntryPtr entry = co_await session_of(app, request);
   const std::string key = idempotency_key(request);
   const json::object body = object_body_of(request, {"steps", "seconds", "until", "from_step"});
@@ -81,7 +80,7 @@ asio::awaitable<Response> step(App& app, const Request& request) {
   }
 }
 
-asio::awaitable<Response> play(App& app, const Request& request) {
+Task<Response> play(App& app, const Request& request) {
   EntryPtr entry = co_await session_of(app, request);
   const json::object body = object_body_of(request, {"speed", "keep_running"});
   const bool keep = boolean_member(body, "keep_running");
@@ -104,7 +103,7 @@ uint64_t seek_target(const json::object& body, const Session& session) {
   return static_cast<uint64_t>(steps);
 }
 
-asio::awaitable<Response> seek(App& app, const Request& request) {
+Task<Response> seek(App& app, const Request& request) {
   EntryPtr entry = co_await session_of(app, request);
   const json::object body = object_body_of(request, {"step", "time"});
   if (body.contains("step") == body.contains("time"))
@@ -116,7 +115,7 @@ asio::awaitable<Response> seek(App& app, const Request& request) {
   co_return co_await after_run(app, request, entry, job);
 }
 
-asio::awaitable<Response> pause(App& app, const Request& request) {
+Task<Response> pause(App& app, const Request& request) {
   object_body_of(request, {});
   EntryPtr entry = co_await session_of(app, request);
   co_return co_await with_session(app, entry, [&app](SessionEntry& e) {
@@ -127,7 +126,7 @@ asio::awaitable<Response> pause(App& app, const Request& request) {
   });
 }
 
-asio::awaitable<Response> reset(App& app, const Request& request) {
+Task<Response> reset(App& app, const Request& request) {
   object_body_of(request, {});
   EntryPtr entry = co_await session_of(app, request);
   const auto to_start = [](SessionEntry& e) { e.session.reset(); };

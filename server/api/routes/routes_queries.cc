@@ -4,13 +4,12 @@
 
 namespace truestep {
 
-namespace asio = boost::asio;
 using net::Request;
 using net::Response;
 
 namespace {
 
-asio::awaitable<Response> query(App& app, const Request& request) {
+Task<Response> query(App& app, const Request& request) {
   EntryPtr entry = co_await session_of(app, request);
   const boost::json::value body = json_body(request);
   co_return co_await with_session_on_worker(

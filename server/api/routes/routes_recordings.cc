@@ -7,7 +7,6 @@
 namespace truestep {
 
 namespace json = boost::json;
-namespace asio = boost::asio;
 using net::Method;
 using net::Request;
 using net::Response;
@@ -41,7 +40,7 @@ Response file_of(const App& app, const Request& request, const RecordingFacts& f
   return r;
 }
 
-asio::awaitable<Response> session_recording(App& app, const Request& request) {
+Task<Response> session_recording(App& app, const Request& request) {
   // Reading a recording does not restore its session.
   const std::string id(request.param("id"));
   const auto last = app.recordings.newest(id);
@@ -59,7 +58,7 @@ asio::awaitable<Response> session_recording(App& app, const Request& request) {
   });
 }
 
-asio::awaitable<Response> finish(App& app, const Request& request) {
+Task<Response> finish(App& app, const Request& request) {
   object_body_of(request, {});
   const EntryPtr entry = co_await session_of(app, request);
   co_return co_await with_session_on_worker(app, entry, [&app](SessionEntry& e) {
@@ -91,13 +90,13 @@ RecordingFacts recording_of(const App& app, const Request& request) {
   return app.recordings.find(request.param("rid"), request.caller);
 }
 
-asio::awaitable<Response> remove(App& app, const Request& request) {
+Task<Response> remove(App& app, const Request& request) {
   const RecordingFacts f = recording_of(app, request);
   auto work = [&app, id = f.id] {
     app.recordings.remove(id);
     return Response(204);
   };
-  co_return co_await net::offload(app.runner.pool(), std::move(work));
+  co_return co_await offload(app.runner.pool(), std::move(work));
 }
 
 }  // namespace

@@ -14,7 +14,6 @@
 namespace truestep {
 
 namespace json = boost::json;
-namespace asio = boost::asio;
 using net::Method;
 using net::Request;
 using net::Response;
@@ -70,7 +69,7 @@ void start_making(App& app, const CreationPtr& creation, SceneDraft draft) {
   if (heavy)
     app.runner.start_long_work(make);
   else
-    asio::post(app.runner.pool(), make);
+    app.runner.pool().post(make);
 }
 
 RememberedAnswer answer_of(const Creation& c) {
@@ -87,13 +86,13 @@ RememberedAnswer answer_of(const Creation& c) {
   return answer;
 }
 
-asio::awaitable<RememberedAnswer> make_session(App& app, const Request& request, const std::string& id) {
+Task<RememberedAnswer> make_session(App& app, const Request& request, const std::string& id) {
   json::value body = co_await long_json_body(app, request);
   auto read = [&app, &body] {
     app.assets.resolve(body);
     return read_draft(scene_document(std::move(body)));
   };
-  SceneDraft draft = co_await net::offload(app.runner.pool(), std::move(read));
+  SceneDraft draft = co_await offload(app.runner.pool(), std::move(read));
   CreationPtr creation;
   const auto deadline = Clock::now() + kPatience;
   // A session that is being unloaded is restored as soon as that is done.
@@ -107,17 +106,17 @@ asio::awaitable<RememberedAnswer> make_session(App& app, const Request& request,
     const auto give_up = [c = creation, anew] {
       if (anew) c->interrupt.raise();
     };
-    co_await net::wait_for_end(creation->done, ended, give_up, deadline);
+    co_await wait_for_end(creation->done, ended, give_up, deadline);
   }
   if (creation->ended && creation->error) {
     app.store.forget(creation);
     std::rethrow_exception(creation->error);
   }
   auto describe = [c = creation] { return answer_of(*c); };
-  co_return co_await net::offload(app.runner.pool(), std::move(describe));
+  co_return co_await offload(app.runner.pool(), std::move(describe));
 }
 
-asio::awaitable<Response> create(App& app, const Request& request, std::string id, std::string key) {
+Task<Response> create(App& app, const Request& request, std::string id, std::string key) {
   Hasher hasher;
   hasher.text(request.body);
   if (!key.empty()) {
@@ -134,7 +133,7 @@ asio::awaitable<Response> create(App& app, const Request& request, std::string i
   }
 }
 
-asio::awaitable<Response> describe(App& app, const Request& request) {
+Task<Response> describe(App& app, const Request& request) {
   const std::string_view id = request.param("id");
   if (const CreationPtr c = app.store.creation(id, request.caller); c && c->kind == Creation::Kind::create) {
     if (c->ended && c->error) std::rethrow_exception(c->error);
@@ -153,14 +152,14 @@ asio::awaitable<Response> describe(App& app, const Request& request) {
 }
 
 // A creation is stopped; loading or unloading is waited for.
-asio::awaitable<Response> end(App& app, const Request& request) {
+Task<Response> end(App& app, const Request& request) {
   const std::string id(request.param("id"));
   if (const CreationPtr c = app.store.creation(id, request.caller); c && !c->ended) {
     app.store.forget(c);
     if (c->kind == Creation::Kind::create) co_return Response(204);
     const auto ended = [c] { return c->ended.load(); };
     const auto give_up = [] {};
-    co_await net::wait_for_end(c->done, ended, give_up);
+    co_await wait_for_end(c->done, ended, give_up);
   }
   const EntryPtr found = app.store.find(id, request.caller);
   if (!found) {
@@ -168,14 +167,14 @@ asio::awaitable<Response> end(App& app, const Request& request) {
       app.archive->remove(id);
       return Response(204);
     };
-    co_return co_await net::offload(app.runner.pool(), std::move(work));
+    co_return co_await offload(app.runner.pool(), std::move(work));
   }
   // From disk first: a session neither in memory nor on disk is gone.
   auto forget = [&app, found] {
     if (found->keeper) app.archive->remove(found->id);
     return app.store.remove(found);
   };
-  const EntryPtr entry = co_await net::offload(app.runner.pool(), std::move(forget));
+  const EntryPtr entry = co_await offload(app.runner.pool(), std::move(forget));
   entry->publish();
   co_return co_await with_session_on_worker(app, entry, [&app](SessionEntry& e) {
     e.session.say_bye("unknown_session", "the session has been deleted");
@@ -186,7 +185,7 @@ asio::awaitable<Response> end(App& app, const Request& request) {
   });
 }
 
-asio::awaitable<Response> command(App& app, const Request& request) {
+Task<Response> command(App& app, const Request& request) {
   EntryPtr entry = co_await session_of(app, request);
   const Command c = read_command(co_await long_json_body(app, request));
   json::object answer;

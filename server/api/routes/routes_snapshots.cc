@@ -11,7 +11,6 @@
 namespace truestep {
 
 namespace json = boost::json;
-namespace asio = boost::asio;
 using net::Method;
 using net::Request;
 using net::Response;
@@ -33,7 +32,7 @@ Response binary(const Bytes& bytes, const std::string& name) {
 }
 
 // Of the present state, or uploaded in the body.
-asio::awaitable<Response> keep_snapshot(App& app, const Request& request) {
+Task<Response> keep_snapshot(App& app, const Request& request) {
   EntryPtr entry = co_await session_of(app, request);
   const bool uploaded = !request.body.empty() && !is_json(request);
   if (uploaded) require_media(request, "application/octet-stream");
@@ -77,7 +76,7 @@ std::shared_ptr<const Snapshot> snapshot_of(App& app, SessionEntry& e, const std
   return it->second;
 }
 
-asio::awaitable<Response> restore(App& app, const Request& request) {
+Task<Response> restore(App& app, const Request& request) {
   object_body_of(request, {});
   EntryPtr entry = co_await session_of(app, request);
   const std::string sid(request.param("sid"));
@@ -87,7 +86,7 @@ asio::awaitable<Response> restore(App& app, const Request& request) {
                                   [](SessionEntry& e) { return json_response(describe_clock(e)); });
 }
 
-asio::awaitable<Response> branch(App& app, const Request& request) {
+Task<Response> branch(App& app, const Request& request) {
   object_body_of(request, {});
   EntryPtr entry = co_await session_of(app, request);
   auto copy = [&app, entry, caller = request.caller] {
@@ -136,7 +135,7 @@ void add_snapshot_routes(net::Router& router, App& app) {
            [&app](const Request& r) { return keep_snapshot(app, r); })
       .max_body = kMostUploaded;
   router.add(Method::get, session + "/snapshots/{sid}", "A snapshot as a file, for this or another server",
-             [&app](const Request& r) -> asio::awaitable<Response> {
+             [&app](const Request& r) -> Task<Response> {
                const std::string sid(r.param("sid"));
                auto give = [&app, &sid](SessionEntry& e) {
                  return binary(write_snapshot(e.session.world(), snapshot_of(app, e, sid)->state),
@@ -149,7 +148,7 @@ void add_snapshot_routes(net::Router& router, App& app) {
              [&app](const Request& r) { return restore(app, r); });
   router.add(Method::get, session + "/bundle",
              "Scene, journal, start and hashes as a file for `truestep replay`",
-             [&app](const Request& r) -> asio::awaitable<Response> {
+             [&app](const Request& r) -> Task<Response> {
                auto give = [](SessionEntry& e) {
                  return binary(write_bundle(bundle_of(e.session)), e.id + ".bundle");
                };

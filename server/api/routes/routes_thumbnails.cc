@@ -13,7 +13,8 @@
 #include "engine/sinks/picture/picture.h"
 #include "engine/sinks/picture/png.h"
 #include "server/api/app.h"
-#include "server/net/async.h"
+#include "server/tasks/offload.h"
+#include "server/tasks/signal.h"
 
 namespace truestep {
 
@@ -50,7 +51,7 @@ void add_thumbnail_routes(net::Router& router, App& app) {
   auto drawn = std::make_shared<Drawn>();
   router.add(net::Method::get, "/v1/gallery/{name}/picture.png",
              "A gallery scene after its first moments, 480 x 304",
-             [&app, drawn](const Request& r) -> boost::asio::awaitable<Response> {
+             [&app, drawn](const Request& r) -> Task<Response> {
                const GalleryScene* g = find_gallery_scene(r.param("name"));
                if (!g) throw Error("not_found", "the gallery has no such scene");
                Hasher hasher;

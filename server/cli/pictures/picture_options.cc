@@ -1,6 +1,5 @@
 #include "server/cli/pictures/picture_options.h"
 
-#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
 
@@ -32,19 +31,19 @@ std::optional<std::vector<T>> numbers(const std::string& text, size_t count, cha
 
 }  // namespace
 
-void add_picture_options(CLI::App& command, PictureOptions& options) {
+void add_picture_options(Arguments command, PictureOptions& options) {
   command.add_option("--size", options.size, "width and height of a picture in pixels (default: 1280x720)");
-  auto* camera = command.add_option("--camera", options.camera,
-                                    "position and target of the camera, m: x,y,z,x,y,z (default: the "
-                                    "scene's, else one that shows everything)");
+  const Argument camera =
+      command.add_option("--camera", options.camera,
+                         "position and target of the camera, m: x,y,z,x,y,z (default: the "
+                         "scene's, else one that shows everything)");
   command.add_option("--view", options.view, "side from which the camera shows everything")
-      ->check(CLI::IsMember({"oblique", "front", "side", "top"}))
-      ->excludes(camera);
+      .one_of({"oblique", "front", "side", "top"})
+      .excludes(camera);
   command.add_option("--show", options.show, "marks drawn over bodies: one, or both as contacts,joints")
-      ->check(CLI::IsMember({"contacts", "joints", "contacts,joints"})
-                  .description("{contacts | joints | contacts,joints}"));
+      .one_of({"contacts", "joints", "contacts,joints"}, "{contacts | joints | contacts,joints}");
   command.add_option("--theme", options.theme, "background of the picture (default: light)")
-      ->check(CLI::IsMember({"light", "dark"}));
+      .one_of({"light", "dark"});
 }
 
 PictureSize picture_size(const PictureOptions& options) {

@@ -1,11 +1,11 @@
 // Options for pictures: size, camera or side, and marks on bodies.
 #pragma once
-#include <CLI/App.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "engine/sinks/picture/draw/draw_world.h"
+#include "server/cli/arguments.h"
 
 namespace truestep {
 
@@ -18,7 +18,7 @@ struct PictureOptions {
 };
 
 /// Adds --size, --camera, --view, --show and --theme, which are validated when read.
-void add_picture_options(CLI::App& command, PictureOptions& options);
+void add_picture_options(Arguments command, PictureOptions& options);
 
 /// "1280x720". Error "bad_request".
 PictureSize picture_size(const PictureOptions& options);

@@ -1,6 +1,5 @@
 #include "server/cli/pictures/render.h"
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <iostream>
 
@@ -93,34 +92,30 @@ int render(const RenderOptions& o) {
 
 }  // namespace
 
-void add_render_command(CLI::App& app, int& exit_code) {
+void add_render_command(Arguments app, int& exit_code) {
   auto o = std::make_shared<RenderOptions>();
-  CLI::App* c = app.add_subcommand("render", "pictures or a film of a scene or a recording");
-  c->add_option("source", o->source, "recording, scene file, gallery name, or - for standard input")
-      ->required();
-  c->add_option("-o,--output", o->output,
-                "x.png (x.000000.png, x.000001.png ...), or x.mp4 or x.gif where ffmpeg is installed")
-      ->required();
-  add_picture_options(*c, o->picture);
-  c->add_option("--fps", o->per_second, "pictures a second")
-      ->check(CLI::Range(0.001, 1000.0))
-      ->capture_default_str();
-  c->add_option("--speed", o->speed, "simulated seconds in a second of the film")
-      ->check(CLI::Range(1e-9, 1e12))
-      ->capture_default_str();
-  auto* from = c->add_option("--from", o->from, "simulated time of the first picture, s")
-                   ->check(CLI::Range(0.0, 1e12));
-  auto* to = c->add_option("--to", o->to, "simulated time of the last picture, s (default: the end)")
-                 ->check(CLI::Range(0.0, 1e12));
-  c->add_option("--at", o->at, "one picture, of this simulated time, s")
-      ->check(CLI::Range(0.0, 1e12))
-      ->excludes(from)
-      ->excludes(to);
-  c->add_option("--threads", o->threads, "threads of the simulation (default: all)")
-      ->check(CLI::Range(1, 1024));
-  c->add_option("--progress", o->progress, "progress on standard error")
-      ->check(CLI::IsMember({"auto", "plain", "none"}));
-  c->callback([o, &exit_code] { exit_code = render(*o); });
+  Arguments c = app.add_subcommand("render", "pictures or a film of a scene or a recording");
+  c.add_option("source", o->source, "recording, scene file, gallery name, or - for standard input")
+      .required();
+  c.add_option("-o,--output", o->output,
+               "x.png (x.000000.png, x.000001.png ...), or x.mp4 or x.gif where ffmpeg is installed")
+      .required();
+  add_picture_options(c, o->picture);
+  c.add_option("--fps", o->per_second, "pictures a second").in_range(0.001, 1000.0).shows_default();
+  c.add_option("--speed", o->speed, "simulated seconds in a second of the film")
+      .in_range(1e-9, 1e12)
+      .shows_default();
+  const Argument from =
+      c.add_option("--from", o->from, "simulated time of the first picture, s").in_range(0.0, 1e12);
+  const Argument to = c.add_option("--to", o->to, "simulated time of the last picture, s (default: the end)")
+                          .in_range(0.0, 1e12);
+  c.add_option("--at", o->at, "one picture, of this simulated time, s")
+      .in_range(0.0, 1e12)
+      .excludes(from)
+      .excludes(to);
+  c.add_option("--threads", o->threads, "threads of the simulation (default: all)").in_range(1, 1024);
+  c.add_option("--progress", o->progress, "progress on standard error").one_of({"auto", "plain", "none"});
+  c.callback([o, &exit_code] { exit_code = render(*o); });
 }
 
 }  // namespace truestep

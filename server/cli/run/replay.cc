@@ -1,6 +1,5 @@
 #include "server/cli/run/replay.h"
 
-#include <CLI/CLI.hpp>
 #include <iostream>
 #include <thread>
 
@@ -59,16 +58,14 @@ int replay_bundle(const ReplayOptions& options) {
 
 }  // namespace
 
-void add_replay_command(CLI::App& app, int& exit_code) {
+void add_replay_command(Arguments app, int& exit_code) {
   auto o = std::make_shared<ReplayOptions>();
-  CLI::App* c = app.add_subcommand("replay", "repeats a session's bundle and compares its hashes");
-  c->add_option("bundle", o->bundle, "file from GET /v1/sessions/{id}/bundle")->required();
-  c->add_option("--threads", o->threads, "threads of the simulation (default: all)")
-      ->check(CLI::Range(1, 1024));
-  c->add_flag("--json", o->json, "the result as one JSON object on standard output");
-  c->add_option("--progress", o->progress, "progress on standard error")
-      ->check(CLI::IsMember({"auto", "plain", "none"}));
-  c->callback([o, &exit_code] { exit_code = replay_bundle(*o); });
+  Arguments c = app.add_subcommand("replay", "repeats a session's bundle and compares its hashes");
+  c.add_option("bundle", o->bundle, "file from GET /v1/sessions/{id}/bundle").required();
+  c.add_option("--threads", o->threads, "threads of the simulation (default: all)").in_range(1, 1024);
+  c.add_flag("--json", o->json, "the result as one JSON object on standard output");
+  c.add_option("--progress", o->progress, "progress on standard error").one_of({"auto", "plain", "none"});
+  c.callback([o, &exit_code] { exit_code = replay_bundle(*o); });
 }
 
 }  // namespace truestep

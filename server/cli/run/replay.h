@@ -1,8 +1,7 @@
 // `truestep replay`: repeats a bundle and compares hashes.
 #pragma once
-namespace CLI {
-class App;
-}
+#include "server/cli/arguments.h"
+
 namespace truestep {
-void add_replay_command(CLI::App& app, int& exit_code);
+void add_replay_command(Arguments app, int& exit_code);
 }  // namespace truestep

@@ -1,6 +1,5 @@
 #include "server/cli/run/run.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -200,37 +199,36 @@ int run(const RunOptions& options) {
 
 }  // namespace
 
-void add_run_command(CLI::App& app, int& exit_code) {
+void add_run_command(Arguments app, int& exit_code) {
   auto options = std::make_shared<RunOptions>();
-  CLI::App* c = app.add_subcommand("run", "simulates a scene and reports the results");
-  c->add_option("scene", options->scene, "scene file, gallery name, or - for standard input")->required();
-  auto* seconds =
-      c->add_option("--seconds", options->seconds, "simulated seconds (default: the scene's duration)")
-          ->check(CLI::Range(0.0, 1e12));
-  c->add_option("--steps", options->steps, "steps instead of seconds")
-      ->check(CLI::Range(int64_t{0}, int64_t{1} << 60))
-      ->excludes(seconds);
-  c->add_option("--from", options->from,
-                "snapshot of this scene to continue from; the run then lasts to the scene's duration");
-  c->add_option("--snapshot", options->snapshot, "snapshot of the last state to write");
-  c->add_option("-o,--output", options->output, "recording to write (.vtkhdf)");
-  c->add_option("--picture", options->picture, "picture of the last frame to write (.png)");
-  add_picture_options(*c, options->look);
-  c->add_option("--observe", options->observe,
-                "observables to report and to write with --csv: names or their beginnings up to a dot, "
-                "separated by commas (default: all; of --csv the scene's list, where it has one)")
-      ->delimiter(',');
-  auto* csv = c->add_option("--csv", options->csv,
-                            "time series of observables to write (.csv, - for standard output)");
-  c->add_option("--every", options->every, "steps from one row of --csv to the next")
-      ->check(CLI::Range(uint64_t{1}, uint64_t{1} << 40))
-      ->needs(csv);
-  c->add_option("--threads", options->threads, "threads of the simulation (default: all)")
-      ->check(CLI::Range(1, 1024));
-  c->add_flag("--json", options->json, "the result as one JSON object on standard output");
-  c->add_option("--progress", options->progress, "progress on standard error")
-      ->check(CLI::IsMember({"auto", "plain", "none"}));
-  c->callback([options, &exit_code] {
+  Arguments c = app.add_subcommand("run", "simulates a scene and reports the results");
+  c.add_option("scene", options->scene, "scene file, gallery name, or - for standard input").required();
+  const Argument seconds =
+      c.add_option("--seconds", options->seconds, "simulated seconds (default: the scene's duration)")
+          .in_range(0.0, 1e12);
+  c.add_option("--steps", options->steps, "steps instead of seconds")
+      .in_range(int64_t{0}, int64_t{1} << 60)
+      .excludes(seconds);
+  c.add_option("--from", options->from,
+               "snapshot of this scene to continue from; the run then lasts to the scene's duration");
+  c.add_option("--snapshot", options->snapshot, "snapshot of the last state to write");
+  c.add_option("-o,--output", options->output, "recording to write (.vtkhdf)");
+  c.add_option("--picture", options->picture, "picture of the last frame to write (.png)");
+  add_picture_options(c, options->look);
+  c.add_option("--observe", options->observe,
+               "observables to report and to write with --csv: names or their beginnings up to a dot, "
+               "separated by commas (default: all; of --csv the scene's list, where it has one)")
+      .separated_by(',');
+  const Argument csv = c.add_option("--csv", options->csv,
+                                    "time series of observables to write (.csv, - for standard output)");
+  c.add_option("--every", options->every, "steps from one row of --csv to the next")
+      .in_range(uint64_t{1}, uint64_t{1} << 40)
+      .needs(csv);
+  c.add_option("--threads", options->threads, "threads of the simulation (default: all)").in_range(1, 1024);
+  c.add_flag("--json", options->json, "the result as one JSON object on standard output");
+  c.add_option("--progress", options->progress, "progress on standard error")
+      .one_of({"auto", "plain", "none"});
+  c.callback([options, &exit_code] {
     if (options->json && options->csv == "-") {
       throw Error("bad_request", "--json and --csv - would both write to standard output");
     }

@@ -1,7 +1,6 @@
 #include "server/net/access/guard.h"
 
-#include <boost/asio/ip/address.hpp>
-
+#include "server/net/access/address.h"
 #include "server/net/access/digest.h"
 #include "server/net/http/problem.h"
 
@@ -12,12 +11,6 @@ namespace {
 std::string_view host_name(std::string_view authority) {
   if (authority.starts_with('[')) return authority.substr(1, authority.find(']') - 1);
   return authority.substr(0, authority.find(':'));
-}
-
-bool is_address(std::string_view text) {
-  boost::system::error_code ec;
-  boost::asio::ip::make_address(std::string(text), ec);
-  return !ec;
 }
 
 }  // namespace

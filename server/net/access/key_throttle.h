@@ -9,6 +9,8 @@
 #include <string>
 #include <string_view>
 
+#include "server/net/access/address.h"
+
 namespace truestep::net {
 
 class KeyThrottle {
@@ -33,9 +35,5 @@ class KeyThrottle {
   Rows debts_;  ///< by address: when its failures are forgotten, kEach for each of them
   Rows known_;  ///< by address and digest: until when
 };
-
-/// The part of "address:port" that identifies one person: an IPv4 address, or the first 64 bits of an IPv6
-/// address.
-std::string network_of(std::string_view remote);
 
 }  // namespace truestep::net

@@ -85,11 +85,11 @@ void KeyFile::look(std::string_view why) {
   settled_ = std::time(nullptr) - now.seconds > kTimeResolution;
   try {
     auto ring = std::make_shared<const KeyRing>(KeyRing::load(path_));
-    if (changed || !why.empty()) spdlog::info("the keys of {} are in use", path_);
+    if (changed || !why.empty()) log_info("the keys of {} are in use", path_);
     ring_ = std::move(ring);
     version_.fetch_add(1, std::memory_order_release);
   } catch (const Error& e) {
-    if (changed || !why.empty()) spdlog::error("the keys are unchanged: {}", e.what());
+    if (changed || !why.empty()) log_error("the keys are unchanged: {}", e.what());
   }
 }
 

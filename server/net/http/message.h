@@ -2,7 +2,6 @@
 // response. Texts of a Request are views into storage that the request owns and the connection reuses, so a
 // handler that keeps one beyond its answer copies it.
 #pragma once
-#include <boost/asio/awaitable.hpp>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -13,6 +12,8 @@
 #include <utility>
 #include <variant>
 #include <vector>
+
+#include "server/tasks/task.h"
 
 namespace truestep::net {
 
@@ -103,7 +104,7 @@ class FileBody {
 /// A body produced in pieces while it is sent (server-sent events): `next` is awaited until it returns
 /// nothing. A piece holds at least one byte.
 struct StreamBody {
-  std::function<boost::asio::awaitable<std::optional<std::string>>()> next;
+  std::function<Task<std::optional<std::string>>()> next;
 };
 
 /// One response. With an `etag`, If-None-Match, If-Range and Range are answered by the connection.

@@ -151,8 +151,8 @@ Response problem(const Request& request, const Error& error) {
 }
 
 Response problem(const Request& request, const std::exception& error) {
-  spdlog::error("internal error, trace {}: {} {}: {}", request.trace_id(), request.method_text,
-                request.raw_path, error.what());
+  log_error("internal error, trace {}: {} {}: {}", request.trace_id(), request.method_text, request.raw_path,
+            error.what());
   return problem(request, "internal", {});
 }
 

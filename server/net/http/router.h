@@ -3,7 +3,6 @@
 // rest. Handlers either answer at once (plain function) or are coroutines that may wait.
 #pragma once
 #include <array>
-#include <boost/asio/awaitable.hpp>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -20,7 +19,7 @@ namespace truestep::net {
 /// Answers on the network thread; must not block.
 using Handler = std::function<Response(const Request&)>;
 /// Answers when it is done; runs on the network thread and waits with co_await.
-using AsyncHandler = std::function<boost::asio::awaitable<Response>(const Request&)>;
+using AsyncHandler = std::function<Task<Response>(const Request&)>;
 /// Accepts a WebSocket by returning the object that will serve it; refuses by throwing Error.
 using WebSocketOpener = std::function<std::shared_ptr<WebSocketHandler>(const Request&)>;
 
@@ -36,7 +35,7 @@ struct Route {
   AsyncHandler async_handler;
   WebSocketOpener open_websocket;
   /// Awaited before it; may also throw Error.
-  std::function<boost::asio::awaitable<void>(const Request&)> before_open;
+  std::function<Task<>(const Request&)> before_open;
   std::vector<std::string> subprotocols;      ///< of a WebSocket, in order of preference
   std::function<void(const Request&)> check;  ///< called before each of them; may throw Error
   size_t max_body = 0;                        ///< bytes; 0 = the server's limit

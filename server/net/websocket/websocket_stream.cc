@@ -5,8 +5,6 @@
 #include <boost/asio/cancellation_signal.hpp>
 #include <boost/asio/dispatch.hpp>
 #include <boost/asio/post.hpp>
-#include <boost/asio/redirect_error.hpp>
-#include <boost/asio/use_awaitable.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/websocket/stream.hpp>
 #include <deque>
@@ -82,7 +80,7 @@ class BeastWebSocket final : public ServedWebSocket, public std::enable_shared_f
   const std::string& subprotocol() const override { return subprotocol_; }
   const std::string& remote() const override { return remote_; }
 
-  asio::awaitable<void> run() override;
+  Task<> run() override;
   void tick(Clock::time_point now) override;
   void abort() override;
 
@@ -219,12 +217,12 @@ void BeastWebSocket::send_close() {
 
 // --- receiving
 
-asio::awaitable<void> BeastWebSocket::run() {
+Task<> BeastWebSocket::run() {
   const auto self = shared_from_this();
-  boost::system::error_code ec;
   configure();
-  co_await ws_.async_accept(handshake_, asio::redirect_error(asio::use_awaitable, ec));
-  if (ec) {
+  const IoResult accepted =
+      co_await Io([&](const Resume& handler) { ws_.async_accept(handshake_, handler); });
+  if (accepted.error) {
     abort();
     co_return;
   }
@@ -233,23 +231,22 @@ asio::awaitable<void> BeastWebSocket::run() {
   try {
     handler_->on_open(self);
   } catch (const std::exception& e) {
-    spdlog::error("stream of {}: {}", remote_, e.what());
+    log_error("stream of {}: {}", remote_, e.what());
     close(1011, "internal error");
   }
   boost::beast::flat_buffer message;
-  auto token =
-      asio::redirect_error(asio::bind_cancellation_slot(stop_reading_.slot(), asio::use_awaitable), ec);
   for (;;) {
     const auto room = message.prepare(std::clamp(message.size(), kFirstRead, kReadAtOnce));
-    const size_t bytes = co_await ws_.async_read_some(room, token);
+    const auto [error, bytes] = co_await Io([&](const Resume& handler) {
+      ws_.async_read_some(room, asio::bind_cancellation_slot(stop_reading_.slot(), handler));
+    });
     message.commit(bytes);
-    if (ec) break;
+    if (error) co_return end(error);
     if (!ws_.is_message_done()) continue;
     if (is_open()) deliver({static_cast<const char*>(message.data().data()), message.size()});
     message.clear();
     if (message.capacity() > kKeptBuffer) message.shrink_to_fit();
   }
-  end(ec);
 }
 
 void BeastWebSocket::deliver(std::string_view message) {
@@ -260,7 +257,7 @@ void BeastWebSocket::deliver(std::string_view message) {
   } catch (const Error& e) {
     close(1008, e.what());
   } catch (const std::exception& e) {
-    spdlog::error("stream of {}: {}", remote_, e.what());
+    log_error("stream of {}: {}", remote_, e.what());
     close(1011, "internal error");
   }
 }

@@ -3,24 +3,20 @@
 // are refused, text that ends inside a character with an empty last fragment is refused, and a connection is
 // not reset while its close frame is on the way.
 #pragma once
-#include <boost/asio/awaitable.hpp>
-#include <boost/asio/basic_stream_socket.hpp>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
 #include <memory>
 #include <string>
 
+#include "server/net/socket.h"
 #include "server/net/websocket/websocket.h"
+#include "server/tasks/task.h"
 
 namespace truestep::net {
-
-using Socket = boost::asio::basic_stream_socket<boost::asio::ip::tcp, boost::asio::io_context::executor_type>;
 
 /// A WebSocket that a connection serves. All on the network thread.
 class ServedWebSocket : public WebSocket {
  public:
   /// Answers the handshake and serves until the end.
-  virtual boost::asio::awaitable<void> run() = 0;
+  virtual Task<> run() = 0;
   /// Checks deadlines and sends pings; called a few times a second.
   virtual void tick(Clock::time_point now) = 0;
   /// Ends without a handshake.

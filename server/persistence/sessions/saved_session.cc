@@ -10,7 +10,7 @@ namespace truestep {
 
 namespace {
 
-constexpr size_t kMostLog = size_t{1} << 32, kMostState = size_t{1} << 40;
+constexpr size_t kMostLogBytes = size_t{1} << 32, kMostState = size_t{1} << 40;
 
 struct Log {
   uint64_t number = 0;
@@ -22,7 +22,8 @@ struct Log {
 
 std::vector<Log> read_logs(const SessionFolder& folder, const std::vector<uint64_t>& numbers) {
   std::vector<Log> logs;
-  for (const uint64_t n : numbers) logs.push_back({n, read_records(read_file(folder.log_path(n), kMostLog))});
+  for (const uint64_t n : numbers)
+    logs.push_back({n, read_records(read_file(folder.log_path(n), kMostLogBytes))});
   return logs;
 }
 
@@ -111,7 +112,7 @@ SavedSession read_saved_session(const SessionFolder& folder, std::optional<uint6
       out.complete = complete;
       return out;
     } catch (const Error& e) {
-      spdlog::error("session {}: state {} cannot be used: {}", out.about.id, c.number, e.what());
+      log_error("session {}: state {} cannot be used: {}", out.about.id, c.number, e.what());
       why = e.what();
     }
   }

@@ -107,8 +107,7 @@ bool SessionKeeper::write(const LogRecord& record) {
 }
 
 void SessionKeeper::lose(const Error& e) {
-  if (problem_.empty())
-    spdlog::warn("session {} is not kept: {}", folder().path().filename().string(), e.what());
+  if (problem_.empty()) log_warn("session {} is not kept: {}", folder().path().filename().string(), e.what());
   problem_ = e.what();
   tried_at_ = SteadyClock::now();
 }
@@ -179,7 +178,7 @@ void SessionKeeper::save_beside() {
       files->settle(number, step, recorded);
     } catch (const Error& e) {
       // The logs lead here from the previous state.
-      spdlog::warn("session {}: {}", files->folder().path().filename().string(), e.what());
+      log_warn("session {}: {}", files->folder().path().filename().string(), e.what());
     }
     shared->written.store(true, std::memory_order_relaxed);
     const std::lock_guard lock(shared->mutex);
@@ -209,7 +208,7 @@ void SessionKeeper::save_anew() {
     try {
       files->settle(number, step, recorded);
     } catch (const Error& e) {
-      spdlog::warn("session {}: {}", files->folder().path().filename().string(), e.what());
+      log_warn("session {}: {}", files->folder().path().filename().string(), e.what());
     }
   });
 }
@@ -227,7 +226,7 @@ void SessionKeeper::save() {
     begin_log(LogRecord::Kind::continues);
     shared_->written.store(true, std::memory_order_relaxed);
   } catch (const Error& e) {
-    spdlog::warn("session {}: {}", folder().path().filename().string(), e.what());
+    log_warn("session {}: {}", folder().path().filename().string(), e.what());
   }
 }
 

@@ -40,7 +40,7 @@ void StateWriter::run() {
     try {
       work();
     } catch (const std::exception& e) {
-      spdlog::error("saving a session: {}", e.what());
+      log_error("saving a session: {}", e.what());
     }
     work = nullptr;
     lock.lock();

@@ -10,7 +10,7 @@ namespace {
 using namespace grid_fluid;
 using A = GridFluidDef::Advection;
 
-struct Kind {
+struct FlowKind {
   const char* name;
   A advection;
   GridFluidDef::Stepping stepping;
@@ -18,7 +18,7 @@ struct Kind {
   bool moves = false;
 };
 
-std::unique_ptr<GridFlow> make(const Kind& k, int threads) {
+std::unique_ptr<GridFlow> make_flow(const FlowKind& k, int threads) {
   GridFluidDef d;
   d.cells = k.space ? std::vector<int64_t>{16, 20, 12} : std::vector<int64_t>{40, 66};
   d.advection = k.advection, d.stepping = k.stepping;
@@ -58,14 +58,14 @@ TEST(GridFluidSteadyBits, DoNotDependOnHowTheRunIsMade) {
     }
     return flow.state.hash();
   };
-  const auto reference = make(1);
+  const auto reference = make_flow(1);
   const uint64_t half = run(*reference, 0, 2, false);
   const auto snapshot = reference->state.serialize();
   const uint64_t hash = run(*reference, 2, 4, false);
   EXPECT_NE(hash, half) << "control: another viscosity is another flow";
-  EXPECT_EQ(run(*make(2), 0, 4, false), hash) << "2 threads";
-  EXPECT_EQ(run(*make(1), 0, 4, true), hash) << "workspace dropped";
-  const auto restored = make(1);
+  EXPECT_EQ(run(*make_flow(2), 0, 4, false), hash) << "2 threads";
+  EXPECT_EQ(run(*make_flow(1), 0, 4, true), hash) << "workspace dropped";
+  const auto restored = make_flow(1);
   restored->state = State::deserialize(snapshot);
   restored->done = 2;
   EXPECT_EQ(run(*restored, 2, 4, false), hash) << "restored";
@@ -86,36 +86,36 @@ TEST(GridFluidTwoFluidsBits, DoNotDependOnHowTheRunIsMade) {
         if (advection == A::central) d.second_fluid->viscosity = 5e-3;
         return std::make_unique<GridFlow>(d, 0.02, threads, Vec3{0, -9.81, 0});
       };
-      const auto reference = make(1, 100);
+      const auto reference = make_flow(1, 100);
       reference->steps(kSteps / 2);
       const auto snapshot = reference->state.serialize();
       reference->steps(kSteps / 2);
       const uint64_t hash = reference->state.hash();
       for (const int threads : {2, 5}) {
-        const auto run = make(threads, 100);
+        const auto run = make_flow(threads, 100);
         run->steps(kSteps);
         EXPECT_EQ(run->state.hash(), hash) << threads << " threads";
       }
-      const auto dropped = make(1, 100);
+      const auto dropped = make_flow(1, 100);
       for (uint64_t n = 0; n < kSteps; ++n) dropped->workspace.clear(), dropped->steps(1);
       EXPECT_EQ(dropped->state.hash(), hash) << "workspace dropped";
-      const auto restored = make(1, 100);
+      const auto restored = make_flow(1, 100);
       restored->state = State::deserialize(snapshot);
       restored->done = kSteps / 2;
       restored->steps(kSteps / 2);
       EXPECT_EQ(restored->state.hash(), hash) << "restored";
-      const auto other = make(1, 99);
+      const auto other = make_flow(1, 99);
       other->steps(kSteps);
       EXPECT_NE(other->state.hash(), hash) << "control";
     }
   }
 }
 
-class GridFluidBits : public testing::TestWithParam<Kind> {};
+class GridFluidBits : public testing::TestWithParam<FlowKind> {};
 
 TEST_P(GridFluidBits, DoNotDependOnHowTheRunIsMade) {
   constexpr uint64_t kSteps = 4;
-  const auto reference = make(GetParam(), 1);
+  const auto reference = make_flow(GetParam(), 1);
   std::vector<std::byte> snapshot;
   for (uint64_t n = 0; n < kSteps; ++n) {
     if (n == kSteps / 2) snapshot = reference->state.serialize();
@@ -124,14 +124,14 @@ TEST_P(GridFluidBits, DoNotDependOnHowTheRunIsMade) {
   const uint64_t hash = reference->state.hash();
   ASSERT_NE(hash, reference->system->initial_state().hash());
   for (const int threads : {2, 5}) {
-    const auto run = make(GetParam(), threads);
+    const auto run = make_flow(GetParam(), threads);
     run->steps(kSteps);
     EXPECT_EQ(run->state.hash(), hash) << threads << " threads";
   }
-  const auto dropped = make(GetParam(), 1);
+  const auto dropped = make_flow(GetParam(), 1);
   for (uint64_t n = 0; n < kSteps; ++n) dropped->workspace.clear(), dropped->steps(1);
   EXPECT_EQ(dropped->state.hash(), hash) << "workspace dropped";
-  const auto restored = make(GetParam(), 1);
+  const auto restored = make_flow(GetParam(), 1);
   restored->state = State::deserialize(snapshot);
   restored->done = kSteps / 2;
   restored->steps(kSteps - kSteps / 2);
@@ -140,14 +140,14 @@ TEST_P(GridFluidBits, DoNotDependOnHowTheRunIsMade) {
 
 constexpr auto kRk3 = GridFluidDef::Stepping::rk3, kAb2 = GridFluidDef::Stepping::ab2;
 INSTANTIATE_TEST_SUITE_P(Flows, GridFluidBits,
-                         testing::Values(Kind{"rk3", A::central, kRk3, false, false},
-                                         Kind{"ab2_solid", A::central, kAb2, true, false},
-                                         Kind{"ab2_moving_solid", A::central, kAb2, true, false, true},
-                                         Kind{"rk3_moving_solid", A::central, kRk3, true, true, true},
-                                         Kind{"bfecc_moving_solid", A::bfecc, kRk3, true, false, true},
-                                         Kind{"semi_lagrangian", A::semi_lagrangian, kRk3, false, true},
-                                         Kind{"maccormack_solid", A::maccormack, kRk3, true, true},
-                                         Kind{"bfecc", A::bfecc, kRk3, false, false}),
+                         testing::Values(FlowKind{"rk3", A::central, kRk3, false, false},
+                                         FlowKind{"ab2_solid", A::central, kAb2, true, false},
+                                         FlowKind{"ab2_moving_solid", A::central, kAb2, true, false, true},
+                                         FlowKind{"rk3_moving_solid", A::central, kRk3, true, true, true},
+                                         FlowKind{"bfecc_moving_solid", A::bfecc, kRk3, true, false, true},
+                                         FlowKind{"semi_lagrangian", A::semi_lagrangian, kRk3, false, true},
+                                         FlowKind{"maccormack_solid", A::maccormack, kRk3, true, true},
+                                         FlowKind{"bfecc", A::bfecc, kRk3, false, false}),
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace {
 using namespace grid_fluid;
 using A = GridFluidDef::Advection;
 
-struct Kind {
+struct LiquidKind {
   const char* name;
   A advection;
   bool space, periodic;
@@ -18,7 +18,7 @@ struct Kind {
   bool changes = false;  ///< particles come and go
 };
 
-std::unique_ptr<LiquidRun> make(const Kind& k, int threads) {
+std::unique_ptr<LiquidRun> make_liquid(const LiquidKind& k, int threads) {
   GridFluidDef d =
       water(k.advection, k.space ? std::vector<int64_t>{20, 16, 12} : std::vector<int64_t>{48, 32}, 1.0 / 32);
   d.bodies = {box_of_liquid({0, 0, -1}, {0.25, 0.4, 1})};
@@ -47,11 +47,11 @@ std::unique_ptr<LiquidRun> make(const Kind& k, int threads) {
   return std::make_unique<LiquidRun>(d, 0.02, threads);
 }
 
-class LiquidBits : public testing::TestWithParam<Kind> {};
+class LiquidBits : public testing::TestWithParam<LiquidKind> {};
 
 TEST_P(LiquidBits, DoNotDependOnHowTheRunIsMade) {
   constexpr uint64_t kSteps = 10;
-  const auto reference = make(GetParam(), 1);
+  const auto reference = make_liquid(GetParam(), 1);
   std::vector<std::byte> snapshot;
   for (uint64_t n = 0; n < kSteps; ++n) {
     if (n == kSteps / 2) snapshot = reference->state.serialize();
@@ -63,14 +63,14 @@ TEST_P(LiquidBits, DoNotDependOnHowTheRunIsMade) {
     for (const char* gone : {"emitted", "killed", "left"}) EXPECT_GT(reference->observed(gone), 0) << gone;
   }
   for (const int threads : {2, 5}) {
-    const auto run = make(GetParam(), threads);
+    const auto run = make_liquid(GetParam(), threads);
     run->steps(kSteps);
     EXPECT_EQ(run->state.hash(), hash) << threads << " threads";
   }
-  const auto dropped = make(GetParam(), 1);
+  const auto dropped = make_liquid(GetParam(), 1);
   for (uint64_t n = 0; n < kSteps; ++n) dropped->workspace.clear(), dropped->steps(1);
   EXPECT_EQ(dropped->state.hash(), hash) << "workspace dropped";
-  const auto restored = make(GetParam(), 1);
+  const auto restored = make_liquid(GetParam(), 1);
   restored->state = State::deserialize(snapshot);
   restored->done = kSteps / 2;
   restored->steps(kSteps - kSteps / 2);
@@ -78,14 +78,14 @@ TEST_P(LiquidBits, DoNotDependOnHowTheRunIsMade) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Liquids, LiquidBits,
-                         testing::Values(Kind{"flip", A::flip, false, false},
-                                         Kind{"apic", A::apic, false, true},
-                                         Kind{"apic_moving_solid", A::apic, false, false, true},
-                                         Kind{"flip_space", A::flip, true, true},
-                                         Kind{"apic_space", A::apic, true, false},
-                                         Kind{"flip_changes", A::flip, false, false, true, true},
-                                         Kind{"apic_changes", A::apic, false, false, false, true},
-                                         Kind{"apic_space_changes", A::apic, true, false, false, true}),
+                         testing::Values(LiquidKind{"flip", A::flip, false, false},
+                                         LiquidKind{"apic", A::apic, false, true},
+                                         LiquidKind{"apic_moving_solid", A::apic, false, false, true},
+                                         LiquidKind{"flip_space", A::flip, true, true},
+                                         LiquidKind{"apic_space", A::apic, true, false},
+                                         LiquidKind{"flip_changes", A::flip, false, false, true, true},
+                                         LiquidKind{"apic_changes", A::apic, false, false, false, true},
+                                         LiquidKind{"apic_space_changes", A::apic, true, false, false, true}),
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace

@@ -154,7 +154,7 @@ std::string cards() {
 }
 
 /// A disk far away that hangs from a pin: more bodies and joints for the arch.
-const char* kDisk = R"(, {"position": [50, 5, 0], "shapes": [{"type": "circle", "radius": 0.5}]})";
+const char* kStandingDisk = R"(, {"position": [50, 5, 0], "shapes": [{"type": "circle", "radius": 0.5}]})";
 const char* kPin = R"(, "joints": [{"type": "revolute", "a": -1, "b": 18, "anchor": [50, 5, 0]}])";
 
 // Loads of arches and leaning bodies are not passed down from body to body as those of stacks are. What
@@ -173,7 +173,7 @@ TEST(Rigid2dStanding, WhatLeansKeepsItsHeight) {
     EXPECT_NEAR(house.position(1).y, height, 3e-4) << precision;
     EXPECT_NEAR(house.position(2).y, height, 3e-4) << precision;
     // The control: a scene with a joint starts without loads, because those of joints are not known.
-    Trial unloaded(arch(kDisk) + kPin + precision);
+    Trial unloaded(arch(kStandingDisk) + kPin + precision);
     unloaded.steps(300);
     EXPECT_LT(unloaded.position(9).y, key - 1e-3) << precision;
   }

@@ -12,12 +12,13 @@ namespace {
 
 using Trial = testing::FlatTrial;
 
-const char* kGround =
+const char* kFlatGround =
     R"({"motion": "fixed", "position": [0, -1, 0], "shapes": [{"type": "box", "half_extents": [100, 1, 0]}]})";
 
 std::string stack(int boxes, const std::string& more) {
-  return std::string(R"("bodies": [)") + kGround + R"(], "generators": [{"type": "wall", "nx": 1, "ny": )" +
-         std::to_string(boxes) + R"(, "origin": [0, 0.5, 0], "spacing": [0, 1, 0],
+  return std::string(R"("bodies": [)") + kFlatGround +
+         R"(], "generators": [{"type": "wall", "nx": 1, "ny": )" + std::to_string(boxes) +
+         R"(, "origin": [0, 0.5, 0], "spacing": [0, 1, 0],
     "body": {"can_sleep": false, "shapes": [{"type": "box", "half_extents": [0.5, 0.5, 0]}]}}])" +
          more;
 }
@@ -48,7 +49,7 @@ TEST(Rigid2dStability, TenBoxesAtRestAreAsHighAsTheyAre) {
   EXPECT_LT(norm(t.velocity(10)), 1e-4);
   // The control: the effect of the contact springs on boxes that do not start at rest.
   Trial falls(
-      std::string(R"("bodies": [)") + kGround +
+      std::string(R"("bodies": [)") + kFlatGround +
       R"(], "generators": [{"type": "wall", "nx": 1, "ny": 10, "origin": [0, 0.501, 0], "spacing": [0, 1.001, 0],
     "body": {"can_sleep": false, "shapes": [{"type": "box", "half_extents": [0.5, 0.5, 0]}]}}])");
   falls.steps(30);
@@ -56,7 +57,7 @@ TEST(Rigid2dStability, TenBoxesAtRestAreAsHighAsTheyAre) {
 }
 
 TEST(Rigid2dStability, AHeavyBoxStandsOnALightOne) {
-  Trial t(std::string(R"("substeps": 8, "bodies": [)") + kGround +
+  Trial t(std::string(R"("substeps": 8, "bodies": [)") + kFlatGround +
           R"(, {"position": [0, 0.5, 0], "density": 10, "can_sleep": false, "shapes": [{"type": "box"}]},
       {"position": [0, 1.5, 0], "density": 10000, "can_sleep": false, "shapes": [{"type": "box"}]}])");
   t.steps(1200);
@@ -131,7 +132,7 @@ TEST(Rigid2dStability, NothingCatchesOnFlatGroundMadeOfLinks) {
 TEST(Rigid2dStability, WhatDoesNotTurnRestsOnTwoPoints) {
   // Without a moment of inertia both points are fully coupled, and their matrix has no inverse.
   Trial t(
-      std::string(R"("sleeping": false, "bodies": [)") + kGround +
+      std::string(R"("sleeping": false, "bodies": [)") + kFlatGround +
       R"(, {"position": [0, 0.25, 0], "fixed_rotation": true, "shapes": [{"type": "box", "half_extents": [0.25, 0.25, 0]}]},
              {"position": [3, 0.25, 0], "shapes": [{"type": "box", "half_extents": [0.25, 0.25, 0]}]}])");
   t.steps(200);
@@ -143,7 +144,7 @@ TEST(Rigid2dStability, WhatDoesNotTurnRestsOnTwoPoints) {
 }
 
 TEST(Rigid2dStability, WhatSleepsDoesNotMoveAndWakesWhenTouched) {
-  Trial t(std::string(R"("bodies": [)") + kGround +
+  Trial t(std::string(R"("bodies": [)") + kFlatGround +
           R"(], "generators": [{"type": "pyramid", "base": 40, "origin": [0, 0.5, 0], "spacing": [1.05, 1, 0],
            "body": {"shapes": [{"type": "box", "half_extents": [0.5, 0.5, 0]}]}}])");
   // The control: awake, the pile moves a little in every step.

@@ -20,7 +20,7 @@ std::string leaning_on(const std::string& top, const std::string& precision) {
          top + "]}]}";
 }
 
-constexpr const char* kBox =
+constexpr const char* kLoadBox =
     R"({"type": "box", "half_extents": [0.3, 0.455, 0.32], "position": [0.024, 0.739, 0], "density": 263})";
 constexpr const char* kBall =
     R"({"type": "sphere", "radius": 0.3, "position": [0.01, 0.584, 0], "density": 800})";
@@ -37,7 +37,7 @@ double gain(Session& s) {
 // 1e-8 of some 700 J: impulses are floats, of which a step adds a few.
 TEST(Rigid3dUnlikeLoads, LiftNothing) {
   for (const char* precision : {"f32", "f64"}) {
-    for (const char* top : {kBox, kBall}) {
+    for (const char* top : {kLoadBox, kBall}) {
       SceneRun run(leaning_on(top, precision));
       EXPECT_LT(gain(run.session), 1e-5) << precision << ", " << top;
     }

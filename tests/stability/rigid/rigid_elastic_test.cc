@@ -31,19 +31,19 @@ void add_room(Rigid3dDef& d) {
 
 enum class Shapes : uint8_t { balls, mixed };
 
-struct Trial {
+struct ElasticTrial {
   Shapes shapes = Shapes::balls;
   Rigid3dDef::Precision precision = Rigid3dDef::Precision::f64;
   Vec3 gravity{};
   double restitution = 1;
 };
 
-struct Energies {
+struct ElasticEnergies {
   double start = 0, most = 0, end = 0;
 };
 
 /// 27 bodies of 0.2 m fly about at up to 7 m/s and hit one another and the walls some ten times a second.
-Energies run_room(const Trial& trial, uint64_t steps) {
+ElasticEnergies run_room(const ElasticTrial& trial, uint64_t steps) {
   Rigid3dDef d;
   d.restitution = trial.restitution, d.friction = 0, d.restitution_speed = 0, d.sleeping = false;
   d.precision = trial.precision;
@@ -69,7 +69,7 @@ Energies run_room(const Trial& trial, uint64_t steps) {
   for (size_t i = 6; i < run.count(); ++i)
     mass += run.system->kinds()[run.state.span<uint32_t>(rigid3d::columns::kind)[i]].mass;
   const auto energy = [&] { return run.observed("energy.total") + mass * norm(trial.gravity) * 2; };
-  Energies e;
+  ElasticEnergies e;
   e.start = e.most = energy();
   for (uint64_t k = 0; k < steps; k += 20) {
     run.run(20);
@@ -82,25 +82,26 @@ Energies run_room(const Trial& trial, uint64_t steps) {
 // Also where three meet within a substep: what a hit moves away is no longer slowed by the solver for the gap
 // that it had before (1 % was lost, and 20 % with times of hits that were right but unknown to the solver).
 TEST(RigidElastic, BallsInAClosedBoxKeepTheirEnergy) {
-  const Energies e = run_room({}, 100'000);
+  const ElasticEnergies e = run_room({}, 100'000);
   EXPECT_LT(e.most, e.start * (1 + 1e-11));  // rounding
   EXPECT_GT(e.end, e.start * (1 - 1e-11));
 }
 
 TEST(RigidElastic, SinglePrecisionKeepsItButForItsRounding) {
-  const Energies e = run_room({.precision = Rigid3dDef::Precision::f32}, 100'000);
+  const ElasticEnergies e = run_room({.precision = Rigid3dDef::Precision::f32}, 100'000);
   // The inverse mass of a contact is rounded by up to half an epsilon, 6e-8, in the same direction for all
   // equal balls; a hit then changes twice that share of the energy along its normal, a third of that of two
   // of 27 balls. 100,000 hits, ten a second each: 3e-4, of which a tenth is measured.
   EXPECT_LT(e.most, e.start * (1 + 3e-4));
   EXPECT_GT(e.end, e.start * (1 - 3e-4));
   // The control: a thousandth less restitution is detected at once.
-  const Energies less = run_room({.precision = Rigid3dDef::Precision::f32, .restitution = 0.999}, 5'000);
+  const ElasticEnergies less =
+      run_room({.precision = Rigid3dDef::Precision::f32, .restitution = 0.999}, 5'000);
   EXPECT_LT(less.end, less.start * (1 - 3e-4));
 }
 
 TEST(RigidElastic, BoxesInAClosedBoxNeverGainEnergy) {
-  const Energies e = run_room({.shapes = Shapes::mixed}, 100'000);
+  const ElasticEnergies e = run_room({.shapes = Shapes::mixed}, 100'000);
   EXPECT_LT(e.most, e.start * (1 + 1e-11));
   EXPECT_GT(e.end, 0.5 * e.start);
   // The control: the same room reveals a restitution of nine tenths.
@@ -108,7 +109,7 @@ TEST(RigidElastic, BoxesInAClosedBoxNeverGainEnergy) {
 }
 
 TEST(RigidElastic, UnderGravityNothingGrowsEither) {
-  const Energies e = run_room({.shapes = Shapes::mixed, .gravity = {0, -9.81, 0}}, 100'000);
+  const ElasticEnergies e = run_room({.shapes = Shapes::mixed, .gravity = {0, -9.81, 0}}, 100'000);
   // Within a substep h the sum of kinetic and potential energy oscillates by g h v / 2 per kg: 3e-4 of v^2 /
   // 2.
   EXPECT_LT(e.most, e.start * (1 + 3e-4));
@@ -117,7 +118,7 @@ TEST(RigidElastic, UnderGravityNothingGrowsEither) {
 }
 
 /// The same in the plane: 20 discs and boxes of 0.2 m in a room of 4 m.
-Energies run_flat_room(double restitution, double gravity, uint64_t steps) {
+ElasticEnergies run_flat_room(double restitution, double gravity, uint64_t steps) {
   std::string bodies;
   for (const char* wall : {R"({"position": [0, -2.5, 0], "half": [3, 0.5, 0]})",
                            R"({"position": [0, 2.5, 0], "half": [3, 0.5, 0]})",
@@ -146,7 +147,7 @@ Energies run_flat_room(double restitution, double gravity, uint64_t steps) {
                            std::to_string(-gravity) + R"(, 0], "bodies": [)" + bodies + "]",
                        1.0 / 240);
   // Heights from the floor: the initial potential energy is that of 20 bodies at y = 0 plus their offsets.
-  Energies e;
+  ElasticEnergies e;
   const auto energy = [&] { return t.observed("energy.kinetic") + t.observed("energy.potential"); };
   const double lift = 2 * gravity * (10 * 1000 * 3.14159265358979 * 0.04 + 10 * 1000 * 0.4 * 0.24);
   e.start = e.most = energy() + lift;
@@ -159,7 +160,7 @@ Energies run_flat_room(double restitution, double gravity, uint64_t steps) {
 }
 
 TEST(RigidElastic, NothingGrowsInThePlaneEither) {
-  const Energies free = run_flat_room(1, 0, 100'000), falls = run_flat_room(1, 9.81, 100'000);
+  const ElasticEnergies free = run_flat_room(1, 0, 100'000), falls = run_flat_room(1, 9.81, 100'000);
   EXPECT_LT(free.most, free.start * (1 + 1e-11));
   EXPECT_GT(free.end, 0.5 * free.start);
   EXPECT_LT(falls.most, falls.start * (1 + 3e-4));

@@ -11,7 +11,8 @@ namespace {
 
 using namespace testing_coupled;
 
-constexpr double kRadius = 0.3, kSubstep = 1.0 / 300;  // m, s; five substeps in space, four in the plane
+constexpr double kSqueezedRadius = 0.3,
+                 kSubstep = 1.0 / 300;  // m, s; five substeps in space, four in the plane
 
 struct Squeeze {
   const char* space;
@@ -43,7 +44,7 @@ double deepest(const Squeeze& q) {
   SceneRun run(squeezed(q));
   double depth = 0;
   for (int k = 0; k < 20; ++k) {
-    run.session.step(1), depth = std::max(depth, kRadius - run.observe3("light.position").y);
+    run.session.step(1), depth = std::max(depth, kSqueezedRadius - run.observe3("light.position").y);
   }
   return depth;
 }

@@ -13,7 +13,7 @@ namespace {
 
 using namespace testing_coupled;
 
-Vec3 random_vec(uint64_t stream, uint64_t i) {
+Vec3 random_point(uint64_t stream, uint64_t i) {
   const auto u = uniform4(31, stream, i);
   return {2 * u[0] - 1, 2 * u[1] - 1, 2 * u[2] - 1};
 }
@@ -21,7 +21,8 @@ Vec3 random_vec(uint64_t stream, uint64_t i) {
 TEST(EdgeEdge, IsTheCommonPerpendicular) {
   int found = 0;
   for (uint64_t i = 0; i < 300; ++i) {
-    const Vec3 a0 = random_vec(1, i), a1 = random_vec(2, i), b0 = random_vec(3, i), b1 = random_vec(4, i);
+    const Vec3 a0 = random_point(1, i), a1 = random_point(2, i), b0 = random_point(3, i),
+               b1 = random_point(4, i);
     const auto n = nearest_inside(a0, a1, b0, b1);
     double least = 1e9;  // of places on a grid over both: never nearer
     for (int k = 0; k <= 20; ++k) {

@@ -11,11 +11,11 @@
 namespace truestep {
 namespace {
 
-constexpr double kRadius = 0.3, kHalf = 0.6, kMargin = 0.02;
+constexpr double kRadius = 0.3, kHalfLength = 0.6, kMargin = 0.02;
 
 /// A capsule across the top of a box of 1 m, over one edge of it, turned by `tilt` about that edge (rad).
 Manifold leaning(double tilt, double gap = 0, double margin = kMargin) {
-  const Solid box = box_solid({0.5, 0.5, 0.5}), capsule = capsule_solid(kRadius, kHalf);
+  const Solid box = box_solid({0.5, 0.5, 0.5}), capsule = capsule_solid(kRadius, kHalfLength);
   const Vec3 axis{std::cos(tilt), std::sin(tilt), 0}, normal{-std::sin(tilt), std::cos(tilt), 0};
   // Its middle is 0.2 m outside the edge at (0.5, 0.5): one end stands out, one is over the box.
   const Vec3 middle = Vec3{0.5, 0.5, 0} + normal * (kRadius + gap) + axis * 0.2;
@@ -26,7 +26,7 @@ Manifold leaning(double tilt, double gap = 0, double margin = kMargin) {
 
 TEST(LeaningCapsule, KeepsTheNormalAndBothPointsOfALyingOne) {
   // The end over the box is 0.4 m from the edge.
-  constexpr double kReach = kHalf - 0.2;
+  constexpr double kReach = kHalfLength - 0.2;
   for (double tilt = 2e-4; tilt < 0.1; tilt *= 1.3) {
     // Leaning outwards: the end over the box rises.
     const Manifold m = leaning(-tilt, -1e-4);

@@ -22,7 +22,7 @@ Faults faults(const FemDef& d) {
   return out;
 }
 
-FemDef block() {
+FemDef faulty_block() {
   FemDef d;
   d.block = SoftBlockShape{.cells_x = 2, .cells_y = 2, .cells_z = 2};
   return d;
@@ -35,7 +35,7 @@ FemDef tetrahedron() {
 }
 
 TEST(FemScene, TakesWhatIsRight) {
-  EXPECT_EQ(faults(block()), Faults{});
+  EXPECT_EQ(faults(faulty_block()), Faults{});
   EXPECT_EQ(faults(tetrahedron()), Faults{});
 }
 
@@ -61,34 +61,34 @@ TEST(FemScene, SaysWhichElementsCannotBe) {
   d = tetrahedron();
   d.element = Cell::automatic;
   EXPECT_EQ(faults(d), Faults{"/element"});
-  d = block();
+  d = faulty_block();
   d.element = Cell::tri3;
   EXPECT_EQ(faults(d), Faults{"/element"});
-  d = block();
+  d = faulty_block();
   d.block->cells_x = d.block->cells_y = d.block->cells_z = 1000;
   EXPECT_EQ(faults(d), Faults{""}) << "a thousand million elements";
 }
 
 TEST(FemScene, SaysWhatContradicts) {
-  FemDef d = block();
+  FemDef d = faulty_block();
   d.holds = {{.on = "x0", .x = "0.1"}, {.on = "x0", .x = "0.2"}};
   EXPECT_EQ(faults(d), Faults{"/holds/1"});
   d.holds = {{.on = "x0", .x = "0.1"}};
   d.pinned = {"x0"};
   EXPECT_EQ(faults(d), Faults{"/holds"});
-  d = block();
+  d = faulty_block();
   d.holds = {{.on = "x0", .x = "1/(t-t)"}};
   EXPECT_EQ(faults(d), Faults{"/holds/0"}) << "not finite";
   d.holds = {{.on = "x0", .x = "t +"}};
   EXPECT_EQ(faults(d), Faults{"/holds/0/x"});
-  d = block();
+  d = faulty_block();
   d.pinned = {"left"};
   d.loads = {{.on = "x1", .force = Vec3{1, 0, 0}, .pressure = 3}};
   EXPECT_EQ(faults(d), (Faults{"/pinned/0", "/loads/0"}));
-  d = block();
+  d = faulty_block();
   d.motion = Motion::quasi_static;
   EXPECT_EQ(faults(d), Faults{"/motion"}) << "nothing holds it";
-  d = block();
+  d = faulty_block();
   d.second_share = 0.5;
   EXPECT_EQ(faults(d), Faults{"/second_share"});
 }
@@ -145,7 +145,7 @@ TEST(FemScene, SaysWhatASheetCannotBe) {
   d = sheet();
   d.contact = Meeting::barrier;
   EXPECT_EQ(faults(d), Faults{"/contact"});
-  d = block();
+  d = faulty_block();
   d.plane = Plane::shell;
   EXPECT_EQ(faults(d), Faults{"/plane"});
   d = sheet();

@@ -10,7 +10,7 @@ namespace {
 
 using namespace heightfield_wave;
 
-std::string pointer_of(const std::function<void()>& act) {
+std::string fault_pointer(const std::function<void()>& act) {
   try {
     act();
   } catch (const Error& e) {
@@ -32,11 +32,11 @@ TEST(HeightfieldWaveFaults, TextsAndMembersAreRefusedWithTheirPlace) {
   d.cells = {8, 8};
   EXPECT_EQ(reported(d), List{});
   d.bed = "oops";
-  EXPECT_EQ(pointer_of([&] { ShallowRun run(d, 0.1); }), "/bed");
+  EXPECT_EQ(fault_pointer([&] { ShallowRun run(d, 0.1); }), "/bed");
   d.bed = "0", d.surface = "sin(t)";
-  EXPECT_EQ(pointer_of([&] { ShallowRun run(d, 0.1); }), "/surface");
+  EXPECT_EQ(fault_pointer([&] { ShallowRun run(d, 0.1); }), "/surface");
   d.surface = "1", d.velocity = {"0", "1 +"};
-  EXPECT_EQ(pointer_of([&] { ShallowRun run(d, 0.1); }), "/velocity/1");
+  EXPECT_EQ(fault_pointer([&] { ShallowRun run(d, 0.1); }), "/velocity/1");
   d.velocity = {"0"};
   EXPECT_EQ(reported(d), List{"/velocity"});
   d.velocity.clear(), d.size = {1};
@@ -51,7 +51,7 @@ TEST(HeightfieldWaveFaults, CommandsAreRefused) {
   d.cells = {8, 8};
   d.bed = "x > 0.5 ? 1 : 0";
   ShallowRun run(d, 0.1);
-  const auto refused = [&](Command c) { return pointer_of([&] { run.system->apply(run.state, c); }); };
+  const auto refused = [&](Command c) { return fault_pointer([&] { run.system->apply(run.state, c); }); };
   EXPECT_EQ(refused({.kind = CommandKind::set_parameter, .value = 1, .name = "colour"}), "/name");
   EXPECT_EQ(refused({.kind = CommandKind::set_parameter, .value = -1, .name = "friction"}), "/value");
   EXPECT_EQ(refused({.kind = CommandKind::impulse, .vector = {1, 0, 0}}), "/at");

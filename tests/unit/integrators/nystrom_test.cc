@@ -53,11 +53,11 @@ double defect(const NystromTableau& t, size_t order) {
   return defect(t, t.b, t.bv, order);
 }
 
-struct Named {
+struct NamedNystrom {
   const char* name;
   NystromTableau tableau;
 };
-std::vector<Named> all() {
+std::vector<NamedNystrom> all() {
   return {{"rkn86", kRkn86Tableau},
           {"rkn1210", kRkn1210Tableau},
           {"leapfrog", as_tableau(kLeapfrog)},
@@ -69,7 +69,7 @@ std::vector<Named> all() {
 }
 
 TEST(Nystrom, OrderConditionsHoldAndNoMore) {
-  for (const Named& m : all()) {
+  for (const NamedNystrom& m : all()) {
     const auto order = static_cast<size_t>(m.tableau.order);
     EXPECT_EQ(find_integrator(m.name)->order, m.tableau.order);
     EXPECT_LT(defect(m.tableau, order), kTolerance) << m.name;
@@ -95,7 +95,7 @@ TEST(Nystrom, EmbeddedSolutionsHaveTheirOrders) {
 }
 
 TEST(Nystrom, AChangedDigitFails) {
-  for (const Named& m : all()) {
+  for (const NamedNystrom& m : all()) {
     for (size_t i = 0; i < m.tableau.stages; ++i) {
       NystromTableau wrong = m.tableau;
       wrong.bv[i] += 1e-9;

@@ -13,12 +13,12 @@ namespace {
 
 // A net of side x side points in blocks of 3: A = W K with K = -stiff times the graph's Laplacian plus
 // something random and symmetric in every block; row by row divided by masses of 1 to 8.
-struct Net {
+struct LinkedNet {
   size_t points, n;
   std::vector<int32_t> start{0}, rows;
   std::vector<double> inverse_mass, a;
 
-  Net(size_t side, double stiff, size_t held) : points(side * side), n(3 * points) {
+  LinkedNet(size_t side, double stiff, size_t held) : points(side * side), n(3 * points) {
     for (size_t i = 0; i < points; ++i) inverse_mass.push_back(i < held ? 0 : 1 / (1 + double(i % 8)));
     for (size_t j = 0; j < points; ++j) {
       for (size_t c = 0; c < 3; ++c) {
@@ -55,7 +55,7 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
 // the one that is solved, and the difference is of the size of the solution.
 TEST(SymmetricFactors, SolveWhatTheSparseLuSolves) {
   for (const size_t held : {size_t{0}, size_t{5}}) {
-    const Net net(7, 30, held);
+    const LinkedNet net(7, 30, held);
     SparseFactors lu(net.n, net.start, net.rows);
     ASSERT_TRUE(lu.factor(net.a.data(), net.a.data(), 0.6, 0.4));
     SymmetricFactors symmetric(net.n, net.start, net.rows);
@@ -72,7 +72,7 @@ TEST(SymmetricFactors, SolveWhatTheSparseLuSolves) {
 // I - c A with a first block of zeros: the elimination has nothing to begin with, although the matrix is far
 // from singular. Whoever asks gets the LU instead.
 TEST(SymmetricFactors, WhatNeedsPivotsIsLeftToTheLu) {
-  Net net(2, 0, 0);
+  LinkedNet net(2, 0, 0);
   for (size_t j = 0; j < net.n; ++j) {
     for (int32_t k = net.start[j]; k < net.start[j + 1]; ++k) {
       const auto row = size_t(net.rows[size_t(k)]);

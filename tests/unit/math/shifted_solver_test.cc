@@ -13,7 +13,7 @@ namespace {
 
 const ThreadArena kSerial(1);
 
-std::vector<double> noise(size_t n, unsigned seed) {
+std::vector<double> shifted_noise(size_t n, unsigned seed) {
   std::mt19937 generator(seed);
   std::uniform_real_distribution<double> between(-1, 1);
   std::vector<double> v(n);
@@ -33,7 +33,8 @@ Lattice box(const std::vector<size_t>& cells, const std::vector<std::array<SideK
   return l;
 }
 
-constexpr auto D = SideKind::dirichlet, N = SideKind::neumann, R = SideKind::robin, P = SideKind::periodic;
+constexpr auto kD = SideKind::dirichlet, kN = SideKind::neumann, kR = SideKind::robin,
+               kP = SideKind::periodic;
 
 // Smooth, between 0.2 and 1.8.
 Diffusion varying(const Lattice& l) {
@@ -62,25 +63,25 @@ std::vector<double> apply(const Diffusion& d, double shift, double step, const s
   return y;
 }
 
-struct Case {
+struct ShiftedCase {
   std::vector<size_t> cells;
   std::vector<std::array<SideKind, 2>> sides;
 };
-const Case kConstant[] = {{{17}, {{D, N}}},
-                          {{12}, {{P, P}}},
-                          {{16, 12}, {{D, D}, {D, D}}},
-                          {{9, 14}, {{N, N}, {P, P}}},
-                          {{10, 7}, {{N, D}, {D, N}}},
-                          {{6, 8, 5}, {{D, D}, {N, N}, {P, P}}},
-                          {{5, 6, 11}, {{N, N}, {D, N}, {N, D}}}};
+const ShiftedCase kConstant[] = {{{17}, {{kD, kN}}},
+                                 {{12}, {{kP, kP}}},
+                                 {{16, 12}, {{kD, kD}, {kD, kD}}},
+                                 {{9, 14}, {{kN, kN}, {kP, kP}}},
+                                 {{10, 7}, {{kN, kD}, {kD, kN}}},
+                                 {{6, 8, 5}, {{kD, kD}, {kN, kN}, {kP, kP}}},
+                                 {{5, 6, 11}, {{kN, kN}, {kD, kN}, {kN, kD}}}};
 
 TEST(SpectralSolver, SolvesWhatTheOperatorSays) {
-  for (const Case& c : kConstant) {
+  for (const ShiftedCase& c : kConstant) {
     for (const int order : {2, 4}) {
       const Diffusion d(box(c.cells, c.sides), order, {0.7, {}, {}});
       ASSERT_TRUE(SpectralSolver::serves(d));
       SpectralSolver solver(d);
-      const auto x = noise(d.lattice().nodes(), 5);
+      const auto x = shifted_noise(d.lattice().nodes(), 5);
       for (const double step : {1e-4, 0.3, 1e3}) {
         auto b = apply(d, 1, step, x);
         ASSERT_TRUE(solver.factor(1, step));
@@ -106,7 +107,7 @@ template <class Solver>
 void expect_complex(const Diffusion& d, Solver& solver, double tolerance) {
   // (1 - z L)(xr + i xi), z = a + i b, from real products.
   const double a = 0.02, b = -0.05;
-  const auto xr = noise(d.lattice().nodes(), 7), xi = noise(d.lattice().nodes(), 8);
+  const auto xr = shifted_noise(d.lattice().nodes(), 7), xi = shifted_noise(d.lattice().nodes(), 8);
   std::vector<double> lr(xr.size()), li(xr.size()), re = xr, im = xi;
   d.apply(xr.data(), lr.data(), 0, 1, kSerial), d.apply(xi.data(), li.data(), 0, 1, kSerial);
   for (size_t i = 0; i < xr.size(); ++i) {
@@ -131,26 +132,26 @@ void expect_complex(const Diffusion& d, Solver& solver, double tolerance) {
 }
 
 TEST(SpectralSolver, SolvesWithComplexSteps) {
-  for (const Case& c : kConstant) {
+  for (const ShiftedCase& c : kConstant) {
     const Diffusion d(box(c.cells, c.sides), 2, {0.7, {}, {}});
     SpectralSolver solver(d);
     expect_complex(d, solver, 1e-11);
   }
 }
 
-const Case kVarying[] = {{{33}, {{D, R}}},
-                         {{32, 32}, {{D, D}, {D, D}}},
-                         {{37, 22}, {{N, D}, {R, N}}},
-                         {{24, 40}, {{P, P}, {D, R}}},
-                         {{64, 5}, {{D, N}, {N, D}}},
-                         {{12, 10, 9}, {{D, D}, {R, N}, {N, D}}},
-                         {{8, 9, 10}, {{P, P}, {N, N}, {D, D}}}};
+const ShiftedCase kVarying[] = {{{33}, {{kD, kR}}},
+                                {{32, 32}, {{kD, kD}, {kD, kD}}},
+                                {{37, 22}, {{kN, kD}, {kR, kN}}},
+                                {{24, 40}, {{kP, kP}, {kD, kR}}},
+                                {{64, 5}, {{kD, kN}, {kN, kD}}},
+                                {{12, 10, 9}, {{kD, kD}, {kR, kN}, {kN, kD}}},
+                                {{8, 9, 10}, {{kP, kP}, {kN, kN}, {kD, kD}}}};
 
 TEST(MultigridSolver, SolvesWhatTheOperatorSays) {
-  for (const Case& c : kVarying) {
+  for (const ShiftedCase& c : kVarying) {
     const Diffusion d = varying(box(c.cells, c.sides));
     MultigridSolver solver(d.lattice(), varying);
-    const auto x = noise(d.lattice().nodes(), 5);
+    const auto x = shifted_noise(d.lattice().nodes(), 5);
     for (const double step : {1e-4, 0.3, 1e3}) {
       auto b = apply(d, 1, step, x);
       ASSERT_TRUE(solver.factor(1, step));
@@ -174,7 +175,7 @@ double contraction(const Lattice& l, const std::function<Diffusion(const Lattice
   EXPECT_TRUE(m.factor(0, 1));
   const size_t n = l.nodes();
   Multigrid<double>::Vector b(n), x(n), r(n);
-  const auto start = noise(n, 9);
+  const auto start = shifted_noise(n, 9);
   for (size_t i = 0; i < n; ++i) x[i] = l.fixed(l.place(i)) ? 0 : start[i];
   double before = 0;
   for (int k = 0; k < 10; ++k) {
@@ -186,16 +187,16 @@ double contraction(const Lattice& l, const std::function<Diffusion(const Lattice
 }
 
 TEST(Multigrid, ACycleContractsByAFifth) {
-  const Case cases[] = {{{128}, {{D, D}}},
-                        {{64, 64}, {{D, D}, {D, D}}},
-                        {{128, 128}, {{D, D}, {D, D}}},
-                        {{96, 70}, {{D, N}, {R, N}}},
-                        {{100, 64}, {{D, N}, {P, P}}},
-                        {{65, 33}, {{D, D}, {N, N}}},
-                        {{64, 8}, {{D, D}, {D, D}}},
-                        {{32, 32, 32}, {{D, D}, {D, D}, {D, D}}},
-                        {{24, 20, 31}, {{D, N}, {N, N}, {D, R}}}};
-  for (const Case& c : cases) {
+  const ShiftedCase cases[] = {{{128}, {{kD, kD}}},
+                               {{64, 64}, {{kD, kD}, {kD, kD}}},
+                               {{128, 128}, {{kD, kD}, {kD, kD}}},
+                               {{96, 70}, {{kD, kN}, {kR, kN}}},
+                               {{100, 64}, {{kD, kN}, {kP, kP}}},
+                               {{65, 33}, {{kD, kD}, {kN, kN}}},
+                               {{64, 8}, {{kD, kD}, {kD, kD}}},
+                               {{32, 32, 32}, {{kD, kD}, {kD, kD}, {kD, kD}}},
+                               {{24, 20, 31}, {{kD, kN}, {kN, kN}, {kD, kR}}}};
+  for (const ShiftedCase& c : cases) {
     const Lattice l = box(c.cells, c.sides);
     const double factor = contraction(l, varying);
     std::printf("cells %zu%s%s: %.3f a cycle\n", c.cells[0],
@@ -205,7 +206,7 @@ TEST(Multigrid, ACycleContractsByAFifth) {
     EXPECT_LE(factor, c.cells.back() == 31 ? 0.25 : 0.2) << c.cells[0];
   }
   // Control: a coarse equation whose coefficient is wrong by a factor of two.
-  const Lattice l = box({64, 64}, {{D, D}, {D, D}});
+  const Lattice l = box({64, 64}, {{kD, kD}, {kD, kD}});
   const double wrong = contraction(l, [&](const Lattice& on) {
     Diffusion d = varying(on);
     if (!(on == l)) {
@@ -219,8 +220,8 @@ TEST(Multigrid, ACycleContractsByAFifth) {
 }
 
 TEST(Multigrid, ManyThreadsGiveTheSameBits) {
-  const Diffusion d = varying(box({300, 200}, {{D, N}, {R, N}}));
-  const auto b = noise(d.lattice().nodes(), 4);
+  const Diffusion d = varying(box({300, 200}, {{kD, kN}, {kR, kN}}));
+  const auto b = shifted_noise(d.lattice().nodes(), 4);
   std::vector<double> first;
   for (const int threads : {1, 2, 8}) {
     const ThreadArena arena(threads);

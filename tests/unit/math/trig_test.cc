@@ -132,5 +132,8 @@ TEST(Trig, HandlesTheEndsOfTheRange) {
   EXPECT_TRUE(std::isnan(trig::acos(1.1)));
 }
 
+#undef REF
+#undef OURS
+
 }  // namespace
 }  // namespace truestep

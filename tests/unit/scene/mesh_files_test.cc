@@ -47,12 +47,12 @@ void put(std::string& out, T value, bool big = false) {
   out.append(bytes, sizeof(T));
 }
 
-const std::string kObj =
+const std::string kCubeObj =
     "# a tetrahedron\nmtllib a.mtl\nv 0 0 0\nv 1 0 0 0.5\nv 0 1 0 1 0 0\nv 0 0 +1e0\nvn 0 0 1\nusemtl red\n"
     "f 1//1 3//1 2//1\nf 1 2/1 4/1/1\nf -3 -2 -1\nf 1 4 \\\n 3 # the last\n";
 
 TEST(Obj, ReadsFacesOfIndicesTexturesAndNormals) {
-  const SurfaceFile s = read_obj(kObj);
+  const SurfaceFile s = read_obj(kCubeObj);
   EXPECT_EQ(s.vertices.size(), 4u);
   EXPECT_EQ(s.triangles, (Triangles{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}));
   EXPECT_EQ(volume6(s), 1);
@@ -63,22 +63,22 @@ TEST(Obj, CutsFacesIntoFansAndKeepsPointsAlone) {
   EXPECT_TRUE(read_obj(five).triangles.empty());
 }
 TEST(Obj, NamesTheLineOfAFault) {
-  EXPECT_EQ(fault(read_obj, replaced(kObj, "v 1 0 0 0.5", "v 1 0")), "line 4: a coordinate is missing");
-  EXPECT_EQ(fault(read_obj, replaced(kObj, "v 1 0 0 0.5", "v 1 0 zero")),
+  EXPECT_EQ(fault(read_obj, replaced(kCubeObj, "v 1 0 0 0.5", "v 1 0")), "line 4: a coordinate is missing");
+  EXPECT_EQ(fault(read_obj, replaced(kCubeObj, "v 1 0 0 0.5", "v 1 0 zero")),
             "line 4: \"zero\" instead of a coordinate");
-  EXPECT_EQ(fault(read_obj, replaced(kObj, "v 1 0 0 0.5", "v 1 0 nan")),
+  EXPECT_EQ(fault(read_obj, replaced(kCubeObj, "v 1 0 0 0.5", "v 1 0 nan")),
             "line 4: \"nan\" is not a coordinate: use a number of at most 1e12");
-  EXPECT_EQ(fault(read_obj, replaced(kObj, "v 1 0 0 0.5", "v 1 0 1e400")),
+  EXPECT_EQ(fault(read_obj, replaced(kCubeObj, "v 1 0 0 0.5", "v 1 0 1e400")),
             "line 4: \"1e400\" is not a coordinate: use a number of at most 1e12");
-  EXPECT_EQ(fault(read_obj, replaced(kObj, "f -3", "f -5")),
+  EXPECT_EQ(fault(read_obj, replaced(kCubeObj, "f -3", "f -5")),
             "line 11: a face has vertex -5, and 4 vertices come before it");
-  EXPECT_EQ(fault(read_obj, replaced(kObj, "f -3", "f 0")),
+  EXPECT_EQ(fault(read_obj, replaced(kCubeObj, "f -3", "f 0")),
             "line 11: a face has vertex 0, and 4 vertices come before it");
-  EXPECT_EQ(fault(read_obj, replaced(kObj, "f -3 -2 -1", "f 1 2")),
+  EXPECT_EQ(fault(read_obj, replaced(kCubeObj, "f -3 -2 -1", "f 1 2")),
             "line 11: a face has 2 corners: it needs at least three");
-  EXPECT_EQ(fault(read_obj, replaced(kObj, "usemtl", "usenothing")),
+  EXPECT_EQ(fault(read_obj, replaced(kCubeObj, "usemtl", "usenothing")),
             "line 8: \"usenothing\" is not a statement of an OBJ file");
-  EXPECT_NE(fault(read_obj, replaced(kObj, "usemtl red", "curv 0 1 1 2")).find("line 8: free-form"),
+  EXPECT_NE(fault(read_obj, replaced(kCubeObj, "usemtl red", "curv 0 1 1 2")).find("line 8: free-form"),
             std::string::npos);
   EXPECT_EQ(fault(read_obj, "g one \\"), "line 2: the file ends without a vertex (v x y z)");
   EXPECT_EQ(fault(read_obj, "# nothing\n"), "line 2: the file ends without a vertex (v x y z)");

@@ -55,7 +55,7 @@ struct Rig {
   ThreadArena arena;
 };
 
-MassSpringDef rope() {
+MassSpringDef hanging_rope() {
   MassSpringDef d;
   d.rope = RopeShape{.from = {0, 0, 0}, .to = {1, 0.2, 0}, .links = 24};
   d.bending_stiffness = 30;
@@ -328,7 +328,7 @@ TEST(MassSpringShapes, SlackRopeHasItsLengthAndEnds) {
 }
 
 TEST(MassSpringShapes, CountsAgreeWithWhatIsBuilt) {
-  for (const MassSpringDef& d : {rope(), hair(), cloth(), mesh(), own_springs()}) {
+  for (const MassSpringDef& d : {hanging_rope(), hair(), cloth(), mesh(), own_springs()}) {
     const Rig rig(d);
     const MassSpringCounts counts = mass_spring_counts(d);
     EXPECT_EQ(counts.points, static_cast<double>(rig.field.network().x.size()));
@@ -338,7 +338,7 @@ TEST(MassSpringShapes, CountsAgreeWithWhatIsBuilt) {
 }
 
 TEST(MassSpringShapes, DensityGivesTheWholeItsMass) {
-  for (MassSpringDef d : {rope(), cloth(), mesh()}) {
+  for (MassSpringDef d : {hanging_rope(), cloth(), mesh()}) {
     d.density = 2;
     const Rig rig(d);
     double total = 0;
@@ -354,7 +354,7 @@ TEST(MassSpringShapes, DensityGivesTheWholeItsMass) {
 // f = -dV/dx - dR/dv with every force there is. Differences over 1e-6 of values of 10 J leave 1e-9; control:
 // without R the forces are off by far.
 TEST(MassSpringForces, PotentialAndDissipationTogetherGiveTheWholeForce) {
-  for (MassSpringDef d : {cloth(), rope()}) {
+  for (MassSpringDef d : {cloth(), hanging_rope()}) {
     d.damping = 0.02, d.internal_damping = 0.3, d.wind = Vec3{1, 0.5, 3}, d.gust = 0.5;
     Rig rig(d);
     rig.shake(0.02, 1);

@@ -14,7 +14,7 @@ namespace {
 
 using articulation::Work;
 
-constexpr double kQuarter = std::numbers::pi / 2;
+constexpr double kQuarterTurn = std::numbers::pi / 2;
 
 /// A trunk with branches of every kind of joint; floating freely when `root` says so.
 ArticulationDef shrub(JointType root) {
@@ -182,7 +182,7 @@ TEST(Articulation, AChainOfTwoThousandWithAHeavyEndKeepsItsEnergy) {
 
 TEST(Articulation, SoftLimitsHoldAndKeepEnergy) {
   const auto bounce = [](double limit_damping) {
-    ArticulationDef d = pendulum(1, kQuarter);
+    ArticulationDef d = pendulum(1, kQuarterTurn);
     d.links[0].lowest = -0.5, d.links[0].limit_stiffness = 1e4, d.links[0].limit_damping = limit_damping;
     const auto field = field_of(d);
     SteppedField run(field, *find_integrator("rk4"), 1e-4);

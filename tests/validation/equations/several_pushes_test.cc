@@ -11,7 +11,7 @@
 namespace truestep {
 namespace {
 
-constexpr double kStep = 0.01;
+constexpr double kPushStep = 0.01;
 
 struct Pushed {
   explicit Pushed(const std::string& system)
@@ -63,13 +63,13 @@ TEST(SeveralPushes, AddUpToTheSumOfTheirForces) {
 // Without a spring, momentum is the sum of the forces times their durations.
 TEST(SeveralPushes, EndEachAtItsTime) {
   Pushed o(kOscillator);
-  o.push(0, {3, 0, 0}, 5 * kStep), o.push(0, {1, 0, 0}, 10 * kStep), o.push(0, {7, 0, 0}, 0);
+  o.push(0, {3, 0, 0}, 5 * kPushStep), o.push(0, {1, 0, 0}, 10 * kPushStep), o.push(0, {7, 0, 0}, 0);
   o.steps(1);
-  EXPECT_NEAR(2 * o.rate(0), (3 + 1 + 7) * kStep, 1e-14);
+  EXPECT_NEAR(2 * o.rate(0), (3 + 1 + 7) * kPushStep, 1e-14);
   o.steps(4);
-  EXPECT_NEAR(2 * o.rate(0), (3 * 5 + 1 * 5 + 7) * kStep, 1e-14);
+  EXPECT_NEAR(2 * o.rate(0), (3 * 5 + 1 * 5 + 7) * kPushStep, 1e-14);
   o.steps(10);
-  EXPECT_NEAR(2 * o.rate(0), (3 * 5 + 1 * 10 + 7) * kStep, 1e-14);
+  EXPECT_NEAR(2 * o.rate(0), (3 * 5 + 1 * 10 + 7) * kPushStep, 1e-14);
 }
 
 // On different masses of a chain that hangs straight, and at different points of a rod: the rates are the sum
@@ -77,16 +77,16 @@ TEST(SeveralPushes, EndEachAtItsTime) {
 TEST(SeveralPushes, ActWhereEachOfThemIs) {
   const std::string chain = R"({"type": "pendulum", "id": "p", "links": 3, "angle": 0, "mass": 1})";
   Pushed both(chain), one(chain), other(chain);
-  both.push(1, {1, 0, 0}, kStep), both.push(3, {2, 0, 0}, kStep);
-  one.push(1, {1, 0, 0}, kStep), other.push(3, {2, 0, 0}, kStep);
+  both.push(1, {1, 0, 0}, kPushStep), both.push(3, {2, 0, 0}, kPushStep);
+  one.push(1, {1, 0, 0}, kPushStep), other.push(3, {2, 0, 0}, kPushStep);
   for (Pushed* p : {&both, &one, &other}) p->steps(1);
   for (size_t k = 0; k < 3; ++k) EXPECT_NEAR(both.rate(k), one.rate(k) + other.rate(k), 1e-7) << k;
   EXPECT_GT(std::abs(one.rate(0)), 1e-3);
 
   Pushed rod(kRod);
-  rod.push(0, {0, 2, 0}, kStep, Vec3{0.25, 0, 0}), rod.push(0, {0, 4, 0}, kStep, Vec3{1, 0, 0});
+  rod.push(0, {0, 2, 0}, kPushStep, Vec3{0.25, 0, 0}), rod.push(0, {0, 4, 0}, kPushStep, Vec3{1, 0, 0});
   rod.steps(1);
-  EXPECT_NEAR(rod.rate(0), kStep * (2 * 0.25 + 4 * 1) / (0.25 + 3 * 0.25), 1e-6);
+  EXPECT_NEAR(rod.rate(0), kPushStep * (2 * 0.25 + 4 * 1) / (0.25 + 3 * 0.25), 1e-6);
 }
 
 TEST(SeveralPushes, WhatASystemDoesNotHaveIsRefusedByName) {

@@ -15,7 +15,7 @@ using lattice::LatticeDef;
 using lattice::SideKind;
 using wave::WaveDef;
 
-double observed_order(const std::function<double(int cells)>& error, int first) {
+double observed_wave_order(const std::function<double(int cells)>& error, int first) {
   const double a = error(first), b = error(2 * first), c = error(4 * first);
   std::printf("  errors %.3e %.3e %.3e, order %.2f %.2f\n", a, b, c, std::log2(a / b), std::log2(b / c));
   return std::log2(b / c);
@@ -59,7 +59,7 @@ TEST(Wave, StandingWavesTurnAtTheirFrequency) {
       };
       const int promised = order == LatticeDef::Order::second ? 2 : 4;
       std::printf("%zu-D, order %d\n", dimensions, promised);
-      EXPECT_NEAR(observed_order(error, 8), promised, 0.15);
+      EXPECT_NEAR(observed_wave_order(error, 8), promised, 0.15);
     }
   }
 }
@@ -110,7 +110,7 @@ TEST(Wave, ManufacturedSolutionWithDampingAndMovingSides) {
       run.steps(2);
       return run.error([](double x, double y, double) { return std::cos(1.0) * std::sin(x + 2 * y); });
     };
-    EXPECT_NEAR(observed_order([&](int n) { return error(n, 0.3); }, 8),
+    EXPECT_NEAR(observed_wave_order([&](int n) { return error(n, 0.3); }, 8),
                 order == LatticeDef::Order::second ? 2 : 4, 0.3);
     EXPECT_GT(error(32, 0.4), 3e-3) << "control: another damping";
   }
@@ -132,7 +132,7 @@ TEST(Wave, RefractsAtAVariableSpeed) {
     run.steps(2);
     return run.error([](double x, double, double) { return std::cos(1.0) * std::cos(x); });
   };
-  EXPECT_NEAR(observed_order(error, 8), 2, 0.15);
+  EXPECT_NEAR(observed_wave_order(error, 8), 2, 0.15);
 }
 
 TEST(Wave, SymplecticMethodsKeepTheEnergy) {

@@ -9,7 +9,7 @@ namespace {
 
 using namespace grid_fluid;
 using A = GridFluidDef::Advection;
-constexpr double kGravity = 9.81;
+constexpr double kLiquidGravity = 9.81;
 
 // A pool with its surface anywhere between two cell centres: the case demands 1 % of sqrt(g H) and 2 % of the
 // pressure for 60 s.
@@ -22,7 +22,7 @@ TEST(LiquidGrid, AStillPoolStaysStillAndWeighsWhatItDoes) {
       const double mass = run.observed("mass"), height = run.observed("centre.y");
       double fastest = 0;
       for (int k = 0; k < 300; ++k) run.steps(10), fastest = std::max(fastest, run.observed("speed.max"));
-      EXPECT_LT(fastest, 0.01 * std::sqrt(kGravity * depth)) << depth;
+      EXPECT_LT(fastest, 0.01 * std::sqrt(kLiquidGravity * depth)) << depth;
       EXPECT_EQ(run.observed("mass"), mass);
       EXPECT_NEAR(run.observed("centre.y"), height, 1e-3 * depth);
       std::vector<double> scratch;
@@ -30,7 +30,7 @@ TEST(LiquidGrid, AStillPoolStaysStillAndWeighsWhatItDoes) {
       double bottom = 0;
       for (size_t i = 0; i < p.rows; ++i) bottom = std::max(bottom, scratch[i]);
       // In the lowest cell's centre.
-      EXPECT_NEAR(bottom, 1000 * kGravity * (depth - 0.5 / 24), 0.02 * 1000 * kGravity * depth);
+      EXPECT_NEAR(bottom, 1000 * kLiquidGravity * (depth - 0.5 / 24), 0.02 * 1000 * kLiquidGravity * depth);
     }
   }
   // Control: without its pressure the water would fall.
@@ -38,7 +38,7 @@ TEST(LiquidGrid, AStillPoolStaysStillAndWeighsWhatItDoes) {
   d.bodies = {box_of_liquid({0, 0.3, -1}, {1, 0.6, 1})};
   LiquidRun falling(d, 0.02);
   falling.steps(5);
-  EXPECT_NEAR(falling.observed("speed.max"), 0.1 * kGravity, 0.02) << "free fall";
+  EXPECT_NEAR(falling.observed("speed.max"), 0.1 * kLiquidGravity, 0.02) << "free fall";
 }
 
 // The first time at which the middle of the water, started with the linear wave's velocity, comes to rest: a
@@ -108,7 +108,7 @@ TEST(LiquidGrid, ADamBreakRunsAsMeasured) {
     const double mass = run.observed("mass"), energy = run.observed("energy.total");
     double squares = 0, still = 0, last = energy;
     std::vector<double> path = {1};  // every step
-    const double unit = std::sqrt(2 * kGravity / kA);
+    const double unit = std::sqrt(2 * kLiquidGravity / kA);
     for (const auto& [when, where] : kFront) {
       const auto target = static_cast<uint64_t>(std::round(when / unit / 0.002));
       while (run.done < target) {

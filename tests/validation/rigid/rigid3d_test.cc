@@ -16,7 +16,7 @@ using testing::box;
 using testing::ground;
 using testing::RigidRun;
 
-constexpr double kG = 9.81;
+constexpr double kSpaceGravity = 9.81;
 
 double angle_between(const Quat& a, const Quat& b) {
   return norm(free_rotation::rotation_vector(a * Quat{b.w, -b.x, -b.y, -b.z}));
@@ -82,7 +82,7 @@ TEST(Rigid3dFreeFall, IsExactAtAnyStep) {
   RigidRun run(d, 0.25);
   run.seconds(2);
   EXPECT_NEAR(run.x(0).x, 6, 1e-12);
-  EXPECT_NEAR(run.x(0).y, 100 + 8 - 0.5 * kG * 4, 1e-12);
+  EXPECT_NEAR(run.x(0).y, 100 + 8 - 0.5 * kSpaceGravity * 4, 1e-12);
 }
 
 /// A block on a slope of 30 degrees: the plane is level and gravity is tilted.
@@ -92,7 +92,7 @@ RigidRun slope(double friction, double h) {
   d.bodies.push_back(ground());
   d.bodies.push_back(box({0.5, 0.25, 0.5}, {0, 0.25, 0}));
   const double a = std::numbers::pi / 6;
-  return RigidRun(d, h, 1, Vec3{std::sin(a), -std::cos(a), 0} * kG);
+  return RigidRun(d, h, 1, Vec3{std::sin(a), -std::cos(a), 0} * kSpaceGravity);
 }
 
 TEST(Rigid3dContact, ABlockSlidesDownASlope) {

@@ -10,13 +10,13 @@
 namespace truestep {
 namespace {
 
-const std::string kTypes[] = {"rigid2d", "rigid3d"};
+const std::string kRotationTypes[] = {"rigid2d", "rigid3d"};
 constexpr double kTilt = 0.5;  // rad
 
 /// A box of 1 m with 2 kg at the height y, turned by kTilt about z, above a floor whose top is at y = 0.
-struct Trial {
-  Trial(const std::string& type, double y, const std::string& more, const std::string& system = "",
-        const std::string& scene = "", double gravity = 10)
+struct RotationTrial {
+  RotationTrial(const std::string& type, double y, const std::string& more, const std::string& system = "",
+                const std::string& scene = "", double gravity = 10)
       : world(parse_scene(text(type, y, more, system, scene, gravity))), state(world.initial_state()) {}
   static std::string text(const std::string& type, double y, const std::string& more,
                           const std::string& system, const std::string& scene, double gravity) {
@@ -33,7 +33,7 @@ struct Trial {
            R"(}, {"mass": 2, "position": [0, )" + std::to_string(y) + ", 0], " + turned + ", " +
            box("[0.5, 0.5, 0.5]") + more + "}]" + system + "}" + (scene.empty() ? "]" : scene + "]") + "}";
   }
-  Trial& seconds(double s) {
+  RotationTrial& seconds(double s) {
     for (int k = 0; k < std::lround(s / 0.01); ++k) world.step(state, workspace, arena, {});
     return *this;
   }
@@ -56,9 +56,9 @@ struct Trial {
 const std::string kFixed = R"(, "fixed_rotation": true)";
 
 TEST(FixedRotation, ImpulsesAndPushesOffTheCentreOnlyMoveIt) {
-  for (const std::string& type : kTypes) {
+  for (const std::string& type : kRotationTypes) {
     for (const bool fixed : {true, false}) {
-      Trial t(type, 3, fixed ? kFixed : "", "", "", 0);
+      RotationTrial t(type, 3, fixed ? kFixed : "", "", "", 0);
       Command c;
       c.kind = CommandKind::impulse, c.index = 1, c.vector = {4, 0, 0}, c.at = Vec3{0, 3.4, 0};
       t.apply(c);
@@ -75,15 +75,15 @@ TEST(FixedRotation, ImpulsesAndPushesOffTheCentreOnlyMoveIt) {
 TEST(FixedRotation, ABoxStandsOnACornerAndSleepsThere) {
   // Half the diagonal's height when turned.
   const double height = 0.5 * (std::cos(kTilt) + std::sin(kTilt));
-  for (const std::string& type : kTypes) {
+  for (const std::string& type : kRotationTypes) {
     for (const char* precision : {"f32", "f64"}) {
       const std::string system = R"(, "precision": ")" + std::string(precision) + "\"";
-      Trial t(type, 1, kFixed, system);
+      RotationTrial t(type, 1, kFixed, system);
       t.seconds(4);
       EXPECT_NEAR(t.coordinate("position", 1), height, 1e-3) << type << precision;
       EXPECT_EQ(t.spin(), 0) << type << precision;
       EXPECT_EQ(t.observed("awake"), 0) << type << precision;
-      Trial control(type, 1, "", system);
+      RotationTrial control(type, 1, "", system);
       EXPECT_NEAR(control.seconds(4).coordinate("position", 1), 0.5, 0.01) << type << precision;
     }
   }
@@ -92,9 +92,9 @@ TEST(FixedRotation, ABoxStandsOnACornerAndSleepsThere) {
 TEST(FixedRotation, ABoxSlidesDownAsAPointDoes) {
   // Off a fixed edge of the slope nothing tips it: flat on the floor, thrown along it, it stops after
   // v^2 / (2 mu g), wherever friction acts.
-  for (const std::string& type : kTypes) {
-    Trial t(type, 0.5 * (std::cos(kTilt) + std::sin(kTilt)),
-            kFixed + R"(, "velocity": [2, 0, 0], "friction": 0.5)", R"(, "sleeping": false)");
+  for (const std::string& type : kRotationTypes) {
+    RotationTrial t(type, 0.5 * (std::cos(kTilt) + std::sin(kTilt)),
+                    kFixed + R"(, "velocity": [2, 0, 0], "friction": 0.5)", R"(, "sleeping": false)");
     t.seconds(2);
     // Within half a step's way, on which it may slide until it is supported: v dt / 2.
     EXPECT_NEAR(t.coordinate("position", 0), 2 * 2 / (2 * 0.5 * 10), 0.01) << type;
@@ -102,14 +102,14 @@ TEST(FixedRotation, ABoxSlidesDownAsAPointDoes) {
 }
 
 TEST(FixedRotation, JointsHoldItByForcesAlone) {
-  for (const std::string& type : kTypes) {
+  for (const std::string& type : kRotationTypes) {
     for (const std::string joint : {"fixed", "revolute", "prismatic"}) {
       const std::string axis = joint == "prismatic"                       ? R"(, "axis": [1, 0, 0])"
                                : joint == "revolute" && type == "rigid3d" ? R"(, "axis": [0, 0, 1])"
                                                                           : "";
-      Trial t(type, 3, kFixed,
-              R"(, "sleeping": false, "joints": [{"id": "j", "type": ")" + joint +
-                  R"(", "a": -1, "b": 1, "anchor": [0.5, 3, 0])" + axis + "}]");
+      RotationTrial t(type, 3, kFixed,
+                      R"(, "sleeping": false, "joints": [{"id": "j", "type": ")" + joint +
+                          R"(", "a": -1, "b": 1, "anchor": [0.5, 3, 0])" + axis + "}]");
       t.seconds(2);
       EXPECT_NEAR(t.observed("joint.j.force"), 20, 0.01) << type << joint;
       EXPECT_EQ(t.spin(), 0) << type << joint;
@@ -122,7 +122,7 @@ TEST(FixedRotation, JointsHoldItByForcesAlone) {
 
 TEST(FixedRotation, ARopeAtItsCornerOnlyLiftsIt) {
   // From (0.5, 6, 0), 2 m down to the corner; what is attached to a corner swings, and turns if it may.
-  for (const std::string& type : kTypes) {
+  for (const std::string& type : kRotationTypes) {
     for (const char* link :
          {R"("link": "rigid")", R"("link": "spring", "stiffness": 20000, "damping": 20)"}) {
       const std::string more =
@@ -131,7 +131,7 @@ TEST(FixedRotation, ARopeAtItsCornerOnlyLiftsIt) {
           "couplings": [{"type": "attachment", "id": "hook", "a": "rope", "b": "r", )") +
           link + R"(, "a_points": [-1], "b_points": [1], "places": [[0.5, 4, 0]]})";
       for (const bool fixed : {true, false}) {
-        Trial t(type, 3.6, fixed ? kFixed : "", R"(, "sleeping": false)", more);
+        RotationTrial t(type, 3.6, fixed ? kFixed : "", R"(, "sleeping": false)", more);
         t.seconds(1);
         EXPECT_EQ(t.spin() < 1e-12, fixed) << type << link;
         EXPECT_GT(t.coordinate("position", 1), 3) << type << link;
@@ -142,13 +142,15 @@ TEST(FixedRotation, ARopeAtItsCornerOnlyLiftsIt) {
 }
 
 TEST(FixedRotation, ItHasNeitherAnInertiaNorAnAngularVelocity) {
-  for (const std::string& type : kTypes) {
+  for (const std::string& type : kRotationTypes) {
     const bool flat = type == "rigid2d";
-    EXPECT_NO_THROW(Trial(type, 1, kFixed));
-    EXPECT_THROW(Trial(type, 1, kFixed + R"(, "inertia": )" + (flat ? "1" : "[1, 1, 1]")), Error) << type;
-    EXPECT_THROW(Trial(type, 1, kFixed + R"(, "angular_velocity": )" + (flat ? "1" : "[0, 0, 1]")), Error)
+    EXPECT_NO_THROW(RotationTrial(type, 1, kFixed));
+    EXPECT_THROW(RotationTrial(type, 1, kFixed + R"(, "inertia": )" + (flat ? "1" : "[1, 1, 1]")), Error)
         << type;
-    Trial t(type, 1, kFixed);
+    EXPECT_THROW(RotationTrial(type, 1, kFixed + R"(, "angular_velocity": )" + (flat ? "1" : "[0, 0, 1]")),
+                 Error)
+        << type;
+    RotationTrial t(type, 1, kFixed);
     Command c;
     c.kind = CommandKind::set_parameter, c.index = 1, c.name = "angular_velocity", c.value = 1,
     c.vector = {0, 0, 1};

@@ -9,10 +9,10 @@
 namespace truestep {
 namespace {
 
-constexpr double kMass = 2, kG = 10;
+constexpr double kJointMass = 2, kJointGravity = 10;
 
 struct Jointed {
-  Jointed(const std::string& type, const std::string& joint, double gravity = kG)
+  Jointed(const std::string& type, const std::string& joint, double gravity = kJointGravity)
       : world(parse_scene(R"({"gravity": [0, )" + std::to_string(-gravity) +
                           R"(, 0], "time": {"dt": 0.01}, "systems": [{"type": ")" + type +
                           R"(", "id": "r", "precision": "f64", "sleeping": false, "bodies": [)" + body(type) +
@@ -42,7 +42,7 @@ struct Jointed {
   std::vector<double> scratch;
 };
 
-const std::string kTypes[] = {"rigid2d", "rigid3d"};
+const std::string kJointTypes[] = {"rigid2d", "rigid3d"};
 const std::string kPin = R"("type": "revolute", "anchor": [0, 0, 0])";
 // In space a hinge needs the direction that it has in the plane.
 std::string hinge(const std::string& type) {
@@ -50,13 +50,13 @@ std::string hinge(const std::string& type) {
 }
 
 TEST(RigidJointWords, ASpringIsGivenByStiffnessAndDamping) {
-  for (const std::string& type : kTypes) {
+  for (const std::string& type : kJointTypes) {
     // From the ceiling, 1 m above the body's centre: rest at m g / k.
     Jointed r(type, R"("type": "spring", "anchor": [0.5, 1, 0], "anchor_b": [0.5, 0, 0],
                        "stiffness": 200, "damping": 20)");
     r.seconds(4);
-    EXPECT_NEAR(r.observed("joint.j.length"), 1 + kMass * kG / 200, 1e-6) << type;
-    EXPECT_NEAR(r.observed("joint.j.force"), kMass * kG, 1e-3) << type;
+    EXPECT_NEAR(r.observed("joint.j.length"), 1 + kJointMass * kJointGravity / 200, 1e-6) << type;
+    EXPECT_NEAR(r.observed("joint.j.force"), kJointMass * kJointGravity, 1e-3) << type;
     // Without damping it swings by as much, in a period of 2 pi sqrt(m / k) = 0.628 s.
     Jointed free(type,
                  R"("type": "spring", "anchor": [0.5, 1, 0], "anchor_b": [0.5, 0, 0], "stiffness": 200)");
@@ -64,12 +64,12 @@ TEST(RigidJointWords, ASpringIsGivenByStiffnessAndDamping) {
     EXPECT_NEAR(free.observed("joint.j.length"), 1.2, 0.002) << type;
     const double energy = free.observed("energy.total");
     free.seconds(3.14);
-    EXPECT_NEAR(free.observed("energy.total"), energy, 0.01 * kMass * kG * 0.1) << type;
+    EXPECT_NEAR(free.observed("energy.total"), energy, 0.01 * kJointMass * kJointGravity * 0.1) << type;
   }
 }
 
 TEST(RigidJointWords, ASpringOfAHingeHasAPositionOfRest) {
-  for (const std::string& type : kTypes) {
+  for (const std::string& type : kJointTypes) {
     Jointed r(type, hinge(type) + R"(, "stiffness": 50, "damping": 20, "rest": 0.4)", 0);
     EXPECT_NEAR(r.observed("energy.potential"), 0.5 * 50 * 0.4 * 0.4, 1e-12) << type;
     r.seconds(6);
@@ -78,7 +78,7 @@ TEST(RigidJointWords, ASpringOfAHingeHasAPositionOfRest) {
 }
 
 TEST(RigidJointWords, AMotorApproachesItsTargetAtItsRate) {
-  for (const std::string& type : kTypes) {
+  for (const std::string& type : kJointTypes) {
     for (const bool slides : {false, true}) {
       const std::string joint =
           slides ? R"("type": "prismatic", "anchor": [0, 0, 0], "axis": [1, 0, 0])" : hinge(type);
@@ -94,8 +94,8 @@ TEST(RigidJointWords, AMotorApproachesItsTargetAtItsRate) {
 }
 
 TEST(RigidJointWords, AFixedJointBreaksByTheTorqueOnIt) {
-  const double torque = kMass * kG * 0.5;
-  for (const std::string& type : kTypes) {
+  const double torque = kJointMass * kJointGravity * 0.5;
+  for (const std::string& type : kJointTypes) {
     const std::string joint = R"("type": "fixed", "anchor": [0, 0, 0], "break_torque": )";
     // Loaded suddenly, too: force and torque are found together.
     Jointed first(type, joint + std::to_string(1.02 * torque));
@@ -110,10 +110,12 @@ TEST(RigidJointWords, AFixedJointBreaksByTheTorqueOnIt) {
     EXPECT_NEAR(holds.observed("joint.j.torque"), torque, 0.01 * torque) << type;
     EXPECT_NEAR(holds.observed("joints.torque"), torque, 0.01 * torque) << type;
     EXPECT_LT(holds.observed("joints.tilt"), 1e-3) << type;
-    EXPECT_NEAR(holds.observed("joint.j.force"), kMass * kG, 0.01 * kMass * kG) << type;
+    EXPECT_NEAR(holds.observed("joint.j.force"), kJointMass * kJointGravity,
+                0.01 * kJointMass * kJointGravity)
+        << type;
     // Fields: on the body, and on the joint's second body.
     for (const auto& force : {holds.values("r", "joint_force"), holds.values("r.joints", "force")}) {
-      EXPECT_NEAR(force[1], kMass * kG, 0.01 * kMass * kG) << type;
+      EXPECT_NEAR(force[1], kJointMass * kJointGravity, 0.01 * kJointMass * kJointGravity) << type;
     }
     for (const auto& turn : {holds.values("r", "joint_torque"), holds.values("r.joints", "torque")}) {
       EXPECT_NEAR(turn.back(), torque, 0.01 * torque) << type;
@@ -123,11 +125,11 @@ TEST(RigidJointWords, AFixedJointBreaksByTheTorqueOnIt) {
 
 // A force along the axis of a slider, on its limit, counted for nothing in the plane.
 TEST(RigidJointWords, ASliderBreaksByTheForceOnItsLimit) {
-  for (const std::string& type : kTypes) {
+  for (const std::string& type : kJointTypes) {
     const std::string joint =
         R"("type": "prismatic", "anchor": [0.5, 0, 0], "axis": [0, 1, 0], "lower": 0, "break_force": )";
-    Jointed holds(type, joint + std::to_string(1.5 * kMass * kG)),
-        breaks(type, joint + std::to_string(0.8 * kMass * kG));
+    Jointed holds(type, joint + std::to_string(1.5 * kJointMass * kJointGravity)),
+        breaks(type, joint + std::to_string(0.8 * kJointMass * kJointGravity));
     holds.seconds(1), breaks.seconds(1);
     EXPECT_EQ(holds.observed("joint.j.broken"), 0) << type;
     EXPECT_EQ(breaks.observed("joint.j.broken"), 1) << type;
@@ -135,7 +137,7 @@ TEST(RigidJointWords, ASliderBreaksByTheForceOnItsLimit) {
 }
 
 TEST(RigidJointWords, AMotorJointMovesAndTurnsAtItsRate) {
-  for (const std::string& type : kTypes) {
+  for (const std::string& type : kJointTypes) {
     const std::string turn = type == "rigid2d" ? "0.5" : "[0, 0, 0.5]";
     Jointed r(type,
               R"("type": "motor", "move": [0.4, 0.2, 0], "rate": 5, "max_force": 1e4, "max_torque": 1e4,

@@ -10,7 +10,7 @@
 namespace truestep {
 namespace {
 
-const std::string kTypes[] = {"rigid2d", "rigid3d"};
+const std::string kMotorTypes[] = {"rigid2d", "rigid3d"};
 
 /// A square or cube of 1 m and 2 kg at (3, 0, 0) without gravity, on a joint.
 struct Driven {
@@ -54,7 +54,7 @@ std::string hinge(const std::string& type, const std::string& more) {
 }
 
 TEST(MotorWords, AMotorsSpeedIsSetWhileTheSceneRuns) {
-  for (const std::string& type : kTypes) {
+  for (const std::string& type : kMotorTypes) {
     Driven r(type, hinge(type, R"(, "motor_speed": 2)"));
     r.seconds(1);
     EXPECT_NEAR(r.observed("joint.j.angle"), 2, 0.01) << type;
@@ -74,7 +74,7 @@ TEST(MotorWords, AMotorsSpeedIsSetWhileTheSceneRuns) {
 }
 
 TEST(MotorWords, AMotorsTargetIsSetWhileTheSceneRunsAndWakes) {
-  for (const std::string& type : kTypes) {
+  for (const std::string& type : kMotorTypes) {
     Driven r(type, hinge(type, R"(, "motor_target": 0.5)"), "true");
     r.seconds(5);
     EXPECT_NEAR(r.observed("joint.j.angle"), 0.5, 1e-3) << type;
@@ -86,7 +86,7 @@ TEST(MotorWords, AMotorsTargetIsSetWhileTheSceneRunsAndWakes) {
 }
 
 TEST(MotorWords, AMotorJointsMoveIsSetWhileTheSceneRuns) {
-  for (const std::string& type : kTypes) {
+  for (const std::string& type : kMotorTypes) {
     Driven r(type, R"("type": "motor", "move": [1, 0, 0], "max_force": 1000)");
     r.seconds(2);
     EXPECT_LT(norm(r.at("position") - Vec3{4, 0, 0}), 1e-3) << type;
@@ -98,7 +98,7 @@ TEST(MotorWords, AMotorJointsMoveIsSetWhileTheSceneRuns) {
 }
 
 TEST(MotorWords, AMotorJointDrivesVelocities) {
-  for (const std::string& type : kTypes) {
+  for (const std::string& type : kMotorTypes) {
     const std::string spin = type == "rigid2d" ? "0.5" : "[0, 0, 0.5]";
     Driven r(type, R"("type": "motor", "velocity": [0.5, 1, 0], "max_force": 4, "angular_velocity": )" +
                        spin + R"(, "max_torque": 0.1)");
@@ -117,7 +117,7 @@ TEST(MotorWords, AMotorJointDrivesVelocities) {
 }
 
 TEST(MotorWords, ADrivenVelocityKeepsItsBodyAwake) {
-  for (const std::string& type : kTypes) {
+  for (const std::string& type : kMotorTypes) {
     // Slower than what may fall asleep.
     Driven r(type, R"("type": "motor", "velocity": [0.005, 0, 0])", "true");
     r.seconds(5);
@@ -127,7 +127,7 @@ TEST(MotorWords, ADrivenVelocityKeepsItsBodyAwake) {
 }
 
 TEST(MotorWords, TwoFreeBodiesDrivenApartKeepTheirMomentum) {
-  for (const std::string& type : kTypes) {
+  for (const std::string& type : kMotorTypes) {
     const std::string spin = type == "rigid2d" ? "0.4" : "[0, 0, 0.4]";
     Driven r(type,
              R"("type": "distance", "maximum": 100}, {"a": 0, "b": 1, "type": "motor",
@@ -142,7 +142,7 @@ TEST(MotorWords, TwoFreeBodiesDrivenApartKeepTheirMomentum) {
 }
 
 TEST(MotorWords, AJointWithoutAnchorIsMidwayBetweenItsBodies) {
-  for (const std::string& type : kTypes) {
+  for (const std::string& type : kMotorTypes) {
     const std::string axis = type == "rigid2d" ? "" : R"(, "axis": [0, 0, 1])";
     Driven r(type,
              R"("type": "revolute")" + axis + R"(}, {"a": 0, "b": 1, "id": "k", "type": "revolute")" + axis,

@@ -12,7 +12,7 @@
 namespace truestep {
 namespace {
 
-constexpr double kMass = 2, kMoment = 2.0 / 6;  // of a square and of a cube of 1 m about z
+constexpr double kPushedMass = 2, kMoment = 2.0 / 6;  // of a square and of a cube of 1 m about z
 
 struct Hand {
   explicit Hand(const std::string& system)
@@ -62,7 +62,7 @@ TEST(UserForces, AnImpulseAtACornerTurns) {
   for (const std::string& body : kBodies) {
     Hand hand(body), centre(body);
     hand.apply(CommandKind::impulse, {1, 0, 0}, Vec3{0.5, 0.5, 0});
-    EXPECT_NEAR(hand.value("velocity", 0), 1 / kMass, 1e-15);
+    EXPECT_NEAR(hand.value("velocity", 0), 1 / kPushedMass, 1e-15);
     EXPECT_NEAR(hand.spin(), -0.5 / kMoment, 1e-6) << body;  // moments of hulls in the plane are sums
     centre.apply(CommandKind::impulse, {1, 0, 0}, std::nullopt);
     EXPECT_EQ(centre.spin(), 0);
@@ -78,7 +78,7 @@ TEST(UserForces, APushAtAnEdgeTurns) {
     hand.steps(10);
     const double torque = -0.5 * kForce / kMoment;
     const double spin = torque * (1 - std::exp(-kDamping * kDuration)) / kDamping;
-    EXPECT_NEAR(hand.value("velocity", 0), kForce * kDuration / kMass, 1e-12);
+    EXPECT_NEAR(hand.value("velocity", 0), kForce * kDuration / kPushedMass, 1e-12);
     // Damping in substeps of 2.5 ms is of first order: 0.25 %.
     EXPECT_NEAR(hand.spin(), spin, 0.003 * std::abs(spin)) << body;
     const double reached = hand.value("velocity", 0);

@@ -29,7 +29,7 @@ void fetch(void* library, const char* name, F& function) {
   if (!function) throw Error("render_unavailable", std::string("libEGL has no ") + name);
 }
 
-Egl open_library() {
+Egl open_egl() {
   void* library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
   if (!library) throw Error("render_unavailable", "libEGL is not installed (Debian package libegl1)");
   Egl e;
@@ -47,7 +47,7 @@ Egl open_library() {
 }
 
 const Egl& egl() {
-  static const Egl functions = open_library();
+  static const Egl functions = open_egl();
   return functions;
 }
 

@@ -19,7 +19,7 @@ struct OsMesa {
   decltype(&OSMesaGetProcAddress) resolve = nullptr;
 };
 
-OsMesa open_library() {
+OsMesa open_osmesa() {
   void* library = nullptr;
   for (const char* name : {"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"})
     if ((library = dlopen(name, RTLD_NOW | RTLD_LOCAL))) break;
@@ -35,7 +35,7 @@ OsMesa open_library() {
 }
 
 const OsMesa& osmesa() {
-  static const OsMesa functions = open_library();
+  static const OsMesa functions = open_osmesa();
   return functions;
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kTurn = 6.283185307179586;
 
-Quat conjugate(const Quat& q) {
+Quat inverse_of(const Quat& q) {
   return {q.w, -q.x, -q.y, -q.z};
 }
 
@@ -285,9 +285,9 @@ class Builder {
     if (line) other = m.anchor_b ? *m.anchor_b + d.offset * copy : b.position;
     j.anchor_a = transform_of(a).inverse_point(anchor), j.anchor_b = transform_of(b).inverse_point(other);
     if (line && j.length < 0) j.length = norm(other - anchor);
-    j.slide_frame = normalized(conjugate(a.orientation) * m.slides);
-    j.turn_a = normalized(conjugate(a.orientation) * m.turns);
-    j.turn_b = normalized(conjugate(b.orientation) * m.turns);
+    j.slide_frame = normalized(inverse_of(a.orientation) * m.slides);
+    j.turn_a = normalized(inverse_of(a.orientation) * m.turns);
+    j.turn_b = normalized(inverse_of(b.orientation) * m.turns);
   }
 
   /// The joints of a gear, and the bodies that it wakes together.

@@ -7,29 +7,30 @@ namespace {
 
 constexpr double kMostBodies = 200'000, kHalfTurn = 3.141592653589793;
 
+const DefTable& common_table() {
+  static const DefTable t =
+      TableOf<JointDef>("a joint")
+          .text("id", &JointDef::id,
+                "name; its force, torque and coordinates are observed as joint.ID.force and so on")
+          .integer("a", &JointDef::a, between(-1, kMostBodies), "row of the first body; -1: the world")
+          .integer("b", &JointDef::b, between(-1, kMostBodies), "row of the second body; -1: the world")
+          .vector("anchor", &JointDef::anchor, "m", any(),
+                  "point in the world at t = 0; absent: midway between the bodies")
+          .number("break_force", &JointDef::break_force, "N", above(0),
+                  "force at which it breaks; absent: never")
+          .number("break_torque", &JointDef::break_torque, "N m", above(0),
+                  "torque at which it breaks; absent: never")
+          .boolean("collide", &JointDef::collide, "whether its bodies collide with one another")
+          .integer("repeat", &JointDef::repeat, between(1, kMostBodies), "number of joints like this one")
+          .integer("step", &JointDef::step, between(1, kMostBodies),
+                   "added to rows a and b from one joint to the next; -1 stays")
+          .vector("offset", &JointDef::offset, "m", any(), "added to the anchor from one joint to the next")
+          .build();
+  return t;
+}
 template <class D>
 TableOf<D>& add_common(TableOf<D>& t) {
-  std::string D::*id = &JointDef::id;
-  int64_t D::*a = &JointDef::a;
-  int64_t D::*b = &JointDef::b;
-  std::optional<Vec3> D::*anchor = &JointDef::anchor;
-  std::optional<double> D::*force = &JointDef::break_force;
-  std::optional<double> D::*torque = &JointDef::break_torque;
-  bool D::*collide = &JointDef::collide;
-  int64_t D::*repeat = &JointDef::repeat;
-  int64_t D::*step = &JointDef::step;
-  Vec3 D::*offset = &JointDef::offset;
-  return t.text("id", id, "name; its force, torque and coordinates are observed as joint.ID.force and so on")
-      .integer("a", a, between(-1, kMostBodies), "row of the first body; -1: the world")
-      .integer("b", b, between(-1, kMostBodies), "row of the second body; -1: the world")
-      .vector("anchor", anchor, "m", any(), "point in the world at t = 0; absent: midway between the bodies")
-      .number("break_force", force, "N", above(0), "force at which it breaks; absent: never")
-      .number("break_torque", torque, "N m", above(0), "torque at which it breaks; absent: never")
-      .boolean("collide", collide, "whether its bodies collide with one another")
-      .integer("repeat", repeat, between(1, kMostBodies), "number of joints like this one")
-      .integer("step", step, between(1, kMostBodies),
-               "added to rows a and b from one joint to the next; -1 stays")
-      .vector("offset", offset, "m", any(), "added to the anchor from one joint to the next");
+  return t.template base<JointDef>(common_table());
 }
 
 struct DriveUnits {
@@ -330,7 +331,7 @@ const DefTable& gear_table() {
 
 }  // namespace
 
-std::vector<std::pair<std::string, const DefTable*>> joint_tables() {
+std::vector<NamedTable> joint_tables() {
   return {{"spherical|ball", &ball_table()},
           {"fixed|weld", &fixed_table()},
           {"revolute|hinge|pin", &hinge_table()},

@@ -92,7 +92,7 @@ using AnyJointDef =
 inline constexpr double kMostJoints = 1'000'000;
 
 /// The tables of AnyJointDef's alternatives, in their order.
-std::vector<std::pair<std::string, const DefTable*>> joint_tables();
+std::vector<NamedTable> joint_tables();
 /// Number of joints that an entry stands for.
 int64_t joint_count(const AnyJointDef& d);
 /// Id of the entry; empty if it has none.

@@ -10,7 +10,7 @@
 namespace truestep::rigid3d {
 namespace {
 
-constexpr double kTurn = 6.283185307179586;
+constexpr double kFullTurn = 6.283185307179586;
 /// Smallest cosine of the second Cardan angle: closer to a quarter turn the first and third axes coincide.
 constexpr double kLeastCosine = 0.02;
 
@@ -48,7 +48,7 @@ void swing_twist(const Rotation& a, const Rotation& b, const Quat& turned, Joint
 }  // namespace
 
 double unwrapped(double angle, double near) {
-  return angle + kTurn * std::round((near - angle) / kTurn);
+  return angle + kFullTurn * std::round((near - angle) / kFullTurn);
 }
 
 JointPlace joint_place(const Joint& joint, const Pose& a, const Pose& b) {

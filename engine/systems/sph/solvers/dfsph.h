@@ -38,39 +38,7 @@ class Dfsph {
   /// then makes them such that the density after a substep is the rest density, or nearer to it by `part`:
   /// corrected at once, in substeps that viscosity makes short, an error that the flow does not feel would
   /// take pressures that shake it.
-  Solved solve(Fluid<D, T>& f, BodiesIn<D, T>& bodies, const Pace& pace, const ThreadArena& arena) const {
-    const double h = pace.h, error = h * h / (pace.part * pace.tolerance);
-    const T most = static_cast<T>(kMostAtOnce * pace.share), part = static_cast<T>(pace.part);
-    const T step = static_cast<T>(h), per_step = 1 / step,
-            closing = static_cast<T>(set_.closed ? 0 : kClosing / h);
-    begin_from(f, f.flow, arena);
-    push_by<Answer::mirror>(f, f.flow, arena);
-    move<Answer::mirror>(f, bodies, f.flow, h, arena);
-    Solved out;
-    out.flow = relax<Answer::mirror>(f, bodies, f.flow, error, arena, [&](size_t i, T others) {
-      const T rate = compression<Answer::mirror, D, T>(f, f.v, i, others) + 2 * f.drive[i];
-      return per_step * (rate + closing * std::min(f.delta[i] - static_cast<T>(kGap), T{0}));
-    });
-    if (set_.closed) {
-      push_by<Answer::mirror>(f, f.change, arena);
-      move<Answer::mirror>(f, bodies, f.change, h, arena);
-      return out;
-    }
-    // The result of the first solve and the start of the second push in one pass.
-    begin_from(f, f.push, arena);
-    push_by_both(f, f.change, f.push, f.next, arena);
-    if (bodies.any()) {
-      bodies.template answer<Answer::mirror>(f.change), bodies.follow(f, h);
-    }
-    move<Answer::rest>(f, bodies, f.push, h, arena);
-    out.push = relax<Answer::rest>(f, bodies, f.push, error, arena, [&](size_t i, T others) {
-      const T rate = compression<Answer::rest, D, T>(f, f.v, i, others) + f.drive[i];
-      return per_step * (per_step * part * std::min(f.delta[i] - 1, most) + rate);
-    });
-    push_by<Answer::rest>(f, f.change, arena);
-    move<Answer::rest>(f, bodies, f.change, h, arena);
-    return out;
-  }
+  Solved solve(Fluid<D, T>& f, BodiesIn<D, T>& bodies, const Pace& pace, const ThreadArena& arena) const;
 
  private:
   /// A solve ends on the mean error; the largest may be this many times as large.
@@ -85,14 +53,7 @@ class Dfsph {
 
   /// The start pressures q of a solve, copied into `start` and `iterate`; particles that nothing moves have
   /// none.
-  static void begin_from(Fluid<D, T>& f, Aligned<T>& q, const ThreadArena& arena) {
-    arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) {
-        if (f.fixed(i)) q[i] = 0;
-        f.start[i] = f.iterate[i] = q[i];
-      }
-    });
-  }
+  static void begin_from(Fluid<D, T>& f, Aligned<T>& q, const ThreadArena& arena);
   /// Applies pressures q for h s; f.a is their effect on the particles.
   template <Answer A>
   static void move(Fluid<D, T>& f, BodiesIn<D, T>& bodies, const Aligned<T>& q, double h,
@@ -172,19 +133,9 @@ class Dfsph {
     return out;
   }
   /// Subtracts the mean of q.
-  static void center(Fluid<D, T>& f, Aligned<T>& q, const ThreadArena& arena) {
-    const auto all = f.tally(arena, [&](size_t i) { return std::array<double, 3>{0, 0, double{q[i]}}; });
-    const T mean = static_cast<T>(all.third / static_cast<double>(f.n));
-    arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) q[i] -= mean;
-    });
-  }
+  static void center(Fluid<D, T>& f, Aligned<T>& q, const ThreadArena& arena);
   /// q becomes `to`, f.change its difference from the start.
-  static void go_to(Fluid<D, T>& f, Aligned<T>& q, const Aligned<T>& to, const ThreadArena& arena) {
-    arena.for_blocks(f.n, kBlockRows, [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) q[i] = to[i], f.change[i] = to[i] - f.start[i];
-    });
-  }
+  static void go_to(Fluid<D, T>& f, Aligned<T>& q, const Aligned<T>& to, const ThreadArena& arena);
 
   const Setting& set_;
 };

@@ -15,7 +15,7 @@ using testing::RigidRun;
 namespace {
 
 /// Twelve layers of 5 x 5 boxes, balls and capsules over a pit.
-Rigid3dDef heap(unsigned seed) {
+Rigid3dDef heap_of(unsigned seed) {
   Rigid3dDef d;
   d.bodies = {testing::ground()};
   for (const double side : {1.0, -1.0}) {
@@ -54,7 +54,7 @@ TEST(RigidHeapSleeps, WithinTenSecondsOfRest) {
   constexpr double kAlone = 3;
   std::vector<int> waits;
   for (unsigned seed = 1; seed <= 12; ++seed) {
-    RigidRun run(heap(seed));
+    RigidRun run(heap_of(seed));
     int rests = 0, t = 0;
     while (t < 30 && run.observed("awake") > kAlone) {
       run.seconds(1), ++t;

@@ -1,0 +1,11 @@
+#include "engine/systems/mpm/make_solver.h"
+#include "engine/systems/mpm/solver_of.h"
+
+namespace truestep::mpm {
+
+template <>
+std::unique_ptr<const Solver> make_solver_of<3, double>(const Setting& s) {
+  return solver_with_splines<3, double>(s);
+}
+
+}  // namespace truestep::mpm

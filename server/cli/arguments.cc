@@ -1,0 +1,101 @@
+#include "server/cli/arguments.h"
+
+#include <CLI/CLI.hpp>
+
+namespace truestep {
+
+Argument Argument::required() {
+  option_->required();
+  return *this;
+}
+
+Argument Argument::shows_default() {
+  option_->capture_default_str();
+  return *this;
+}
+
+template <class T>
+Argument Argument::in_range(T least, T most) {
+  option_->check(CLI::Range(least, most));
+  return *this;
+}
+template Argument Argument::in_range(int, int);
+template Argument Argument::in_range(int64_t, int64_t);
+template Argument Argument::in_range(uint64_t, uint64_t);
+template Argument Argument::in_range(double, double);
+
+Argument Argument::one_of(std::vector<std::string> words, std::string as) {
+  CLI::Validator check = CLI::IsMember(std::move(words));
+  if (!as.empty()) check.description(std::move(as));
+  option_->check(check);
+  return *this;
+}
+
+Argument Argument::separated_by(char separator) {
+  option_->delimiter(separator);
+  return *this;
+}
+
+Argument Argument::excludes(Argument other) {
+  option_->excludes(other.option_);
+  return *this;
+}
+
+Argument Argument::needs(Argument other) {
+  option_->needs(other.option_);
+  return *this;
+}
+
+Arguments Arguments::add_subcommand(std::string name, std::string sentence) {
+  return Arguments(app_->add_subcommand(std::move(name), std::move(sentence)));
+}
+
+template <class T>
+Argument Arguments::add_option(std::string names, T& value, std::string sentence) {
+  return Argument(app_->add_option(std::move(names), value, std::move(sentence)));
+}
+template Argument Arguments::add_option(std::string, std::string&, std::string);
+template Argument Arguments::add_option(std::string, std::vector<std::string>&, std::string);
+template Argument Arguments::add_option(std::string, double&, std::string);
+template Argument Arguments::add_option(std::string, int&, std::string);
+template Argument Arguments::add_option(std::string, int64_t&, std::string);
+template Argument Arguments::add_option(std::string, uint64_t&, std::string);
+template Argument Arguments::add_option(std::string, uint16_t&, std::string);
+template Argument Arguments::add_option(std::string, std::optional<double>&, std::string);
+
+void Arguments::add_flag(std::string names, bool& value, std::string sentence) {
+  app_->add_flag(std::move(names), value, std::move(sentence));
+}
+
+void Arguments::callback(std::function<void()> f) {
+  app_->callback(std::move(f));
+}
+
+std::vector<Arguments::Known> Arguments::subcommands() const {
+  std::vector<Known> out;
+  for (const CLI::App* c : std::as_const(*app_).get_subcommands([](const CLI::App*) { return true; })) {
+    Known& one = out.emplace_back(Known{c->get_name(), c->get_description(), {}});
+    for (const CLI::Option* option : c->get_options()) {
+      for (const std::string& name : option->get_lnames()) one.options.push_back(name);
+    }
+  }
+  return out;
+}
+
+CommandLine::CommandLine(std::string sentence, std::string name, std::string version)
+    : app_(std::make_unique<CLI::App>(std::move(sentence), std::move(name))) {
+  app_->require_subcommand(1);
+  app_->set_version_flag("--version", std::move(version));
+}
+CommandLine::~CommandLine() = default;
+
+bool CommandLine::parse(int argc, char** argv) {
+  try {
+    app_->parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app_->exit(e) == 0;
+  }
+  return true;
+}
+
+}  // namespace truestep
