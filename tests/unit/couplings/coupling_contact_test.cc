@@ -147,7 +147,9 @@ TEST(Contact, KeepsMomentumWithBounceAndFriction) {
 // corners'.
 TEST(Contact, FallingChangesNothingBetweenThem) {
   constexpr double g = -20, t = 75 * 0.004;
-  for (const char* law : {R"("restitution": 0.4, "friction": 0.6)", R"("restitution": 0)"}) {
+  // Bounces to rounding; what rests on the cloth is held over the rest of a step by a mean acceleration.
+  for (const auto& [law, tolerance] :
+       {std::pair(R"("restitution": 0.4, "friction": 0.6)", 1e-12), {R"("restitution": 0)", 1e-5}}) {
     SceneRun floats(rain(law)), falls(rain(law, g));
     double contacts = 0;
     for (int i = 0; i < 75; ++i) {
@@ -162,7 +164,7 @@ TEST(Contact, FallingChangesNothingBetweenThem) {
       for (size_t i = 0; i < x.size() / 3; ++i) {
         worst = std::max(worst, norm(load3(y.data(), i) - load3(x.data(), i) - Vec3{0, 0.5 * g * t * t, 0}));
       }
-      EXPECT_LT(worst, 1e-7) << law << ", system " << k;
+      EXPECT_LT(worst, tolerance) << law << ", system " << k;
     }
   }
 }

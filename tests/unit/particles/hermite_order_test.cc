@@ -23,7 +23,7 @@ double closure(double tolerance) {
 
 TEST(HermiteOrder, IsFour) {
   const double loose = closure(1e-3), tight = closure(1e-4);
-  EXPECT_LT(tight, 1e-5);
+  EXPECT_LT(tight, 1e-8);
   EXPECT_NEAR(std::log10(loose / tight), 2, 0.7) << "steps are powers of two";
 }
 

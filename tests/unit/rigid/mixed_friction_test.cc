@@ -12,12 +12,15 @@ using testing_coupled::SceneRun;
 
 // m/s, what a block that slides over a floor loses in 0.2 s.
 double lost(const std::string& type, double block, double floor) {
-  SceneRun run(R"({"time": {"dt": 0.005}, "systems": [{"type": ")" + type + R"(", "id": "b", "bodies": [
-    {"type": "plane", "motion": "fixed", "friction": )" +
-               std::to_string(floor) +
-               R"(}, {"type": "box", "half_extents": [0.5, 0.1, 0.5], "position": [0, 0.1, 0],
-    "velocity": [3, 0, 0], "friction": )" +
-               std::to_string(block) + "}]}]})");
+  const auto body = [&](const std::string& half, double friction, const std::string& more) {
+    const std::string box = R"("type": "box", "half_extents": )" + half;
+    return "{" + (type == "rigid2d" ? R"("shapes": [{)" + box + "}]" : box) + R"(, "friction": )" +
+           std::to_string(friction) + more + "}";
+  };
+  SceneRun run(R"({"time": {"dt": 0.005}, "systems": [{"type": ")" + type + R"(", "id": "b", "bodies": [)" +
+               body("[50, 1, 50]", floor, R"(, "motion": "fixed", "position": [0, -1, 0])") + ", " +
+               body("[0.5, 0.1, 0.5]", block, R"(, "position": [0, 0.1, 0], "velocity": [3, 0, 0])") +
+               "]}]}");
   run.session.step(40);
   const State& s = run.session.state().systems[0];
   return 3 - load3(s.f64(s.at("velocity")).data(), 1).x;

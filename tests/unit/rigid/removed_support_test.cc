@@ -13,14 +13,15 @@ struct Heights {
   double awake, before, after;
 };
 Heights heights(const std::string& type, bool upper_first) {
-  const auto body = [](double y) {
-    return R"({"type": "box", "half_extents": [0.5, 0.25, 0.5], "position": [0, )" + std::to_string(y) +
-           ", 0]}";
+  const auto body = [&](double y, const std::string& half, const std::string& more) {
+    const std::string box = R"("type": "box", "half_extents": )" + half;
+    return "{" + (type == "rigid2d" ? R"("shapes": [{)" + box + "}]" : box) + R"(, "position": [0, )" +
+           std::to_string(y) + ", 0]" + more + "}";
   };
-  const std::string low = body(0.25), high = body(0.75);
+  const std::string low = body(0.25, "[0.5, 0.25, 0.5]", ""), high = body(0.75, "[0.5, 0.25, 0.5]", "");
   SceneRun run(R"({"systems": [{"type": ")" + type + R"(", "id": "b", "bodies": [)" +
-               (upper_first ? high + ", " + low : low + ", " + high) +
-               R"(, {"type": "plane", "motion": "fixed"}]}]})");
+               (upper_first ? high + ", " + low : low + ", " + high) + ", " +
+               body(-1, "[50, 1, 50]", R"(, "motion": "fixed")") + "]}]}");
   const auto height = [&](size_t row) {
     const State& s = run.session.state().systems[0];
     return load3(s.f64(s.at("position")).data(), row).y;
