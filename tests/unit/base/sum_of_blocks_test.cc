@@ -25,8 +25,7 @@ TEST(SumOfBlocks, IsTheSameWhicheverBlockEndsFirst) {
         if (begin == slow) std::this_thread::sleep_for(std::chrono::milliseconds(20));
         return block(begin);
       };
-      EXPECT_EQ(arena.sum_blocks(160, 10, std::ref(body)), expected)
-          << threads << " threads, slow block " << slow;
+      EXPECT_EQ(arena.sum_blocks(160, 10, body), expected) << threads << " threads, slow block " << slow;
     }
   }
 }
