@@ -186,6 +186,21 @@ TEST(Bundle, CommandsAndCheckpointsOutOfOrderAreRefused) {
   EXPECT_NE(refused(bad), "");
 }
 
+// Whichever snapshot it begins at: snapshots are older than the commands of their step.
+TEST(SessionSeek, KeepsTheCommandsOfTheStepThatItBeginsAt) {
+  Session s(rope(), kArena);
+  std::vector<uint64_t> hashes;
+  for (int k = 0; k < 300; ++k) {
+    s.command(impulse(1 + k % 8, k % 2 ? 1e-3 : -2e-3));
+    hashes.push_back(s.hash());
+    s.step(1);
+  }
+  for (const size_t step : {299, 200, 64, 48, 17, 0}) {
+    s.seek(step);
+    EXPECT_EQ(s.hash(), hashes[step]) << step;
+  }
+}
+
 TEST(JournalBound, ShortensThePastAndNothingElse) {
   constexpr size_t kMost = 200;
   Session bounded(rope(), kArena, {.journal_entries = kMost}), free(rope(), kArena);
