@@ -24,6 +24,9 @@ class CommandLine(unittest.TestCase):
         self.assertEqual(self.run_truestep("run", "-", "--steps", "5000", text=json.dumps(unstable)).returncode, 4)
         missed = {**OSCILLATOR, "expect": [{"quantity": "energy.total", "min": 1e9, "source": "a control"}]}
         self.assertEqual(self.run_truestep("run", "-", text=json.dumps(missed)).returncode, 6)
+        # 11 steps of 0.03 s are a rounding error less than 0.33 s, and a whole run all the same.
+        missed["time"] = {"dt": 0.03, "duration": 0.33}
+        self.assertEqual(self.run_truestep("run", "-", text=json.dumps(missed)).returncode, 6)
 
     def unstable(self, system, *arguments, dt=1 / 60, more={}):
         scene = {"time": {"dt": dt}, "systems": [system], **more}

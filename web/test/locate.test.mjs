@@ -7,7 +7,7 @@ const text = `{
   "name": "a \\"quoted\\" name",
   "systems": [
     {"type": "rope", "n": 12},
-    {"type": "cloth", "a/b": {"m~n": [1, 2, 3]}}
+    {"type": "cloth", "a/b": {"m~n": [1, 2, 3]}, "c~1d": true}
   ]
 }`;
 const at = (pointer) => {
@@ -20,6 +20,7 @@ test("members, elements and escaped names are found", () => {
   assert.equal(at("/systems/0/n"), '"n": 12');
   assert.equal(at("/systems/1/type"), '"type": "cloth"');
   assert.equal(at("/systems/1/a~1b/m~0n/2"), "3");
+  assert.equal(at("/systems/1/c~01d"), '"c~1d": true');
   assert.equal(at(""), text);
 });
 

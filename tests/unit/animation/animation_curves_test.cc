@@ -109,6 +109,21 @@ TEST(KeyCurve, GoesThroughItsKeysWithRatesThatAreDerivatives) {
   }
 }
 
+// Before the first key and behind the last one too, where a curve that turns back runs the other way.
+TEST(KeyCurve, RatesFollowTheCurveBeyondItsEnds) {
+  const std::vector<double> t{0, 0.7, 1.5, 3.1, 4}, v{1, -2, 0.5, 2, 1};
+  for (const Interpolation kind : kAll) {
+    for (const Extend extend : {Extend::clamp, Extend::loop, Extend::ping_pong}) {
+      const KeyCurve c = curve(t, v, kind, extend);
+      for (double x = -9.96; x < 14; x += 0.3713) {
+        const double h = 1e-6;
+        EXPECT_NEAR(rate(c, x), (at(c, x + h) - at(c, x - h)) / (2 * h), 2e-7)
+            << static_cast<int>(kind) << " " << static_cast<int>(extend) << " at " << x;
+      }
+    }
+  }
+}
+
 TEST(KeyCurve, NaturalHasContinuousBendingThatVanishesAtTheEnds) {
   const std::vector<double> t{0, 0.7, 1.5, 3.1, 4}, v{1, -2, 0.5, 2, 1};
   const KeyCurve c = curve(t, v, Interpolation::natural);

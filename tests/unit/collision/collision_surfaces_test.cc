@@ -182,6 +182,25 @@ TEST(CollisionSurfaces, HeightFieldIsTheMeshOfItsCells) {
   EXPECT_GT(met, 300u);
 }
 
+// Up to its border, across which there is none.
+TEST(CollisionSurfaces, HeightFieldHasTheNeighboursOfItsMesh) {
+  const Ground g =
+      ground(9, [](double x, double z) { return 0.3 * std::sin(3 * x) + 0.2 * std::cos(2 * z + x); });
+  const Solid mesh = mesh_solid(g.vertices, g.triangles), field = height_field_solid(9, 9, 0.5, g.heights);
+  size_t borders = 0;
+  for (uint32_t k = 0; k < mesh.mesh->size(); ++k) {
+    const auto sorted = [](std::array<uint32_t, 3> n) {
+      std::sort(n.begin(), n.end());
+      return n;
+    };
+    const auto triangle = field.heights->triangle(k);
+    ASSERT_TRUE(triangle);
+    EXPECT_EQ(sorted(triangle->neighbor), sorted(mesh.mesh->triangle(k).neighbor)) << k;
+    borders += static_cast<size_t>(std::ranges::count(triangle->neighbor, MeshTriangle::kBorder));
+  }
+  EXPECT_EQ(borders, 4 * 8u);
+}
+
 /// A box beside a triangle whose neighbour is nearer may not be pushed towards that neighbour: along the
 /// directions left to the triangle the two seem to overlap, with edges that pass each other. A heap in a bowl
 /// rested on such a contact 2 mm deep, which was lost as soon as the box was 5 mm away, and never slept.

@@ -97,7 +97,7 @@ TEST(PointHull, TouchesOfWhatRestsAreWithinTheStep) {
 }
 
 // Particles rain on a free, tumbling cloth; no other forces.
-std::string rain(const char* law) {
+std::string rain(const char* law, double gravity = 0) {
   std::string positions, velocities;
   for (uint64_t i = 0; i < 200; ++i) {
     const Vec3 x = random_vec(1, i), v = random_vec(2, i);
@@ -108,7 +108,7 @@ std::string rain(const char* law) {
     std::snprintf(text, sizeof text, "%s[%.3f, %.3f, %.3f]", i ? ", " : "", v.x, -3 + v.y, v.z);
     velocities += text;
   }
-  return R"({"gravity": [0, 0, 0], "time": {"dt": 0.004}, "systems": [
+  return R"({"gravity": [0, )" + std::to_string(gravity) + R"(, 0], "time": {"dt": 0.004}, "systems": [
       {"type": "mass_spring", "id": "cloth", "cloth_grid": {"nx": 12, "ny": 10}, "mass": 0.02, "stiffness": 60,
        "velocity": [0.3, 0.4, 0.1], "integrator": "velocity_verlet"},
       {"type": "particles", "id": "dust", "mass": 0.005, "radius": 0.02, "positions": [)" +
@@ -140,6 +140,32 @@ TEST(Contact, KeepsMomentumWithBounceAndFriction) {
     EXPECT_LT(norm(cloth + given), 1e-12 * before.scale) << law;
     EXPECT_GT(norm(given), 0.05 * before.scale) << law;
     EXPECT_GE(run.observe("c.energy.lost"), -1e-9) << law;
+  }
+}
+
+// What falls freely together meets as if nothing pulled: the acceleration of a triangle is the mean of its
+// corners'.
+TEST(Contact, FallingChangesNothingBetweenThem) {
+  constexpr double g = -20, t = 75 * 0.004;
+  // Bounces to rounding; what rests on the cloth is held over the rest of a step by a mean acceleration.
+  for (const auto& [law, tolerance] :
+       {std::pair(R"("restitution": 0.4, "friction": 0.6)", 1e-12), {R"("restitution": 0)", 1e-5}}) {
+    SceneRun floats(rain(law)), falls(rain(law, g));
+    double contacts = 0;
+    for (int i = 0; i < 75; ++i) {
+      floats.session.step(1), falls.session.step(1);
+      contacts += floats.observe("c.contacts");
+    }
+    EXPECT_GT(contacts, 30) << law << ", control";
+    for (size_t k = 0; k < 2; ++k) {
+      const State &a = floats.session.state().systems[k], &b = falls.session.state().systems[k];
+      const auto x = a.f64(a.at("position")), y = b.f64(b.at("position"));
+      double worst = 0;
+      for (size_t i = 0; i < x.size() / 3; ++i) {
+        worst = std::max(worst, norm(load3(y.data(), i) - load3(x.data(), i) - Vec3{0, 0.5 * g * t * t, 0}));
+      }
+      EXPECT_LT(worst, tolerance) << law << ", system " << k;
+    }
   }
 }
 

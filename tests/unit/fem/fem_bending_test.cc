@@ -152,6 +152,23 @@ TEST_P(FemSheet, ForcesAndStiffnessAreDerivatives) {
   }
 }
 
+// A cylinder of curvature k holds E h^3 k^2 / (24 (1 - nu^2)) an area (Timoshenko, Woinowsky-Krieger 1959,
+// eq. 3).
+TEST(FemBending, ACylinderHoldsTheEnergyOfItsRigidity) {
+  for (const double poisson : {0.0, 0.3, 0.45}) {
+    FemDef d = sheet(Plane::shell, false);
+    d.poisson_ratio = poisson;
+    Probe p(d);
+    // So little that what the middle is stretched by holds nothing.
+    constexpr double k = 1e-4, h = 0.05;
+    std::vector<double> x = p.rest;
+    for (size_t i = 0; i < x.size() / 3; ++i) x[3 * i + 2] = 0.5 * k * x[3 * i] * x[3 * i];
+    constexpr double area = 0.99;  // of the sheet's corners, by their cross products
+    EXPECT_NEAR(p.energy(x) / (1e4 * h * h * h * k * k / (24 * (1 - poisson * poisson)) * area), 1, 1e-3)
+        << poisson;
+  }
+}
+
 TEST_P(FemSheet, TheDefiniteStiffnessIs) {
   Probe p(def());
   for (const double by : {0.0, 0.02, 0.3}) {

@@ -41,6 +41,29 @@ TEST(PointGrid, FindsEveryNeighbourOnce) {
   }
 }
 
+// As is usual in the plane, along a line and at a single place; and where the box is a whole number of cells.
+TEST(PointGrid, FlatSetsHaveCells) {
+  for (const int axes : {0, 1, 2, 3}) {
+    std::vector<double> x;
+    for (int i = 0; i < 125; ++i) {
+      const int at[3] = {i % 5, i / 5 % 5, i / 25};
+      for (int a = 0; a < 3; ++a) x.push_back(a < axes ? 0.5 * at[a] : 2);
+    }
+    PointGrid grid;
+    grid.build(x, 0.5);
+    ASSERT_EQ(grid.size(), 125u);
+    for (size_t i = 0; i < 125; ++i) {
+      size_t found = 0, expected = 0;
+      const Vec3 p = load3(x.data(), i);
+      grid.near(p, [&](size_t begin, size_t end) {
+        for (size_t q = begin; q < end; ++q) found += norm(grid.position(q) - p) <= 0.5;
+      });
+      for (size_t j = 0; j < 125; ++j) expected += norm(load3(x.data(), j) - p) <= 0.5;
+      ASSERT_EQ(found, expected) << axes << " axes, point " << i;
+    }
+  }
+}
+
 TEST(PointGrid, IsTheSameForAnyNumberOfThreads) {
   const auto x = cloud(20'000, 1);
   const ThreadArena several(3);

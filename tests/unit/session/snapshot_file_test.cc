@@ -75,6 +75,16 @@ TEST(SnapshotFile, HostileStatesAreRefusedOrCanBeStepped) {
 }
 
 // Both solvers keep in the state the number of substeps into which they divided the last step.
+// Its watch over energies too, without which a restored session would believe whatever comes next.
+TEST(SnapshotFile, AStateReadsBackAsItWas) {
+  Session session(rope(), kArena);
+  session.step(3);
+  const WorldState& state = session.state();
+  ASSERT_FALSE(state.watch.empty());
+  ASSERT_NE(state.watch[0].phase, EnergyWatch::Phase::fresh) << "control: it is being watched";
+  EXPECT_EQ(WorldState::deserialize(state.serialize()), state);
+}
+
 TEST(SnapshotFile, NoStateAsksForMoreSubstepsThanTheSolverWouldTake) {
   const auto plane = std::make_shared<const World>(parse_scene(R"({"systems": [{"type": "rigid2d", "bodies": [
     {"motion": "fixed", "shapes": [{"type": "box", "half_extents": [5, 0.1, 0]}]}, {"position": [0, 0.5, 0], "shapes": [{"type": "box"}]}]}]})"));
@@ -174,6 +184,21 @@ TEST(Bundle, CommandsAndCheckpointsOutOfOrderAreRefused) {
   bad = good;
   bad.journal[0].command.system = "nobody";
   EXPECT_NE(refused(bad), "");
+}
+
+// Whichever snapshot it begins at: snapshots are older than the commands of their step.
+TEST(SessionSeek, KeepsTheCommandsOfTheStepThatItBeginsAt) {
+  Session s(rope(), kArena);
+  std::vector<uint64_t> hashes;
+  for (int k = 0; k < 300; ++k) {
+    s.command(impulse(1 + k % 8, k % 2 ? 1e-3 : -2e-3));
+    hashes.push_back(s.hash());
+    s.step(1);
+  }
+  for (const size_t step : {299, 200, 64, 48, 17, 0}) {
+    s.seek(step);
+    EXPECT_EQ(s.hash(), hashes[step]) << step;
+  }
 }
 
 TEST(JournalBound, ShortensThePastAndNothingElse) {

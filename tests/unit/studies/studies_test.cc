@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
 #include "engine/base/errors.h"
 #include "engine/scene/json/json.h"
@@ -195,6 +196,17 @@ TEST_F(Study, RandomSweepsRepeatBySeed) {
              b = result_csv(run(with("sweep", rest + "3")).table);
   EXPECT_EQ(a, b);
   EXPECT_NE(a, result_csv(run(with("sweep", rest + "4")).table));
+}
+
+TEST_F(Study, RandomSweepsDrawEveryValueOfAList) {
+  const auto table = run(with("sweep", R"("axes":[{"pointer":"/systems/0/stiffness","values":[100,200,300]}],
+    "measure":["energy.total"],"mode":"random","draws":60,"horizon":0.1,"seed":1)"))
+                         .table;
+  std::map<double, int> drawn;
+  for (const auto& row : table.rows) ++drawn[std::get<double>(row[1])];
+  ASSERT_EQ(drawn.size(), 3u);
+  // 20 each, with a standard deviation of 3.7.
+  for (const auto& [value, times] : drawn) EXPECT_GT(times, 5) << value;
 }
 
 TEST_F(Study, CancellingEndsIt) {
