@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <boost/asio/executor_work_guard.hpp>
 #include <chrono>
 #include <optional>
 #include <stdexcept>
@@ -40,6 +41,8 @@ class Running {
 
  private:
   net::EventLoop loop_;
+  // Work elsewhere is none of the loop's.
+  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> busy_{loop_.io().get_executor()};
   TaskContext context_{loop_};
   bool ended_ = false;
   std::exception_ptr error_;
