@@ -8,7 +8,7 @@ import unittest
 from harness import BINARY
 from patience import patience
 
-FALLING = {"time": {"dt": 0.01, "duration": 1},
+FALLING = {"gravity": [0, -9.81, 0], "time": {"dt": 0.01, "duration": 1},
            "systems": [{"type": "rigid3d", "id": "a", "bodies": [{"type": "sphere", "radius": 0.1}]}],
            "probes": [{"id": "ball", "system": "a", "index": 0}],
            "expect": [{"quantity": "ball.position.y", "equals": -4.905, "tolerance": 0.06, "source": "g t^2 / 2"}]}

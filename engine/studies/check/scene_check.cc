@@ -142,6 +142,9 @@ void SceneCheck::add_run(const json::value& scene, Run run) {
   run.trial.commands = test_.commands;
   run.trial.sleepers = test_.still.has_value();
   if (c.expect) run.trial.document.as_object()["expect"] = *c.expect;
+  // What cannot be built measures nothing: that is no fault of its own.
+  if (c.refused && !c.expect && run.trial.document.is_object())
+    run.trial.document.as_object().erase("expect");
   std::vector<SceneChange> changes = c.changes;
   run.label = c.name.empty() && test_.cases.size() > 1 ? "case " + std::to_string(run.of_case) : c.name;
   for (size_t axis = 0; axis < run.at.size(); ++axis) {
