@@ -11,7 +11,7 @@ set(joined_apart
     # exceptions of tests
     step_work.cc mass_spring_cost.cc fem_outputs.cc ode_compiler_axes.cc dense_lu.cc band_lu.cc sparse_lu_eigen.cc
     # flags of their own
-    avx512_loops.cc plain_loops.cc choice.cc tree_newton.cc skeleton_lead.cc multigrid.cc version.cc engines.cc parallel.cc thread_team.cc boost_sources.cc)
+    avx512_loops.cc plain_loops.cc choice.cc tree_newton.cc skeleton_lead.cc multigrid.cc version.cc sparse_lu.cc engines.cc parallel.cc thread_team.cc boost_sources.cc)
 set(joined_loops "^(collision|integrators|kernels|lattice|math|neighbours|rigid|systems)")
 set(joined_no_loops "_(build|check|checks|commands|cost|def|drawing|model|names|observe|output|outputs|state|tables|texts)\\.cc$|^rows_")
 # Under sanitizers a third of the compiler's time in these folders went into asking of every access whether its pointer is null,

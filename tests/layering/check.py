@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the house rules: order of includes and calls, one definition a type, file and folder sizes, head comments, flags, files compiled apart, libm imports, README's folder table.
+"""Checks the house rules: order of includes and calls, one definition a type, file and folder sizes, head comments, flags, files compiled apart, choices of the build, libm imports, README's folder table.
 
 check.py [--build DIR] [--in PATH...] [RULE...]     prints one line per finding, exit code 1 when one is no warning.
 Without a build folder the rules that read object files are left out (the pre-commit hook does that).
@@ -8,6 +8,7 @@ import argparse
 import sys
 from pathlib import Path
 
+import choices
 import files
 import includes
 import names
@@ -24,6 +25,7 @@ RULES = {
     "folders": files.check_folder_table,
     "flags": files.check_flags,
     "apart": files.check_joined_apart,
+    "choices": choices.check,
     "libm": symbols.check,
     "calls": symbols.check_calls,
 }

@@ -48,6 +48,10 @@ FAULTS = [
     ("folders", "web/main.ts", "// Viewer.\n", "a folder without a row"),
     ("flags", "cmake/options.cmake", "add_compile_options(-ffast-math)\n", "fast-math"),
     ("flags", "cmake/options.cmake", "add_compile_options(-march=native)\n", "one machine's instructions"),
+    ("choices", "engine/systems/sph/step.cc", "#ifdef TRUESTEP_KLU\n#endif\n", "a library where it was installed"),
+    ("choices", "engine/systems/sph/step.cc", "#if __has_include(<klu.h>)\n#endif\n", "a header where it was installed"),
+    ("choices", "cmake/dependencies.cmake", 'option(TRUESTEP_KLU "Sparse" ${klu_is_present})\n', "an option by what is installed"),
+    ("choices", "engine/CMakeLists.txt", "if(KLU_FOUND)\nendif()\n", "a condition on what is installed"),
 ]
 
 

@@ -9,17 +9,17 @@
 namespace truestep {
 
 template <const NystromTableau& T, size_t M>
-class NystromPair final : public Interpolant {
+class NystromPair final : public AdaptiveMethod {
  public:
   static constexpr size_t kStages = T.stages;
   static constexpr bool kFsal = T.first_same_as_last();
 
-  explicit NystromPair(Advance& in)
+  NystromPair(Advance& in, SumOrder order)
       : in_(in),
         second_(*in.f.second_order()),
         m_(M ? M : in.f.size() / 2),
         y_(in, "integrator.nystrom_y", 2 * m_),
-        k_(in, "integrator.nystrom_k", m_) {
+        k_(in, "integrator.nystrom_k", m_, order) {
     std::copy_n(in.y, 2 * m_, y_[kNow]);
     recall_sums(in, y_[kLow]);
   }
@@ -29,13 +29,13 @@ class NystromPair final : public Interpolant {
     if (in_.statistics) in_.statistics->rates += rates_;
   }
 
-  void begin(double t) { acceleration(t, y_[kNow], k_[0]); }
-  double first_step() {
+  void begin(double t) override { acceleration(t, y_[kNow], k_[0]); }
+  double first_step() override {
     in_.f.rate(in_.t, y_[kNow], y_[kNew]);
     rates_ += 2;
     return step_control::first_step(in_, y_[kNow], y_[kNew], T.order, y_[kLowNew], y_[kScratch]);
   }
-  double attempt(double t, double h) {
+  double attempt(double t, double h) override {
     [&]<size_t... I>(std::index_sequence<I...>) {
       (stage<I + 1>(t, h), ...);
     }
@@ -45,20 +45,20 @@ class NystromPair final : public Interpolant {
     end_stands_ = kFsal;
     return squared_error(h);
   }
-  double* candidate() { return y_[kNew]; }
-  const double* solution() const { return y_[kNow]; }
-  const Interpolant& between(double t, double h) {
+  double* candidate() override { return y_[kNew]; }
+  const double* solution() const override { return y_[kNow]; }
+  const Interpolant& between(double t, double h) override {
     h_ = h;
     end(t + h);
     return *this;
   }
-  void accept(double t1) {
+  void accept(double t1) override {
     end(t1);
     k_.take(0, kEnd);
     y_.take(kNow, kNew);
     y_.take(kLow, kLowNew);
   }
-  long long worst(double h) const {
+  long long worst(double h) const override {
     return step_control::worst_component(in_, 2 * m_, y_[kNow], [&](size_t i) {
       return i < m_ ? h * h * sum<kError>(i) : h * sum<kErrorV>(i - m_);
     });
@@ -141,16 +141,19 @@ class NystromPair final : public Interpolant {
       const double q = e / std::fma(tolerance.relative, size, each ? each[i] : tolerance.absolute);
       return q * q;
     };
-    const double total =
-        k_.sum([&](size_t i) { return term(i, h * sum<kError>(i)) + term(m_ + i, sum<kErrorV>(i)); });
+    const double total = k_.sum([&](size_t i) {
+      // The zeros behind the last element of few are asked as well.
+      if (M > 0 && i >= M) return 0.0;
+      return term(i, h * sum<kError>(i)) + term(m_ + i, sum<kErrorV>(i));
+    });
     return h * h * total / static_cast<double>(2 * m_);
   }
 
   Advance& in_;
   const SecondOrder& second_;
   size_t m_;
-  mutable Arrays<2 * M, kArrays> y_;
-  mutable Arrays<M, kStages + 1> k_;
+  mutable Arrays<width_of(2 * M), kArrays> y_;
+  mutable Arrays<width_of(M), kStages + 1> k_;
   uint64_t rates_ = 0;
   double h_ = 0;
   bool end_stands_ = false;
@@ -158,12 +161,12 @@ class NystromPair final : public Interpolant {
 
 template <const NystromTableau& T>
 void advance_nystrom(Advance& in, const step_control::Law& law) {
-  const auto run = [&]<size_t M>() {
-    NystromPair<T, M> pair(in);
+  const size_t m = positions_of(in);
+  with_size<2, 3>(m, [&]<size_t M>() {
+    NystromPair<T, M> pair(in, m <= 3 || m == 6 ? SumOrder::halves : SumOrder::lanes);
     drive(in, pair, law);
     pair.remember();
-  };
-  with_size<1, 2, 3, 6>(positions_of(in), run);
+  });
 }
 
 }  // namespace truestep

@@ -58,6 +58,11 @@ class Equations {
   Eigen::Index nx_, n_;
 };
 
+// a^-1 b, for any expressions: the factors' code is long.
+Vector solved(const Matrix& a, const Vector& b) {
+  return a.partialPivLu().solve(b);
+}
+
 }  // namespace
 
 void implicit_euler_dense(Motion& m, const IntegratorOptions& options, NewtonSteps steps) {
@@ -65,7 +70,7 @@ void implicit_euler_dense(Motion& m, const IntegratorOptions& options, NewtonSte
   Equations eq(m);
   const Vector y0 = eq.start();
   if (steps == NewtonSteps::one) {
-    eq.finish(y0 + eq.matrix(y0).partialPivLu().solve(h * eq.rates(y0)));
+    eq.finish(y0 + solved(eq.matrix(y0), h * eq.rates(y0)));
     return;
   }
   Vector y = y0, residual = -h * eq.rates(y0);
@@ -74,7 +79,7 @@ void implicit_euler_dense(Motion& m, const IntegratorOptions& options, NewtonSte
   // from worse there.
   constexpr double kNothing = 1e-150;
   for (int it = 0; residual.norm() > options.newton_tolerance * scale + kNothing; ++it) {
-    const Vector direction = eq.matrix(y).partialPivLu().solve(-residual);
+    const Vector direction = solved(eq.matrix(y), -residual);
     double share = 1;
     Vector next = y + direction, next_residual = next - y0 - h * eq.rates(next);
     while (!(next_residual.norm() < residual.norm()) && share > 1e-3) {

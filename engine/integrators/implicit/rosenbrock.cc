@@ -3,16 +3,16 @@
 // df/dt comes from one forward difference per step.
 #include "engine/integrators/implicit/rosenbrock_tableau.h"
 
-#include "engine/integrators/equations.h"
 #include "engine/integrators/explicit/drive.h"
 #include "engine/integrators/implicit/implicit_methods.h"
+#include "engine/integrators/small_equations.h"
 
 namespace truestep {
 
 namespace {
 
 template <const RosenbrockTableau& T, class Equations>
-class Rosenbrock final : public Interpolant {
+class Rosenbrock final : public AdaptiveMethod {
  public:
   explicit Rosenbrock(Equations& eq) : eq_(eq), autonomous_(eq.f().autonomous()) {
     std::copy_n(eq.advance().y, eq.size(), eq.array(y_));
@@ -20,13 +20,13 @@ class Rosenbrock final : public Interpolant {
 
   // --- drive.h
 
-  void begin(double t) { eq_.rate(t, eq_.array(y_), eq_.array(kRate)); }
-  double first_step() {
+  void begin(double t) override { eq_.rate(t, eq_.array(y_), eq_.array(kRate)); }
+  double first_step() override {
     eq_.count().rates += 1;
     return step_control::first_step(eq_.advance(), eq_.array(y_), eq_.array(kRate), T.order,
                                     eq_.array(kArgument), eq_.array(kTime));
   }
-  double attempt(double t, double h) {
+  double attempt(double t, double h) override {
     const size_t n = eq_.padded();
     double* const y = eq_.array(y_);
     double* const y_new = eq_.array(1 - y_);
@@ -63,15 +63,15 @@ class Rosenbrock final : public Interpolant {
     const double error = eq_.norm(this->error(), y, y_new);
     return error * error;
   }
-  double* candidate() { return eq_.array(1 - y_); }
-  const double* solution() const { return eq_.array(y_); }
+  double* candidate() override { return eq_.array(1 - y_); }
+  const double* solution() const override { return eq_.array(y_); }
   const Interpolant& between(double, double) { return *this; }
-  void accept(double t1) {
+  void accept(double t1) override {
     y_ = 1 - y_;
     linearised_ = false;
     eq_.rate(t1, eq_.array(y_), eq_.array(kRate));
   }
-  long long worst(double) const {
+  long long worst(double) const override {
     size_t most = 0;
     double largest = -1;
     for (size_t i = 0; i < eq_.size(); ++i) {
@@ -138,7 +138,7 @@ class Rosenbrock final : public Interpolant {
 
 template <const RosenbrockTableau& T>
 void advance_rosenbrock(Advance& a) {
-  visit_equations(a, [&](auto& eq) {
+  visit_equations<2, 3, 8>(a, [&](auto& eq) {
     Rosenbrock<T, std::remove_reference_t<decltype(eq)>> method(eq);
     drive(a, method, {.q = double(T.order), .beta = 0, .grow = 6});
   });
