@@ -4,7 +4,7 @@
 
 namespace truestep {
 
-/// Semantic version, e.g. "0.1.0".
+/// Semantic version, that of the project in CMakeLists.txt.
 std::string_view version();
 /// Compiler, flags and options that decide the bits of a result, e.g. "g++ 12.2 x86-64-v3 optimised".
 std::string_view build_description();

@@ -1,12 +1,12 @@
 #include "server/persistence/record_log.h"
 
 #include <unistd.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 
-#include "engine/base/crc32.h"
 #include "server/persistence/files.h"
 
 namespace truestep {
@@ -27,8 +27,8 @@ size_t rounded(size_t size) {
 }
 
 uint32_t sum_of(const std::byte* record, size_t body) {
-  const uint32_t size = crc32(0, record, 4);
-  return crc32(size, record + kHead, body);
+  const auto* bytes = reinterpret_cast<const Bytef*>(record);
+  return static_cast<uint32_t>(crc32_z(crc32_z(0, bytes, 4), bytes + kHead, body));
 }
 
 }  // namespace

@@ -4,10 +4,6 @@ find_package(Python3 REQUIRED COMPONENTS Interpreter)
 add_executable(net_echo ${PROJECT_SOURCE_DIR}/tests/service/fixtures/net_echo.cc)
 target_link_libraries(net_echo PRIVATE truestep_service)
 
-if(NOT TRUESTEP_CHECKS_FOLDER)
-  return()
-endif()
-
 # check(NAME SCRIPT EXPECT ARGUMENT...): runs a script of the checks folder against the fixture.
 function(check name script expect)
   add_test(NAME service.net.${name}

@@ -11,10 +11,6 @@ set_tests_properties(service.memory service.lifecycle service.keys PROPERTIES LA
 # How soon a request is served is measured with nothing else on the machine.
 set_tests_properties(service.lifecycle service.keys PROPERTIES RUN_SERIAL TRUE)
 
-if(NOT TRUESTEP_CHECKS_FOLDER)
-  return()
-endif()
-
 # check_service(NAME SCRIPT EXPECT ARGUMENT...): a script of the checks folder against the program itself, while it
 # plays and streams a scene.
 function(check_service name script expect)

@@ -1,5 +1,5 @@
 // SHA-256 (FIPS 180-4; for keys and asset names) and a comparison whose time does not depend on where two
-// texts differ.
+// texts differ, both by OpenSSL's libcrypto.
 #pragma once
 #include <array>
 #include <cstddef>

@@ -136,12 +136,15 @@ TEST(ResponseHead, CannotBeInjected) {
 }
 
 TEST(Digest, KnownAnswers) {
+  EXPECT_EQ(sha256_hex(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
   EXPECT_EQ(sha256_hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
   EXPECT_EQ(sha256_hex(std::string(1000000, 'a')),
             "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
   EXPECT_NE(random_hex128(), random_hex128());
   EXPECT_TRUE(equal_constant_time("ab", "ab"));
   EXPECT_FALSE(equal_constant_time("ab", "ac"));
+  EXPECT_FALSE(equal_constant_time("ab", "abc"));
+  EXPECT_TRUE(equal_constant_time({}, ""));
 }
 
 TEST(Handshake, WhatBeastDoesNotCheck) {

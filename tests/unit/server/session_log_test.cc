@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <fstream>
 #include <future>
 #include <random>
@@ -48,6 +49,13 @@ TEST_F(SessionLog, WhatIsAppendedIsRead) {
   EXPECT_EQ(read.records, kRecords);
   EXPECT_EQ(read.end, End::clean);
   EXPECT_EQ(log.bytes() % 32, 0u);
+}
+
+TEST_F(SessionLog, TheSumOfARecordIsTheCrc32OfZip) {
+  const Bytes bytes = record_bytes({Kind::stands, 7, 0, ""});
+  uint32_t sum;
+  std::memcpy(&sum, bytes.data() + 4, sizeof sum);
+  EXPECT_EQ(sum, 0x027f28fbu) << "zlib.crc32(struct.pack('<IQQQ', 24, 4, 7, 0)) of Python";
 }
 
 TEST_F(SessionLog, WhereASessionStandsTakesNoMoreRoomTheSecondTime) {

@@ -1,8 +1,8 @@
 #include "engine/sinks/recording/export/zip_writer.h"
 
-#include <cstring>
+#include <zlib.h>
 
-#include "engine/base/crc32.h"
+#include <cstring>
 
 namespace truestep::exporting {
 namespace {
@@ -28,7 +28,7 @@ void ZipWriter::begin(const std::string& name) {
 
 void ZipWriter::bytes(const void* data, size_t size) {
   Member& m = members_.back();
-  m.crc = crc32(m.crc, data, size);
+  m.crc = static_cast<uint32_t>(crc32_z(m.crc, static_cast<const Bytef*>(data), size));
   m.size += size;
   file_.bytes(data, size);
 }
