@@ -64,7 +64,9 @@ class Arrays {
   double sum(Term term) const {
     alignas(32) std::array<double, W> terms;
     for (size_t i = 0; i < W; ++i) terms[i] = term(i);
-    for (size_t i = 0; i < W; ++i) terms[i] = i < n_ ? terms[i] : 0;
+    if (n_ != W) {
+      for (size_t i = 0; i < W; ++i) terms[i] = i < n_ ? terms[i] : 0;
+    }
     return detail::halved(terms, W);
   }
 
@@ -135,7 +137,7 @@ class Arrays<0, Count> {
   }
 
   template <class Term>
-  static double sum_of_few(size_t n, Term term) {
+  [[gnu::noinline, gnu::cold]] static double sum_of_few(size_t n, Term term) {
     std::array<double, 12> terms{};
     for (size_t i = 0; i < n; ++i) terms[i] = term(i);
     return detail::halved(terms, width_of(n));

@@ -43,7 +43,7 @@ inline double weighted(K k) {
 }  // namespace detail
 
 template <const Tableau& T, size_t W, Sums sums>
-class ExplicitPair final : public AdaptiveMethod {
+class ExplicitPair final : public Interpolant {
  public:
   static constexpr size_t kStages = T.stages;
   static constexpr bool kFsal = T.first_same_as_last();
@@ -67,24 +67,24 @@ class ExplicitPair final : public AdaptiveMethod {
 
   // --- drive.h
 
-  void begin(double t) override { rate(t, a_[kY], a_[kK]); }
-  double first_step() override {
+  void begin(double t) { rate(t, a_[kY], a_[kK]); }
+  double first_step() {
     ++rates_;
     return step_control::first_step(in_, a_[kY], a_[kK], T.order, a_[kStage], a_[kNew]);
   }
-  double attempt(double t, double h) override {
+  double attempt(double t, double h) {
     step(t, h);
     return squared_error(h);
   }
-  double* candidate() override { return a_[kNew]; }
-  const double* solution() const override { return a_[kY]; }
-  const Interpolant& between(double t, double h) override {
+  double* candidate() { return a_[kNew]; }
+  const double* solution() const { return a_[kY]; }
+  const Interpolant& between(double t, double h) {
     t_ = t, h_ = h, dense_stands_ = false;
     // Hermite interpolation needs the rate at the end, as does the next step.
     if constexpr (!kFsal) rate(t + h, a_[kNew], a_[kLast]), last_stands_ = true;
     return *this;
   }
-  void accept(double t1) override {
+  void accept(double t1) {
     if constexpr (kFsal) {
       a_.take(kK, kK + kStages - 1);
     } else {
@@ -95,7 +95,7 @@ class ExplicitPair final : public AdaptiveMethod {
     a_.take(kY, kNew);
     if constexpr (sums == Sums::compensated) low_.take(0, 1);
   }
-  long long worst(double h) const override {
+  long long worst(double h) const {
     const auto k = slopes<kStages>();
     return step_control::worst_component(in_, n_, a_[kY], [&](size_t i) { return h * error<kError>(k, i); });
   }
@@ -210,13 +210,12 @@ class ExplicitPair final : public AdaptiveMethod {
         });
       };
       const std::span<const double> each = in_.tolerance.absolute_each;
+      if (each.empty()) return summed([absolute](size_t) { return absolute; });
       if constexpr (W > 0) {
-        std::array<double, W> floor;
-        floor.fill(absolute);
+        std::array<double, W> floor{};
         std::ranges::copy(each, floor.begin());
         return summed([&floor](size_t i) { return floor[i]; });
       } else {
-        if (each.empty()) return summed([absolute](size_t) { return absolute; });
         return summed([each = each.data()](size_t i) { return each[i]; });
       }
     };

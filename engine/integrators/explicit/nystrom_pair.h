@@ -9,7 +9,7 @@
 namespace truestep {
 
 template <const NystromTableau& T, size_t M>
-class NystromPair final : public AdaptiveMethod {
+class NystromPair final : public Interpolant {
  public:
   static constexpr size_t kStages = T.stages;
   static constexpr bool kFsal = T.first_same_as_last();
@@ -29,13 +29,13 @@ class NystromPair final : public AdaptiveMethod {
     if (in_.statistics) in_.statistics->rates += rates_;
   }
 
-  void begin(double t) override { acceleration(t, y_[kNow], k_[0]); }
-  double first_step() override {
+  void begin(double t) { acceleration(t, y_[kNow], k_[0]); }
+  double first_step() {
     in_.f.rate(in_.t, y_[kNow], y_[kNew]);
     rates_ += 2;
     return step_control::first_step(in_, y_[kNow], y_[kNew], T.order, y_[kLowNew], y_[kScratch]);
   }
-  double attempt(double t, double h) override {
+  double attempt(double t, double h) {
     [&]<size_t... I>(std::index_sequence<I...>) {
       (stage<I + 1>(t, h), ...);
     }
@@ -45,20 +45,20 @@ class NystromPair final : public AdaptiveMethod {
     end_stands_ = kFsal;
     return squared_error(h);
   }
-  double* candidate() override { return y_[kNew]; }
-  const double* solution() const override { return y_[kNow]; }
-  const Interpolant& between(double t, double h) override {
+  double* candidate() { return y_[kNew]; }
+  const double* solution() const { return y_[kNow]; }
+  const Interpolant& between(double t, double h) {
     h_ = h;
     end(t + h);
     return *this;
   }
-  void accept(double t1) override {
+  void accept(double t1) {
     end(t1);
     k_.take(0, kEnd);
     y_.take(kNow, kNew);
     y_.take(kLow, kLowNew);
   }
-  long long worst(double h) const override {
+  long long worst(double h) const {
     return step_control::worst_component(in_, 2 * m_, y_[kNow], [&](size_t i) {
       return i < m_ ? h * h * sum<kError>(i) : h * sum<kErrorV>(i - m_);
     });

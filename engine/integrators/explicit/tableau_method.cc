@@ -1,6 +1,7 @@
 #include "engine/integrators/explicit/tableau_method.h"
 
 #include <cmath>
+#include <span>
 
 namespace truestep {
 
@@ -63,14 +64,12 @@ TableauMethod::Terms TableauMethod::terms(const Tableau::Weights& weights) const
   return t;
 }
 
-template <size_t Count>
-void TableauMethod::add_of(double h, const Terms& sum, double* out) const {
-  a_.loop([h, y = a_[kY], out, increment = weighted<Count>(sum)](size_t i) {
-    out[i] = std::fma(h, increment(i), y[i]);
+void TableauMethod::add(double h, const Terms& sum, const double* y, double* out) const {
+  with_count(sum.n, [&]<size_t Count>() {
+    a_.loop([h, y, out, increment = weighted<Count>(sum)](size_t i) {
+      out[i] = std::fma(h, increment(i), y[i]);
+    });
   });
-}
-void TableauMethod::add(double h, const Terms& sum, double* out) const {
-  with_count(sum.n, [&]<size_t Count>() { add_of<Count>(h, sum, out); });
 }
 
 bool TableauMethod::step(double t, double h) {
@@ -79,31 +78,28 @@ bool TableauMethod::step(double t, double h) {
     // The last stage of some is at the step's result.
     const bool result = fsal_ && i == last;
     double* out = a_[result ? kNew : kStage];
-    add(h, terms(result ? tableau_.b : tableau_.a[i]), out);
+    add(h, terms(result ? tableau_.b : tableau_.a[i]), a_[kY], out);
     rate(result ? t + h : t + tableau_.c[i] * h, out, a_[kK + i]);
   }
-  if (!fsal_) add(h, terms(tableau_.b), a_[kNew]);
+  if (!fsal_) add(h, terms(tableau_.b), a_[kY], a_[kNew]);
   return true;
 }
 
-template <size_t Count>
-double TableauMethod::squared_error(const Terms& error) const {
+double TableauMethod::attempt(double t, double h) {
+  step(t, h);
+  double* e = a_[kStage];
+  std::fill_n(e, n_, 0.0);
+  add(1, terms(tableau_.error), e, e);
   const auto summed = [&](auto floor) {
-    return a_.sum([y = a_[kY], y_new = a_[kNew], relative = in_.tolerance.relative, floor,
-                   e = weighted<Count>(error)](size_t i) {
+    return a_.sum([e, y = a_[kY], y_new = a_[kNew], relative = in_.tolerance.relative, floor](size_t i) {
       const double p = std::abs(y[i]), r = std::abs(y_new[i]), size = p > r ? p : r;
-      const double q = e(i) / std::fma(relative, size, floor(i));
+      const double q = e[i] / std::fma(relative, size, floor(i));
       return q * q;
     });
   };
   const std::span<const double> each = in_.tolerance.absolute_each;
-  if (each.empty()) return summed([absolute = in_.tolerance.absolute](size_t) { return absolute; });
-  return summed([each = each.data()](size_t i) { return each[i]; });
-}
-double TableauMethod::attempt(double t, double h) {
-  step(t, h);
-  const Terms error = terms(tableau_.error);
-  const double sum = with_count(error.n, [&]<size_t Count>() { return squared_error<Count>(error); });
+  const double sum = each.empty() ? summed([absolute = in_.tolerance.absolute](size_t) { return absolute; })
+                                  : summed([each = each.data()](size_t i) { return each[i]; });
   return h * h / static_cast<double>(n_) * sum;
 }
 

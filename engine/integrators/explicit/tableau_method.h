@@ -39,11 +39,7 @@ class TableauMethod final : public AdaptiveMethod {
   };
   Terms terms(const Tableau::Weights& weights) const;
   /// out = y + h sum.
-  void add(double h, const Terms& sum, double* out) const;
-  template <size_t Count>
-  void add_of(double h, const Terms& sum, double* out) const;
-  template <size_t Count>
-  double squared_error(const Terms& error) const;
+  void add(double h, const Terms& sum, const double* y, double* out) const;
 
   void rate(double t, const double* y, double* k) {
     in_.f.rate(t, y, k);

@@ -12,7 +12,7 @@ namespace truestep {
 namespace {
 
 template <const RosenbrockTableau& T, class Equations>
-class Rosenbrock final : public AdaptiveMethod {
+class Rosenbrock final : public Interpolant {
  public:
   explicit Rosenbrock(Equations& eq) : eq_(eq), autonomous_(eq.f().autonomous()) {
     std::copy_n(eq.advance().y, eq.size(), eq.array(y_));
@@ -20,13 +20,13 @@ class Rosenbrock final : public AdaptiveMethod {
 
   // --- drive.h
 
-  void begin(double t) override { eq_.rate(t, eq_.array(y_), eq_.array(kRate)); }
-  double first_step() override {
+  void begin(double t) { eq_.rate(t, eq_.array(y_), eq_.array(kRate)); }
+  double first_step() {
     eq_.count().rates += 1;
     return step_control::first_step(eq_.advance(), eq_.array(y_), eq_.array(kRate), T.order,
                                     eq_.array(kArgument), eq_.array(kTime));
   }
-  double attempt(double t, double h) override {
+  double attempt(double t, double h) {
     const size_t n = eq_.padded();
     double* const y = eq_.array(y_);
     double* const y_new = eq_.array(1 - y_);
@@ -63,15 +63,15 @@ class Rosenbrock final : public AdaptiveMethod {
     const double error = eq_.norm(this->error(), y, y_new);
     return error * error;
   }
-  double* candidate() override { return eq_.array(1 - y_); }
-  const double* solution() const override { return eq_.array(y_); }
+  double* candidate() { return eq_.array(1 - y_); }
+  const double* solution() const { return eq_.array(y_); }
   const Interpolant& between(double, double) { return *this; }
-  void accept(double t1) override {
+  void accept(double t1) {
     y_ = 1 - y_;
     linearised_ = false;
     eq_.rate(t1, eq_.array(y_), eq_.array(kRate));
   }
-  long long worst(double) const override {
+  long long worst(double) const {
     size_t most = 0;
     double largest = -1;
     for (size_t i = 0; i < eq_.size(); ++i) {
