@@ -3,7 +3,6 @@
 // for order 5, none for order 8, whose error estimate is smooth enough).
 #include "engine/integrators/explicit/drive_fixed.h"
 #include "engine/integrators/explicit/explicit_pair.h"
-#include "engine/integrators/explicit/tableau_method.h"
 #include "engine/integrators/table/methods.h"
 
 namespace truestep {
@@ -48,12 +47,10 @@ void advance_step_doubling(Advance& in) {
   drive<AdaptiveMethod>(in, pair, {.q = 5, .beta = 0});
 }
 void advance_bs32(Advance& in) {
-  TableauMethod pair(kBs32Tableau, in, order_of_sums(in.f.size()));
-  drive<AdaptiveMethod>(in, pair, {.q = 3});
+  advance_few<kBs32Tableau, 4, 12>(in, {.q = 3});
 }
 void advance_rkf45(Advance& in) {
-  TableauMethod pair(kRkf45Tableau, in, order_of_sums(in.f.size()));
-  drive<AdaptiveMethod>(in, pair, {.q = 5});
+  advance_few<kRkf45Tableau, 4>(in, {.q = 5});
 }
 
 }  // namespace truestep

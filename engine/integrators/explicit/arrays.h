@@ -37,7 +37,8 @@ double halved(std::array<double, N>& terms, size_t n) {
 }
 }  // namespace detail
 
-template <size_t W, size_t Count>
+/// N: the number of elements where the method knows it as well.
+template <size_t W, size_t Count, size_t N = 0>
 class Arrays {
  public:
   Arrays(const Advance&, std::string_view, size_t n, SumOrder = SumOrder::halves) : n_(n) {}
@@ -64,8 +65,9 @@ class Arrays {
   double sum(Term term) const {
     alignas(32) std::array<double, W> terms;
     for (size_t i = 0; i < W; ++i) terms[i] = term(i);
-    if (n_ != W) {
-      for (size_t i = 0; i < W; ++i) terms[i] = i < n_ ? terms[i] : 0;
+    const size_t n = N ? N : n_;
+    if (n != W) {
+      for (size_t i = 0; i < W; ++i) terms[i] = i < n ? terms[i] : 0;
     }
     return detail::halved(terms, W);
   }
@@ -76,7 +78,7 @@ class Arrays {
 };
 
 template <size_t Count>
-class Arrays<0, Count> {
+class Arrays<0, Count, 0> {
  public:
   /// `count`: those that are used of Count.
   Arrays(const Advance& in, std::string_view key, size_t n, SumOrder order = SumOrder::lanes,

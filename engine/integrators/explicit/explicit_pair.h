@@ -10,6 +10,7 @@
 #include "engine/integrators/explicit/compensated.h"
 #include "engine/integrators/explicit/drive.h"
 #include "engine/integrators/explicit/tableau_dop853.h"
+#include "engine/integrators/explicit/tableau_method.h"
 
 namespace truestep {
 
@@ -264,6 +265,23 @@ void advance_pair(Advance& in, const step_control::Law& law) {
   };
   if (order == SumOrder::lanes) return run.template operator()<0>();
   with_width<Widths...>(n, run);
+}
+
+/// The same with TableauMethod for any other number of equations.
+template <const Tableau& T, size_t... Widths>
+void advance_few(Advance& in, const step_control::Law& law) {
+  const SumOrder order = order_of_sums(in.f.size());
+  const auto run = [&]<size_t W>() {
+    if constexpr (W > 0) {
+      ExplicitPair<T, W, Sums::plain> pair(in, order);
+      drive(in, pair, law);
+    } else {
+      TableauMethod method(T, in, order);
+      drive<AdaptiveMethod>(in, method, law);
+    }
+  };
+  if (order == SumOrder::lanes) return run.template operator()<0>();
+  with_width<Widths...>(in.f.size(), run);
 }
 
 }  // namespace truestep

@@ -152,8 +152,8 @@ class NystromPair final : public Interpolant {
   Advance& in_;
   const SecondOrder& second_;
   size_t m_;
-  mutable Arrays<width_of(2 * M), kArrays> y_;
-  mutable Arrays<width_of(M), kStages + 1> k_;
+  mutable Arrays<width_of(2 * M), kArrays, 2 * M> y_;
+  mutable Arrays<width_of(M), kStages + 1, M> k_;
   uint64_t rates_ = 0;
   double h_ = 0;
   bool end_stands_ = false;

@@ -3,7 +3,7 @@
 //   y' = r + 3/5 q + h/10 f(q).
 // Ten stages touch five arrays, so that systems of a few thousand equations stay in the second-level cache;
 // the embedded solution is y + h (k_1/5 + 3 k_4/10 + k_7/5 + 3 k_9/10). Small systems use the general path.
-#include "engine/integrators/explicit/tableau_method.h"
+#include "engine/integrators/explicit/explicit_pair.h"
 #include "engine/integrators/table/methods.h"
 
 namespace truestep {
@@ -122,10 +122,7 @@ void advance_ssprk104(Advance& in) {
   // When stability limits the step, a stronger proportional part settles it at the limit without rejections,
   // and extrapolating would only disturb it.
   constexpr step_control::Law kLaw{.q = 4, .beta = 0.1, .foresight = 0};
-  if (in.f.size() <= 64) {
-    TableauMethod method(kSsprk104Tableau, in, order_of_sums(in.f.size()));
-    return drive<AdaptiveMethod>(in, method, kLaw);
-  }
+  if (in.f.size() <= 64) return advance_few<kSsprk104Tableau, 4, 12>(in, kLaw);
   LowStorage method(in);
   drive<AdaptiveMethod>(in, method, kLaw);
 }
