@@ -312,7 +312,8 @@ class Radau5 final : public Interpolant {
 
 }  // namespace
 
-// Known sizes take 17 to 30 % less time than any size; of 8 equations 7 % more (tests/bench/work_precision.py).
+// Known sizes take 17 to 30 % less time than any size; of 8 equations 7 % more
+// (tests/bench/work_precision.py).
 void advance_radau5(Advance& a) {
   visit_equations<1, 2, 3, 4>(a, [](auto& eq) { Radau5<std::remove_reference_t<decltype(eq)>>(eq).run(); });
 }

@@ -136,7 +136,8 @@ class Rosenbrock final : public Interpolant {
   size_t y_ = 0;
 };
 
-// Known sizes take 14 to 33 % less time than any size, 5 % less of 8 equations (tests/bench/work_precision.py).
+// Known sizes take 14 to 33 % less time than any size, 5 % less of 8 equations
+// (tests/bench/work_precision.py).
 template <const RosenbrockTableau& T>
 void advance_rosenbrock(Advance& a) {
   visit_equations<1, 2, 3, 4, 8>(a, [&](auto& eq) {
