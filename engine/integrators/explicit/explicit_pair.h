@@ -1,8 +1,9 @@
 // Steps of an explicit Runge-Kutta method (tableau.h) on y' = f(t, y): stages unrolled at compile time with
 // the tableau's numbers as constants, one pass per stage over all terms, oldest first (the older ones are
 // summed while the newest stage's evaluation is still in flight). W: elements that loops run over where there
-// are few equations, 0 for any number (arrays.h). One virtual call per stage evaluates f. With
-// Sums::compensated the solution carries the rounding error of its additions (compensated.h).
+// are few equations, 0 for any number; N: the number, where it is known (arrays.h). One virtual call per
+// stage evaluates f. With Sums::compensated the solution carries the rounding error of its additions
+// (compensated.h).
 #pragma once
 #include <span>
 
@@ -43,7 +44,7 @@ inline double weighted(K k) {
 
 }  // namespace detail
 
-template <const Tableau& T, size_t W, Sums sums>
+template <const Tableau& T, size_t W, Sums sums, size_t N = 0>
 class ExplicitPair final : public Interpolant {
  public:
   static constexpr size_t kStages = T.stages;
@@ -220,7 +221,7 @@ class ExplicitPair final : public Interpolant {
         return summed([each = each.data()](size_t i) { return each[i]; });
       }
     };
-    const double first = norm.template operator()<kError>(), scale = h * h / static_cast<double>(n_);
+    const double first = norm.template operator()<kError>(), scale = h * h / static_cast<double>(N ? N : n_);
     if constexpr (T.two_errors()) {
       const double second = norm.template operator()<kSecondError>();
       const double both = first + 0.01 * second;
@@ -245,29 +246,34 @@ class ExplicitPair final : public Interpolant {
 
   Advance& in_;
   size_t n_;
-  mutable Arrays<W, kCount> a_;
-  Arrays<W, 2> low_;
+  mutable Arrays<W, kCount, N> a_;
+  Arrays<W, 2, N> low_;
   mutable uint64_t rates_ = 0;
   double t_ = 0, h_ = 0;
   mutable bool dense_stands_ = false;
   bool last_stands_ = false;
 };
 
-/// One integration with the pair; Widths: for how many equations it is compiled besides any number.
-template <const Tableau& T, Sums sums, size_t... Widths>
+/// One integration with the pair, compiled for up to four equations, any number and Sizes of them.
+template <const Tableau& T, Sums sums, size_t... Sizes>
 void advance_pair(Advance& in, const step_control::Law& law) {
   const size_t n = in.f.size();
-  const SumOrder order = order_of_sums(n);
-  const auto run = [&]<size_t W>() {
-    ExplicitPair<T, W, sums> pair(in, order);
+  const auto run = [&]<size_t W, size_t N>() {
+    ExplicitPair<T, W, sums, N> pair(in, order_of_sums(n));
     drive(in, pair, law);
     pair.remember();
   };
-  if (order == SumOrder::lanes) return run.template operator()<0>();
-  with_width<Widths...>(n, run);
+  with_size<Sizes...>(n, [&]<size_t N>() {
+    if constexpr (N > 0) {
+      run.template operator()<width_of(N), N>();
+    } else {
+      n <= 4 ? run.template operator()<4, 0>() : run.template operator()<0, 0>();
+    }
+  });
 }
 
-/// The same with TableauMethod for any other number of equations.
+/// One integration with the pair for numbers of equations that Widths are right for, by TableauMethod for
+/// others.
 template <const Tableau& T, size_t... Widths>
 void advance_few(Advance& in, const step_control::Law& law) {
   const SumOrder order = order_of_sums(in.f.size());
