@@ -20,12 +20,20 @@ find_package(CLI11 CONFIG REQUIRED)
 find_path(SUNDIALS_INCLUDE_DIR cvode/cvode.h REQUIRED)
 find_library(SUNDIALS_CVODE_LIBRARY sundials_cvode REQUIRED)
 
-# KLU (SuiteSparse, LGPL) factorises sparse matrices where it is present, Eigen elsewhere.
+# Sparse factorisations: one library, whatever is installed, for results differ in their last bits between the two. A program
+# with the other says so in its version, its recordings and the plans of its scenes.
+set(TRUESTEP_SPARSE klu CACHE STRING "Sparse factorisations: klu (SuiteSparse, LGPL) or eigen")
+set_property(CACHE TRUESTEP_SPARSE PROPERTY STRINGS klu eigen)
 find_path(KLU_INCLUDE_DIR klu.h PATH_SUFFIXES suitesparse)
 find_library(KLU_LIBRARY klu)
-if(KLU_INCLUDE_DIR AND KLU_LIBRARY)
-  set(klu_is_present ON)
+if(TRUESTEP_SPARSE STREQUAL "klu")
+  if(NOT KLU_INCLUDE_DIR OR NOT KLU_LIBRARY)
+    message(FATAL_ERROR "KLU, which factorises sparse matrices, was not found: install libsuitesparse-dev. Without it, "
+                        "-DTRUESTEP_SPARSE=eigen builds a program whose results differ in their last bits.")
+  endif()
+  set(sparse_other eigen)
+elseif(TRUESTEP_SPARSE STREQUAL "eigen")
+  set(sparse_other klu)
 else()
-  set(klu_is_present OFF)
+  message(FATAL_ERROR "TRUESTEP_SPARSE is \"${TRUESTEP_SPARSE}\": klu or eigen")
 endif()
-option(TRUESTEP_KLU "Sparse factorisations by KLU" ${klu_is_present})

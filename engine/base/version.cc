@@ -22,10 +22,17 @@ std::string_view build_description() {
           " x86-64-v3"
 #endif
 #if defined(__OPTIMIZE__)
-          " optimised";
+          " optimised"
 #else
-          " unoptimised";
+          " unoptimised"
 #endif
+      // What the build was told to take other than usual, each with a blank in front.
+      TRUESTEP_DEVIATIONS;
+}
+
+std::string_view deviations() {
+  constexpr std::string_view kAll = TRUESTEP_DEVIATIONS;
+  return kAll.empty() ? kAll : kAll.substr(1);
 }
 
 #undef TRUESTEP_TEXT

@@ -1,78 +1,47 @@
 #include "engine/integrators/equations.h"
 
+#include "engine/integrators/large_equations.h"
+#include "engine/integrators/small_equations.h"
+
 namespace truestep {
 
-// Adds the values of a matrix of size m to the Jacobian, its first element at (row, column).
-template <int N>
-void SmallEquations<N>::expand(const MatrixShape& shape, const double* values, size_t m, size_t row,
-                               size_t column) {
-  const auto put = [&](size_t i, size_t j, double v) { jacobian_[(column + j) * N + row + i] = v; };
-  if (shape.kind == MatrixShape::Kind::dense) {
-    for (size_t j = 0; j < m; ++j) {
-      for (size_t i = 0; i < m; ++i) put(i, j, values[j * m + i]);
-    }
-  } else if (shape.kind == MatrixShape::Kind::banded) {
-    const size_t width = shape.lower + shape.upper + 1;
-    for (size_t j = 0; j < m; ++j) {
-      for (size_t i = 0; i < m; ++i) {
-        if (i <= j + shape.lower && j <= i + shape.upper) put(i, j, values[j * width + shape.upper + i - j]);
-      }
-    }
-  } else {
-    for (size_t j = 0; j < m; ++j) {
-      for (int32_t k = shape.column_start[j]; k < shape.column_start[j + 1]; ++k) {
-        put(size_t(shape.rows[size_t(k)]), j, values[k]);
-      }
-    }
-  }
+Equations::~Equations() {
+  if (!a_.statistics) return;
+  a_.statistics->rates += count_.rates, a_.statistics->jacobians += count_.jacobians;
+  a_.statistics->factorisations += count_.factorisations, a_.statistics->solves += count_.solves;
 }
 
-template <int N>
-void SmallEquations<N>::differentiate(double t, const double* y, const double* fy) {
-  ++this->count_.jacobians;
-  const RightHandSide& f = this->a_.f;
-  // Any shape with at most N columns: a band may be wider than the matrix.
-  constexpr size_t kRoom = size_t(3 * N * N);
-  const SecondOrder* second = f.second_order();
-  if (!second && f.has_jacobian()) {
-    const MatrixShape shape = f.jacobian_shape();
-    if (shape.kind == MatrixShape::Kind::dense) return f.jacobian(t, y, jacobian_.data());
-    if (shape.values(N) <= kRoom) {
-      std::array<double, kRoom> values;
-      f.jacobian(t, y, values.data());
-      jacobian_.fill(0);
-      return expand(shape, values.data(), N, 0, 0);
-    }
-  }
-  if (second && second->has_jacobian() && second->shape().values(N / 2) <= kRoom) {
-    constexpr size_t kHalf = N / 2;
-    std::array<double, kRoom> dadx, dadv;
-    second->jacobian(t, y, y + kHalf, dadx.data(), dadv.data());
-    jacobian_.fill(0);
-    for (size_t i = 0; i < kHalf; ++i) jacobian_[(kHalf + i) * N + i] = 1;
-    expand(second->shape(), dadx.data(), kHalf, kHalf, 0);
-    return expand(second->shape(), dadv.data(), kHalf, kHalf, kHalf);
-  }
-  const double typical = typical_size(this->a_.tolerance);
-  std::array<double, N> moved, rate;
-  std::copy_n(y, N, moved.begin());
-  for (size_t j = 0; j < N; ++j) {
-    moved[j] = y[j] + 0x1p-26 * std::max(std::abs(y[j]), typical);
-    this->rate(t, moved.data(), rate.data());
-    const double inverse = 1 / (moved[j] - y[j]);
-    for (size_t i = 0; i < N; ++i) jacobian_[j * N + i] = (rate[i] - fy[i]) * inverse;
-    moved[j] = y[j];
-  }
+double Equations::norm(const double* e, const double* y, const double* z) const {
+  return weighted_norm(a_.tolerance, n_, e, y, z);
 }
 
-template class SmallEquations<1>;
-template class SmallEquations<2>;
-template class SmallEquations<3>;
-template class SmallEquations<4>;
-template class SmallEquations<5>;
-template class SmallEquations<6>;
-template class SmallEquations<7>;
-template class SmallEquations<8>;
+void with_equations(Advance& a, const std::function<void(Equations&)>& body) {
+  const auto run = [&](auto&& equations) { body(equations); };
+  static_assert(kSmallest == 8);
+  switch (a.f.size()) {
+    case 0:
+      a.reached = a.t_end;
+      return;
+    case 1:
+      return run(SmallEquations<1>(a));
+    case 2:
+      return run(SmallEquations<2>(a));
+    case 3:
+      return run(SmallEquations<3>(a));
+    case 4:
+      return run(SmallEquations<4>(a));
+    case 5:
+      return run(SmallEquations<5>(a));
+    case 6:
+      return run(SmallEquations<6>(a));
+    case 7:
+      return run(SmallEquations<7>(a));
+    case 8:
+      return run(SmallEquations<8>(a));
+    default:
+      return run(LargeEquations(a));
+  }
+}
 
 namespace {
 template <size_t K>
@@ -87,8 +56,8 @@ void combine_terms(size_t n, double* out, const double* y, const double* c, cons
 }
 }  // namespace
 
-void combine_large(size_t n, double* out, const double* y, const double* c, const double* k, size_t stride,
-                   size_t count) {
+void combine(size_t n, double* out, const double* y, const double* c, const double* k, size_t stride,
+             size_t count) {
   using Kernel = void (*)(size_t, double*, const double*, const double*, const double*, size_t);
   static constexpr Kernel kKernels[] = {combine_terms<0>, combine_terms<1>, combine_terms<2>,
                                         combine_terms<3>, combine_terms<4>, combine_terms<5>,

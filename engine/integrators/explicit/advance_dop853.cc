@@ -1,12 +1,12 @@
-// dop853 on first-order systems; see explicit_pair.h. A file of its own: eight sizes of it are compiled. Sums
-// are compensated: at the tolerances that this order is for, rounding would dominate long runs.
+// dop853 on first-order systems; see explicit_pair.h. Sums are compensated: at the tolerances that this order
+// is for, rounding would dominate long runs.
 #include "engine/integrators/explicit/explicit_pair.h"
 #include "engine/integrators/table/methods.h"
 
 namespace truestep {
 
 void advance_dop853(Advance& in) {
-  advance_pair<kDop853Tableau, Sums::compensated>(
+  advance_pair<kDop853Tableau, Sums::compensated, 12>(
       in, {.q = 8, .beta = 0, .safety = 0.9, .shrink = 1.0 / 3, .grow = 6});
 }
 

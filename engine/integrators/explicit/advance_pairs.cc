@@ -1,10 +1,26 @@
 // The `advance` column of the explicit Runge-Kutta rows. Step laws: the pairs' own codes where these exist
 // (DOPRI5 and DOP853: Hairer, Norsett, Wanner 1993, appendix; proportional-integral control with beta 0.04
 // for order 5, none for order 8, whose error estimate is smooth enough).
+#include "engine/integrators/explicit/drive_fixed.h"
 #include "engine/integrators/explicit/explicit_pair.h"
 #include "engine/integrators/table/methods.h"
 
 namespace truestep {
+
+namespace {
+
+/// in.fixed_steps equal steps; of up to four equations with the tableau known to the compiler.
+template <const Tableau& T>
+void advance_fixed(Advance& in) {
+  if (in.f.size() > 4) {
+    TableauMethod method(T, in);
+    return drive_fixed(in, method);
+  }
+  ExplicitPair<T, 4, Sums::plain> method(in);
+  drive_fixed(in, method);
+}
+
+}  // namespace
 
 void advance_euler(Advance& in) {
   // A second path: 1e6 lattice nodes at two to three times the speed (tests/bench/heat.cc).
@@ -27,14 +43,14 @@ void advance_rk4(Advance& in) {
   advance_fixed<kRk4Tableau>(in);
 }
 void advance_step_doubling(Advance& in) {
-  ExplicitPair<kStepDoublingTableau, 0, Sums::plain> pair(in);
-  drive(in, pair, {.q = 5, .beta = 0});
+  TableauMethod pair(kStepDoublingTableau, in);
+  drive<AdaptiveMethod>(in, pair, {.q = 5, .beta = 0});
 }
 void advance_bs32(Advance& in) {
-  advance_pair<kBs32Tableau>(in, {.q = 3});
+  advance_few<kBs32Tableau, 4, 12>(in, {.q = 3});
 }
 void advance_rkf45(Advance& in) {
-  advance_pair<kRkf45Tableau>(in, {.q = 5});
+  advance_few<kRkf45Tableau, 4>(in, {.q = 5});
 }
 
 }  // namespace truestep

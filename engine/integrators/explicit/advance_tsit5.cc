@@ -1,11 +1,11 @@
-// tsit5 on first-order systems; see explicit_pair.h. A file of its own: eight sizes of it are compiled.
+// tsit5 on first-order systems; see explicit_pair.h.
 #include "engine/integrators/explicit/explicit_pair.h"
 #include "engine/integrators/table/methods.h"
 
 namespace truestep {
 
 void advance_tsit5(Advance& in) {
-  advance_pair<kTsit5Tableau>(in, {.q = 5});
+  advance_pair<kTsit5Tableau, Sums::plain, 2, 4, 12>(in, {.q = 5});
 }
 
 }  // namespace truestep

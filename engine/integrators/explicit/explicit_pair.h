@@ -1,13 +1,17 @@
 // Steps of an explicit Runge-Kutta method (tableau.h) on y' = f(t, y): stages unrolled at compile time with
 // the tableau's numbers as constants, one pass per stage over all terms, oldest first (the older ones are
-// summed while the newest stage's evaluation is still in flight). N equations known at compile time or, with
-// N = 0, any number. One virtual call per stage evaluates f. With Sums::compensated the solution carries the
-// rounding error of its additions (compensated.h).
+// summed while the newest stage's evaluation is still in flight). W: elements that loops run over where there
+// are few equations, 0 for any number; N: the number, where it is known (arrays.h). One virtual call per
+// stage evaluates f. With Sums::compensated the solution carries the rounding error of its additions
+// (compensated.h).
 #pragma once
+#include <span>
+
 #include "engine/integrators/explicit/arrays.h"
 #include "engine/integrators/explicit/compensated.h"
 #include "engine/integrators/explicit/drive.h"
 #include "engine/integrators/explicit/tableau_dop853.h"
+#include "engine/integrators/explicit/tableau_method.h"
 
 namespace truestep {
 
@@ -40,16 +44,16 @@ inline double weighted(K k) {
 
 }  // namespace detail
 
-template <const Tableau& T, size_t N, Sums sums>
+template <const Tableau& T, size_t W, Sums sums, size_t N = 0>
 class ExplicitPair final : public Interpolant {
  public:
   static constexpr size_t kStages = T.stages;
   static constexpr bool kFsal = T.first_same_as_last();
 
-  explicit ExplicitPair(Advance& in)
+  explicit ExplicitPair(Advance& in, SumOrder order = SumOrder::lanes)
       : in_(in),
-        n_(N ? N : in.f.size()),
-        a_(in, "integrator.pair", n_),
+        n_(in.f.size()),
+        a_(in, "integrator.pair", n_, order),
         low_(in, "integrator.pair_low", sums == Sums::compensated ? n_ : 0) {
     std::copy_n(in.y, n_, a_[kY]);
     if (sums == Sums::compensated) recall_sums(in, low_[0]);
@@ -98,13 +102,14 @@ class ExplicitPair final : public Interpolant {
     return step_control::worst_component(in_, n_, a_[kY], [&](size_t i) { return h * error<kError>(k, i); });
   }
 
-  /// Candidate = one step of length h from the solution; the first stage must be available.
-  void step(double t, double h) {
+  /// Candidate = one step of length h from the solution; the first stage must be available. Always true.
+  bool step(double t, double h) {
     [&]<size_t... I>(std::index_sequence<I...>) {
       (stage<I + 1>(t, h), ...);
     }
     (std::make_index_sequence<kStages - 1>());
     if constexpr (!kFsal) advance_to_candidate(h);
+    return true;
   }
 
   // --- Interpolant
@@ -199,21 +204,24 @@ class ExplicitPair final : public Interpolant {
     const double relative = in_.tolerance.relative, absolute = in_.tolerance.absolute;
     const auto k = slopes<kStages>();
     const auto norm = [&]<auto Weights>() {
-      if (!in_.tolerance.absolute_each.empty()) {
-        const double* each = in_.tolerance.absolute_each.data();
+      const auto summed = [&](auto floor) {
         return a_.sum([=](size_t i) {
           const double p = std::abs(y[i]), r = std::abs(y_new[i]), size = p > r ? p : r;
-          const double q = error<Weights>(k, i) / std::fma(relative, size, each[i]);
+          const double q = error<Weights>(k, i) / std::fma(relative, size, floor(i));
           return q * q;
         });
+      };
+      const std::span<const double> each = in_.tolerance.absolute_each;
+      if (each.empty()) return summed([absolute](size_t) { return absolute; });
+      if constexpr (W > 0) {
+        std::array<double, W> floor{};
+        std::ranges::copy(each, floor.begin());
+        return summed([&floor](size_t i) { return floor[i]; });
+      } else {
+        return summed([each = each.data()](size_t i) { return each[i]; });
       }
-      return a_.sum([=](size_t i) {
-        const double p = std::abs(y[i]), r = std::abs(y_new[i]), size = p > r ? p : r;
-        const double q = error<Weights>(k, i) / std::fma(relative, size, absolute);
-        return q * q;
-      });
     };
-    const double first = norm.template operator()<kError>(), scale = h * h / static_cast<double>(n_);
+    const double first = norm.template operator()<kError>(), scale = h * h / static_cast<double>(N ? N : n_);
     if constexpr (T.two_errors()) {
       const double second = norm.template operator()<kSecondError>();
       const double both = first + 0.01 * second;
@@ -223,31 +231,14 @@ class ExplicitPair final : public Interpolant {
     }
   }
 
-  // Hairer's CONTD8: y + s(r0 + r(r1 + s(r2 + r(r3 + s(r4 + r(r5 + s r6)))))), s = theta, r = 1 - theta.
   void at_order_7(double theta, double* y) const {
     if (!dense_stands_) evaluate_dense_stages();
-    const double *y0 = a_[kY], *y1 = a_[kNew], *k0 = a_[kK], *k1 = a_[kK + kStages - 1];
-    const double s = theta, r = 1 - theta;
-    for (size_t i = 0; i < n_; ++i) {
-      double q[4] = {};
-      for (size_t p = 0; p < 4; ++p) {
-        for (size_t j = 0; j < 16; ++j) q[p] += kDop853Dense.dense[p][j] * a_[kK + j][i];
-        q[p] *= h_;
-      }
-      const double rise = y1[i] - y0[i], bend = h_ * k0[i] - rise;
-      const double skew = 2 * rise - h_ * (k1[i] + k0[i]);
-      y[i] = y0[i] + s * (rise + r * (bend + s * (skew + r * (q[0] + s * (q[1] + r * (q[2] + s * q[3]))))));
-    }
+    dop853_between(n_, h_, theta, a_[kY], a_[kNew], slopes<kStages + kExtra>().data(), y);
   }
   void evaluate_dense_stages() const {
     for (size_t e = 0; e < kExtra; ++e) {
-      double* out = a_[kStage];
-      for (size_t i = 0; i < n_; ++i) {
-        double sum = 0;
-        for (size_t j = 0; j < kStages + e; ++j) sum += kDop853Dense.a[e][j] * a_[kK + j][i];
-        out[i] = a_[kY][i] + h_ * sum;
-      }
-      in_.f.rate(t_ + kDop853Dense.c[e] * h_, out, a_[kK + kStages + e]);
+      dop853_dense_stage(e, n_, h_, a_[kY], slopes<kStages + kExtra>().data(), a_[kStage]);
+      in_.f.rate(t_ + kDop853Dense.c[e] * h_, a_[kStage], a_[kK + kStages + e]);
       ++rates_;
     }
     dense_stands_ = true;
@@ -255,50 +246,48 @@ class ExplicitPair final : public Interpolant {
 
   Advance& in_;
   size_t n_;
-  mutable Arrays<N, kCount> a_;
-  Arrays<N, 2> low_;
+  mutable Arrays<W, kCount, N> a_;
+  Arrays<W, 2, N> low_;
   mutable uint64_t rates_ = 0;
   double t_ = 0, h_ = 0;
   mutable bool dense_stands_ = false;
   bool last_stands_ = false;
 };
 
-/// One integration with the pair, its size chosen at run time.
-template <const Tableau& T, Sums sums = Sums::plain>
+/// One integration with the pair, compiled for up to four equations, any number and Sizes of them.
+template <const Tableau& T, Sums sums, size_t... Sizes>
 void advance_pair(Advance& in, const step_control::Law& law) {
-  const auto run = [&]<size_t N>() {
-    ExplicitPair<T, N, sums> pair(in);
+  const size_t n = in.f.size();
+  const auto run = [&]<size_t W, size_t N>() {
+    ExplicitPair<T, W, sums, N> pair(in, order_of_sums(n));
     drive(in, pair, law);
     pair.remember();
   };
-  with_size<1, 2, 3, 4, 6, 8, 12>(in.f.size(), run);
+  with_size<Sizes...>(n, [&]<size_t N>() {
+    if constexpr (N > 0) {
+      run.template operator()<width_of(N), N>();
+    } else {
+      n <= 4 ? run.template operator()<4, 0>() : run.template operator()<0, 0>();
+    }
+  });
 }
 
-/// The same in in.fixed_steps equal steps.
-template <const Tableau& T>
-void advance_fixed(Advance& in) {
-  const auto run = [&]<size_t N>() {
-    ExplicitPair<T, N, Sums::plain> method(in);
-    const double h = (in.t_end - in.t) / static_cast<double>(in.fixed_steps);
-    const auto at = [&](uint64_t i) {
-      return i == in.fixed_steps ? in.t_end : in.t + static_cast<double>(i) * h;
-    };
-    method.begin(in.t);
-    for (uint64_t i = 0;; ++i) {
-      method.step(at(i), h);
-      double t1 = at(i + 1);
-      auto verdict = StepWatcher::Verdict::go_on;
-      if (in.watcher) verdict = in.watcher->accepted(at(i), t1, method.candidate(), method.between(at(i), h));
-      if (in.statistics) ++in.statistics->steps;
-      if (i + 1 == in.fixed_steps || verdict == StepWatcher::Verdict::stop) {
-        std::copy_n(method.candidate(), in.f.size(), in.y);
-        in.reached = t1;
-        return;
-      }
-      method.accept(t1);
+/// One integration with the pair for numbers of equations that Widths are right for, by TableauMethod for
+/// others.
+template <const Tableau& T, size_t... Widths>
+void advance_few(Advance& in, const step_control::Law& law) {
+  const SumOrder order = order_of_sums(in.f.size());
+  const auto run = [&]<size_t W>() {
+    if constexpr (W > 0) {
+      ExplicitPair<T, W, Sums::plain> pair(in, order);
+      drive(in, pair, law);
+    } else {
+      TableauMethod method(T, in, order);
+      drive<AdaptiveMethod>(in, method, law);
     }
   };
-  with_size<1, 2, 3, 4, 6>(in.f.size(), run);
+  if (order == SumOrder::lanes) return run.template operator()<0>();
+  with_width<Widths...>(in.f.size(), run);
 }
 
 }  // namespace truestep

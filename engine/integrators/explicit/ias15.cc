@@ -316,8 +316,8 @@ class Radau15 final : public Interpolant {
   const SecondOrder& second_;
   size_t m_;
   bool moving_;
-  mutable Arrays<M, kCount> a_;
-  mutable Arrays<2 * M, kYs + 1> y_;
+  mutable Arrays<width_of(M), kCount> a_;
+  mutable Arrays<width_of(2 * M), kYs + 1> y_;
   double h_ = 0, last_b_ = 0;
   bool warm_ = false;
 };

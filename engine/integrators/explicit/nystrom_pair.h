@@ -14,12 +14,12 @@ class NystromPair final : public Interpolant {
   static constexpr size_t kStages = T.stages;
   static constexpr bool kFsal = T.first_same_as_last();
 
-  explicit NystromPair(Advance& in)
+  NystromPair(Advance& in, SumOrder order)
       : in_(in),
         second_(*in.f.second_order()),
         m_(M ? M : in.f.size() / 2),
         y_(in, "integrator.nystrom_y", 2 * m_),
-        k_(in, "integrator.nystrom_k", m_) {
+        k_(in, "integrator.nystrom_k", m_, order) {
     std::copy_n(in.y, 2 * m_, y_[kNow]);
     recall_sums(in, y_[kLow]);
   }
@@ -141,16 +141,19 @@ class NystromPair final : public Interpolant {
       const double q = e / std::fma(tolerance.relative, size, each ? each[i] : tolerance.absolute);
       return q * q;
     };
-    const double total =
-        k_.sum([&](size_t i) { return term(i, h * sum<kError>(i)) + term(m_ + i, sum<kErrorV>(i)); });
+    const double total = k_.sum([&](size_t i) {
+      // The zeros behind the last element of few are asked as well.
+      if (M > 0 && i >= M) return 0.0;
+      return term(i, h * sum<kError>(i)) + term(m_ + i, sum<kErrorV>(i));
+    });
     return h * h * total / static_cast<double>(2 * m_);
   }
 
   Advance& in_;
   const SecondOrder& second_;
   size_t m_;
-  mutable Arrays<2 * M, kArrays> y_;
-  mutable Arrays<M, kStages + 1> k_;
+  mutable Arrays<width_of(2 * M), kArrays, 2 * M> y_;
+  mutable Arrays<width_of(M), kStages + 1, M> k_;
   uint64_t rates_ = 0;
   double h_ = 0;
   bool end_stands_ = false;
@@ -158,12 +161,12 @@ class NystromPair final : public Interpolant {
 
 template <const NystromTableau& T>
 void advance_nystrom(Advance& in, const step_control::Law& law) {
-  const auto run = [&]<size_t M>() {
-    NystromPair<T, M> pair(in);
+  const size_t m = positions_of(in);
+  with_size<2, 3>(m, [&]<size_t M>() {
+    NystromPair<T, M> pair(in, m <= 3 || m == 6 ? SumOrder::halves : SumOrder::lanes);
     drive(in, pair, law);
     pair.remember();
-  };
-  with_size<1, 2, 3, 6>(positions_of(in), run);
+  });
 }
 
 }  // namespace truestep

@@ -31,7 +31,7 @@ struct Chebyshev {
   std::array<double, 2> t, d, dd;  ///< at j and at j - 1
 };
 
-class Rkc2 final : public Interpolant {
+class Rkc2 final : public AdaptiveMethod {
  public:
   explicit Rkc2(Advance& in) : in_(in), n_(in.f.size()), a_(in, "integrator.rkc2", n_) {
     std::copy_n(in.y, n_, a_[kY]);
@@ -45,12 +45,12 @@ class Rkc2 final : public Interpolant {
 
   // --- drive.h
 
-  void begin(double t) { rate(t, a_[kY], a_[kFirst]); }
-  double first_step() {
+  void begin(double t) override { rate(t, a_[kY], a_[kFirst]); }
+  double first_step() override {
     ++rates_;
     return step_control::first_step(in_, a_[kY], a_[kFirst], 2, a_[kNew], a_[kBefore]);
   }
-  double attempt(double t, double h) {
+  double attempt(double t, double h) override {
     constexpr int kStepsPerEstimate = 25;
     if (!fresh_ && (rejected_ || steps_ >= kStepsPerEstimate || !known_)) estimate(t);
     const double wanted = 1 + std::sqrt(1.54 * h * radius_ + 1);
@@ -79,18 +79,18 @@ class Rkc2 final : public Interpolant {
     rejected_ = !(squared <= 1);
     return squared;
   }
-  double* candidate() { return a_[kNew]; }
-  const double* solution() const { return a_[kY]; }
+  double* candidate() override { return a_[kNew]; }
+  const double* solution() const override { return a_[kY]; }
   const Interpolant& between(double, double h) {
     h_ = h;
     return *this;
   }
-  void accept(double) {
+  void accept(double) override {
     a_.take(kY, kNew);
     a_.take(kFirst, kLast);
     ++steps_, fresh_ = false;
   }
-  long long worst(double h) const {
+  long long worst(double h) const override {
     return step_control::worst_component(in_, n_, a_[kY], [&](size_t i) { return error(i, h); });
   }
 
@@ -204,7 +204,7 @@ class Rkc2 final : public Interpolant {
 
 void advance_rkc2(Advance& in) {
   Rkc2 method(in);
-  drive(in, method, {.q = 3, .safety = 0.8});
+  drive<AdaptiveMethod>(in, method, {.q = 3, .safety = 0.8});
 }
 
 }  // namespace truestep

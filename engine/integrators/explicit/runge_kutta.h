@@ -4,8 +4,8 @@
 // Where G is the identity, inserting V_j into X_i leaves only the K_j (Nystrom's form of the same method;
 // Hairer, Norsett, Wanner 1993, "Solving ordinary differential equations I", eqs. II.14.2 to II.14.4):
 //   X_i = x + h c_i v + h^2 sum_j (A^2)_ij K_j.
-// This reads half as many arrays. A second path besides advance_fixed (explicit_pair.h), for fixed-step
-// methods: that one takes 42 to 72 % more instructions on a cloth of 9,702 springs, though 0 to 17 % fewer on
+// This reads half as many arrays. A second path besides advance_fixed (advance_pairs.cc), for fixed-step
+// methods: that one took 42 to 72 % more instructions on a cloth of 9,702 springs, though 0 to 17 % fewer on
 // two points (tests/bench/method_paths.cc); adaptive pairs gain nothing from it.
 #pragma once
 #include <array>

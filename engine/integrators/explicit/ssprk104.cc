@@ -10,7 +10,7 @@ namespace truestep {
 
 namespace {
 
-class LowStorage final : public Interpolant {
+class LowStorage final : public AdaptiveMethod {
  public:
   explicit LowStorage(Advance& in) : in_(in), n_(in.f.size()), a_(in, "integrator.ssprk104", n_) {
     std::copy_n(in.y, n_, a_[kY]);
@@ -19,13 +19,13 @@ class LowStorage final : public Interpolant {
     if (in_.statistics) in_.statistics->rates += rates_;
   }
 
-  void begin(double t) { rate(t, a_[kY], a_[kFirst]); }
-  double first_step() {
+  void begin(double t) override { rate(t, a_[kY], a_[kFirst]); }
+  double first_step() override {
     ++rates_;
     return step_control::first_step(in_, a_[kY], a_[kFirst], 4, a_[kNew], a_[kRate]);
   }
 
-  double attempt(double t, double h) {
+  double attempt(double t, double h) override {
     const double *y = a_[kY], *first = a_[kFirst], *k = a_[kRate];
     double *q = a_[kNew], *r = a_[kMiddle], *low = a_[kEmbedded];
     const double sixth = h / 6, fifth = h / 5, three = 0.3 * h;
@@ -59,19 +59,19 @@ class LowStorage final : public Interpolant {
     return squared_error();
   }
 
-  double* candidate() { return a_[kNew]; }
-  const double* solution() const { return a_[kY]; }
-  const Interpolant& between(double t, double h) {
+  double* candidate() override { return a_[kNew]; }
+  const double* solution() const override { return a_[kY]; }
+  const Interpolant& between(double t, double h) override {
     h_ = h;
     end(t + h);
     return *this;
   }
-  void accept(double t1) {
+  void accept(double t1) override {
     end(t1);
     a_.exchange(kY, kNew);
     a_.exchange(kFirst, kRate);
   }
-  long long worst(double) const {
+  long long worst(double) const override {
     return step_control::worst_component(in_, n_, a_[kY],
                                          [&](size_t i) { return a_[kNew][i] - a_[kEmbedded][i]; });
   }
@@ -122,9 +122,9 @@ void advance_ssprk104(Advance& in) {
   // When stability limits the step, a stronger proportional part settles it at the limit without rejections,
   // and extrapolating would only disturb it.
   constexpr step_control::Law kLaw{.q = 4, .beta = 0.1, .foresight = 0};
-  if (in.f.size() <= 64) return advance_pair<kSsprk104Tableau>(in, kLaw);
+  if (in.f.size() <= 64) return advance_few<kSsprk104Tableau, 4, 12>(in, kLaw);
   LowStorage method(in);
-  drive(in, method, kLaw);
+  drive<AdaptiveMethod>(in, method, kLaw);
 }
 
 }  // namespace truestep

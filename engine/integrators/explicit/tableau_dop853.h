@@ -74,4 +74,10 @@ inline constexpr Dop853Dense kDop853Dense = {
          96.32455395918828, -39.17726167561544, -149.72683625798564},
     }}};
 
+/// The argument of dense output's stage 13 + e of n equations; k: the rates of all stages before it.
+void dop853_dense_stage(size_t e, size_t n, double h, const double* y, const double* const* k, double* out);
+/// y at theta of a step of length h from y0 to y1; k: the rates of all sixteen stages.
+void dop853_between(size_t n, double h, double theta, const double* y0, const double* y1,
+                    const double* const* k, double* y);
+
 }  // namespace truestep

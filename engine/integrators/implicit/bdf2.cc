@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "engine/integrators/equations.h"
-#include "engine/integrators/implicit/drive_fixed.h"
+#include "engine/integrators/explicit/drive_fixed.h"
 #include "engine/integrators/implicit/implicit_methods.h"
 #include "engine/integrators/implicit/newton/stage_solver.h"
 
@@ -16,7 +16,6 @@ namespace {
 
 constexpr auto memory_size = bdf2_memory;
 
-template <class Equations>
 class Bdf2 final : public Interpolant {
  public:
   explicit Bdf2(Equations& eq)
@@ -94,7 +93,7 @@ class Bdf2 final : public Interpolant {
   bool first_step(double t, double h) {
     double* y_new = eq_.array(1 - y_);
     std::copy_n(eq_.array(y_), eq_.size(), y_new);
-    Workspace& own = a_.workspace.template object<Workspace>("integrator.bdf2_start");
+    Workspace& own = a_.workspace.object<Workspace>("integrator.bdf2_start");
     Carry carry;
     Advance start{.f = a_.f,
                   .t = t,
@@ -114,7 +113,7 @@ class Bdf2 final : public Interpolant {
 
   Equations& eq_;
   Advance& a_;
-  StageSolver<Equations> solver_;
+  StageSolver solver_;
   size_t y_ = 0;
   double h_ = 0, h_before_ = 0;
 };
@@ -132,8 +131,8 @@ void prepare_bdf2(const ForceField& field, State& state) {
 }
 
 void advance_bdf2(Advance& a) {
-  visit_equations(a, [&](auto& eq) {
-    Bdf2<std::remove_reference_t<decltype(eq)>> method(eq);
+  with_equations(a, [&a](Equations& eq) {
+    Bdf2 method(eq);
     drive_fixed(a, method);
     method.remember();
   });

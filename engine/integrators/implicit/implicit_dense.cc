@@ -1,12 +1,14 @@
 // Small systems: y = (x, v), F(y) = (G(x) v, a(x, v, t + h)), Newton's method on y' = y + h F(y') with the
 // matrix I - h dF/dy by central differences and dense LU. The residual is exact, so the differences (relative
 // error about 1e-10) cost at most an iteration, not accuracy.
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "engine/base/errors.h"
 #include "engine/integrators/implicit/implicit.h"
+#include "engine/math/solvers/dense_lu.h"
 
 namespace truestep {
 
@@ -53,6 +55,17 @@ class Equations {
     return a;
   }
 
+  // matrix(y)^-1 b; not a number where that is singular.
+  Vector solve(const Vector& y, Vector b) {
+    auto& lu = m_.input.workspace.object<DenseLu<double>>("integrator.dense_lu");
+    lu.resize(static_cast<size_t>(n_));
+    const Matrix a = matrix(y);
+    std::copy_n(a.data(), n_ * n_, lu.matrix());
+    if (!lu.factor()) return Vector::Constant(n_, std::numeric_limits<double>::quiet_NaN());
+    lu.solve(b.data());
+    return b;
+  }
+
  private:
   Motion& m_;
   Eigen::Index nx_, n_;
@@ -65,7 +78,7 @@ void implicit_euler_dense(Motion& m, const IntegratorOptions& options, NewtonSte
   Equations eq(m);
   const Vector y0 = eq.start();
   if (steps == NewtonSteps::one) {
-    eq.finish(y0 + eq.matrix(y0).partialPivLu().solve(h * eq.rates(y0)));
+    eq.finish(y0 + eq.solve(y0, h * eq.rates(y0)));
     return;
   }
   Vector y = y0, residual = -h * eq.rates(y0);
@@ -74,7 +87,7 @@ void implicit_euler_dense(Motion& m, const IntegratorOptions& options, NewtonSte
   // from worse there.
   constexpr double kNothing = 1e-150;
   for (int it = 0; residual.norm() > options.newton_tolerance * scale + kNothing; ++it) {
-    const Vector direction = eq.matrix(y).partialPivLu().solve(-residual);
+    const Vector direction = eq.solve(y, -residual);
     double share = 1;
     Vector next = y + direction, next_residual = next - y0 - h * eq.rates(next);
     while (!(next_residual.norm() < residual.norm()) && share > 1e-3) {

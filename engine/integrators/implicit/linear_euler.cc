@@ -6,14 +6,13 @@
 
 #include "engine/base/errors.h"
 #include "engine/integrators/equations.h"
-#include "engine/integrators/implicit/drive_fixed.h"
+#include "engine/integrators/explicit/drive_fixed.h"
 #include "engine/integrators/implicit/implicit_methods.h"
 
 namespace truestep {
 
 namespace {
 
-template <class Equations>
 class LinearEuler final : public Interpolant {
  public:
   explicit LinearEuler(Equations& eq) : eq_(eq) { std::copy_n(eq.advance().y, eq.size(), eq.array(y_)); }
@@ -67,8 +66,8 @@ class LinearEuler final : public Interpolant {
 }  // namespace
 
 void advance_linear_implicit_euler(Advance& a) {
-  visit_equations(a, [&](auto& eq) {
-    LinearEuler<std::remove_reference_t<decltype(eq)>> method(eq);
+  with_equations(a, [&a](Equations& eq) {
+    LinearEuler method(eq);
     drive_fixed(a, method);
   });
 }

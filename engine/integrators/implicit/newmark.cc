@@ -13,10 +13,10 @@
 #include <limits>
 
 #include "engine/base/errors.h"
-#include "engine/integrators/equations.h"
-#include "engine/integrators/implicit/drive_fixed.h"
+#include "engine/integrators/explicit/drive_fixed.h"
 #include "engine/integrators/implicit/implicit_methods.h"
 #include "engine/integrators/implicit/newton/newton_iteration.h"
+#include "engine/integrators/large_equations.h"
 
 namespace truestep {
 
@@ -196,11 +196,14 @@ void advance(Advance& a, const Alpha& alpha, Acceleration kept) {
   if (!a.f.second_order()) {
     throw Error("not_second_order", "this method needs equations of second order, x'' = a(t, x, v)");
   }
-  with_large_equations(a, [&](LargeEquations& eq) {
-    NewmarkSteps method(eq, alpha, kept);
-    drive_fixed(a, method);
-    method.remember();
-  });
+  if (a.f.size() == 0) {
+    a.reached = a.t_end;
+    return;
+  }
+  LargeEquations eq(a);
+  NewmarkSteps method(eq, alpha, kept);
+  drive_fixed(a, method);
+  method.remember();
 }
 
 }  // namespace

@@ -3,9 +3,9 @@
 // df/dt comes from one forward difference per step.
 #include "engine/integrators/implicit/rosenbrock_tableau.h"
 
-#include "engine/integrators/equations.h"
 #include "engine/integrators/explicit/drive.h"
 #include "engine/integrators/implicit/implicit_methods.h"
+#include "engine/integrators/small_equations.h"
 
 namespace truestep {
 
@@ -136,9 +136,11 @@ class Rosenbrock final : public Interpolant {
   size_t y_ = 0;
 };
 
+// Known sizes take 14 to 33 % less time than any size, 5 % less of 8 equations
+// (tests/bench/work_precision.py).
 template <const RosenbrockTableau& T>
 void advance_rosenbrock(Advance& a) {
-  visit_equations(a, [&](auto& eq) {
+  visit_equations<1, 2, 3, 4, 8>(a, [&](auto& eq) {
     Rosenbrock<T, std::remove_reference_t<decltype(eq)>> method(eq);
     drive(a, method, {.q = double(T.order), .beta = 0, .grow = 6});
   });

@@ -5,8 +5,8 @@
 // sum_i e_i k_i, so that stiff components do not inflate them (Hosea, Shampine 1996, section 3; Hairer,
 // Wanner 1996, eq. IV.8.20).
 #include "engine/integrators/equations.h"
+#include "engine/integrators/explicit/drive_fixed.h"
 #include "engine/integrators/implicit/dirk_tableau.h"
-#include "engine/integrators/implicit/drive_fixed.h"
 #include "engine/integrators/implicit/implicit_methods.h"
 #include "engine/integrators/implicit/newton/stage_solver.h"
 
@@ -14,51 +14,55 @@ namespace truestep {
 
 namespace {
 
-template <const DirkTableau& T, class Equations>
-class Dirk final : public Interpolant {
+class Dirk final : public AdaptiveMethod {
  public:
-  using Scale = IncrementScale<Equations>;
+  using By = StageSolver::Scale::By;
   /// `scale`: by the tolerance for steps that may be shortened, by the solution for fixed ones.
-  Dirk(Equations& eq, typename Scale::By scale) : eq_(eq), solver_(eq, scale) {
+  Dirk(const DirkTableau& tableau, Equations& eq, By scale)
+      : tableau_(tableau),
+        explicit_first_(tableau.explicit_first()),
+        stiffly_accurate_(tableau.stiffly_accurate()),
+        eq_(eq),
+        solver_(eq, scale) {
     std::copy_n(eq.advance().y, eq.size(), eq.array(y_));
   }
 
   // --- drive.h
 
-  void begin(double t) { eq_.rate(t, eq_.array(y_), eq_.array(kRate)); }
-  double first_step() {
+  void begin(double t) override { eq_.rate(t, eq_.array(y_), eq_.array(kRate)); }
+  double first_step() override {
     eq_.count().rates += 1;
-    return step_control::first_step(eq_.advance(), eq_.array(y_), eq_.array(kRate), T.order, eq_.array(kBase),
-                                    eq_.array(kIncrement));
+    return step_control::first_step(eq_.advance(), eq_.array(y_), eq_.array(kRate), tableau_.order,
+                                    eq_.array(kBase), eq_.array(kIncrement));
   }
   /// A failed iteration counts as an error that makes the next step a quarter as long.
-  double attempt(double t, double h) {
-    if (!step(t, h)) return kFailed;
+  double attempt(double t, double h) override {
+    if (!step(t, h)) return tableau_.error_order == 4 ? 3e4 : 4e3;  // (0.9 / 0.25)^(2 order)
     double* e = eq_.array(kIncrement);
     Row weights{};
-    for (size_t i = 0; i < T.stages; ++i) weights[i] = h * T.error[i];
-    combine(eq_, e, nullptr, weights.data(), kStages, T.stages);
+    for (size_t i = 0; i < tableau_.stages; ++i) weights[i] = h * tableau_.error[i];
+    combine(eq_, e, nullptr, weights.data(), kStages, tableau_.stages);
     eq_.solve(e);
     const double error = eq_.norm(e, eq_.array(y_), eq_.array(1 - y_));
     return error * error;
   }
-  double* candidate() { return eq_.array(1 - y_); }
-  const double* solution() const { return eq_.array(y_); }
-  const Interpolant& between(double t, double h) {
+  double* candidate() override { return eq_.array(1 - y_); }
+  const double* solution() const override { return eq_.array(y_); }
+  const Interpolant& between(double t, double h) override {
     t_ = t, h_ = h;
     end_stands_ = false;
     return *this;
   }
-  void accept(double t1) {
+  void accept(double t1) override {
     y_ = 1 - y_;
     solver_.step_accepted();
-    if constexpr (T.stiffly_accurate()) {
-      std::copy_n(eq_.array(kStages + T.stages - 1), eq_.padded(), eq_.array(kRate));
+    if (stiffly_accurate_) {
+      std::copy_n(eq_.array(kStages + tableau_.stages - 1), eq_.padded(), eq_.array(kRate));
     } else {
       eq_.rate(t1, eq_.array(y_), eq_.array(kRate));
     }
   }
-  long long worst(double) const {
+  long long worst(double) const override {
     size_t most = 0;
     double largest = -1;
     for (size_t i = 0; i < eq_.size(); ++i) {
@@ -73,8 +77,8 @@ class Dirk final : public Interpolant {
 
   void at(double s, double* out) const override {
     const double *y0 = eq_.array(y_), *y1 = eq_.array(1 - y_), *k0 = eq_.array(kRate);
-    const double* k1 = eq_.array(kStages + T.stages - 1);
-    if constexpr (!T.stiffly_accurate()) {
+    const double* k1 = eq_.array(kStages + tableau_.stages - 1);
+    if (!stiffly_accurate_) {
       k1 = eq_.array(kEndRate);
       if (!end_stands_) eq_.rate(t_ + h_, y1, eq_.array(kEndRate)), end_stands_ = true;
     }
@@ -87,7 +91,7 @@ class Dirk final : public Interpolant {
   /// Candidate = one step from the solution; false when Newton's method fails even with a new Jacobian.
   bool step(double t, double h) {
     do {
-      if (!solver_.prepare(t, eq_.array(y_), eq_.array(kRate), h * T.gamma)) return false;
+      if (!solver_.prepare(t, eq_.array(y_), eq_.array(kRate), h * tableau_.gamma)) return false;
       if (stages(t, h)) return true;
     } while (solver_.try_again());
     return false;
@@ -97,57 +101,54 @@ class Dirk final : public Interpolant {
   using Row = DirkTableau::Row;
   // Arrays 0 and 1: the solution at both ends of a step, alternating.
   enum : size_t { kRate = 2, kBase, kIncrement, kEndRate, kStages };
-  static constexpr double kFailed = T.error_order == 4 ? 3e4 : 4e3;  // (0.9 / 0.25)^(2 order)
 
   bool stages(double t, double h) {
     double* const y_new = eq_.array(1 - y_);
     const size_t n = eq_.padded();
-    const double z = h * T.gamma;
-    for (size_t i = 0; i < T.stages; ++i) {
+    const double z = h * tableau_.gamma;
+    for (size_t i = 0; i < tableau_.stages; ++i) {
       double* k = eq_.array(kStages + i);
-      if (i == 0 && T.explicit_first()) {
+      if (i == 0 && explicit_first_) {
         std::copy_n(eq_.array(kRate), n, k);
         continue;
       }
       double* const base = eq_.array(kBase);
       Row weights{};
-      for (size_t j = 0; j < i; ++j) weights[j] = h * T.a[i][j];
+      for (size_t j = 0; j < i; ++j) weights[j] = h * tableau_.a[i][j];
       combine(eq_, base, eq_.array(y_), weights.data(), kStages, i);
       const double* guess = i == 0 ? eq_.array(kRate) : eq_.array(kStages + i - 1);
       for (size_t m = 0; m < n; ++m) y_new[m] = base[m] + z * guess[m];
-      if (!solver_.solve(t + T.c[i] * h, base, z, y_new, eq_.array(kIncrement))) return false;
+      if (!solver_.solve(t + tableau_.c[i] * h, base, z, y_new, eq_.array(kIncrement))) return false;
       const double inverse = 1 / z;
       for (size_t m = 0; m < n; ++m) k[m] = (y_new[m] - base[m]) * inverse;
     }
-    if constexpr (!T.stiffly_accurate()) {
+    if (!stiffly_accurate_) {
       Row weights{};
-      for (size_t i = 0; i < T.stages; ++i) weights[i] = h * T.b[i];
-      combine(eq_, y_new, eq_.array(y_), weights.data(), kStages, T.stages);
+      for (size_t i = 0; i < tableau_.stages; ++i) weights[i] = h * tableau_.b[i];
+      combine(eq_, y_new, eq_.array(y_), weights.data(), kStages, tableau_.stages);
     }
     return true;
   }
 
+  const DirkTableau& tableau_;
+  bool explicit_first_, stiffly_accurate_;
   Equations& eq_;
-  StageSolver<Equations> solver_;
+  StageSolver solver_;
   size_t y_ = 0;
   double t_ = 0, h_ = 0;
   mutable bool end_stands_ = false;
 };
 
-template <const DirkTableau& T>
-void advance_adaptive(Advance& a) {
-  visit_equations(a, [&](auto& eq) {
-    using Method = Dirk<T, std::remove_reference_t<decltype(eq)>>;
-    Method method(eq, Method::Scale::By::tolerance);
-    drive(a, method, {.q = double(T.error_order), .beta = 0.04, .grow = 6});
+void advance_adaptive(Advance& a, const DirkTableau& tableau) {
+  with_equations(a, [&](Equations& eq) {
+    Dirk method(tableau, eq, Dirk::By::tolerance);
+    drive<AdaptiveMethod>(a, method, {.q = double(tableau.error_order), .beta = 0.04, .grow = 6});
   });
 }
 
-template <const DirkTableau& T>
-void advance_fixed(Advance& a) {
-  visit_equations(a, [&](auto& eq) {
-    using Method = Dirk<T, std::remove_reference_t<decltype(eq)>>;
-    Method method(eq, Method::Scale::By::solution);
+void advance_fixed(Advance& a, const DirkTableau& tableau) {
+  with_equations(a, [&](Equations& eq) {
+    Dirk method(tableau, eq, Dirk::By::solution);
     drive_fixed(a, method);
   });
 }
@@ -155,22 +156,22 @@ void advance_fixed(Advance& a) {
 }  // namespace
 
 void advance_sdirk4(Advance& a) {
-  advance_adaptive<kSdirk4>(a);
+  advance_adaptive(a, kSdirk4);
 }
 void advance_tr_bdf2(Advance& a) {
-  advance_adaptive<kTrBdf2>(a);
+  advance_adaptive(a, kTrBdf2);
 }
 void advance_tr_bdf2_fixed(Advance& a) {
-  advance_fixed<kTrBdf2>(a);
+  advance_fixed(a, kTrBdf2);
 }
 void advance_implicit_euler(Advance& a) {
-  advance_fixed<kImplicitEuler>(a);
+  advance_fixed(a, kImplicitEuler);
 }
 void advance_implicit_midpoint(Advance& a) {
-  advance_fixed<kImplicitMidpoint>(a);
+  advance_fixed(a, kImplicitMidpoint);
 }
 void advance_trapezoid(Advance& a) {
-  advance_fixed<kTrapezoid>(a);
+  advance_fixed(a, kTrapezoid);
 }
 
 }  // namespace truestep

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/integrators/linear/symmetric_factors.h"
+#include "engine/math/solvers/sparse_lu.h"
 
 namespace truestep {
 
@@ -27,7 +28,6 @@ double standard(double z) {
 
 struct SparseFactors::Parts {
   size_t n;
-  SparseLibrary library;
   std::vector<int> start, rows;
   std::vector<int32_t> given_start, given_rows;  // without the added diagonal
   std::unique_ptr<SymmetricFactors> symmetric;   // once asked for
@@ -41,7 +41,7 @@ struct SparseFactors::Parts {
   bool factor(Solver<T>& s, const double* a1, const double* a2, C c1, C c2) {
     if (!s.lu) {
       s.values.resize(rows.size());
-      s.lu = make_sparse_lu<T>(library);
+      s.lu = make_sparse_lu<T>();
       s.lu->analyse(int(n), start.data(), rows.data());
     }
     T* v = s.values.data();
@@ -54,11 +54,10 @@ struct SparseFactors::Parts {
   }
 };
 
-SparseFactors::SparseFactors(size_t n, std::span<const int32_t> column_start, std::span<const int32_t> rows,
-                             SparseLibrary library)
+SparseFactors::SparseFactors(size_t n, std::span<const int32_t> column_start, std::span<const int32_t> rows)
     : parts_(std::make_unique<Parts>()) {
   Parts& p = *parts_;
-  p.n = n, p.library = library;
+  p.n = n;
   p.given_start.assign(column_start.begin(), column_start.end());
   p.given_rows.assign(rows.begin(), rows.end());
   p.start.push_back(0);

@@ -1,12 +1,11 @@
 // Sparse factors of M = I - c1 A1 - c2 A2 for two matrices of one pattern, real or complex: LU, or L D L^T
 // where inverse masses make M symmetric and it needs no pivots. The fill-reducing order is found once per
-// pattern; see sparse_lu.h and symmetric_factors.h.
+// pattern; see math/solvers/sparse_lu.h and symmetric_factors.h.
 #pragma once
 #include <cstdint>
 #include <memory>
 #include <span>
 
-#include "engine/integrators/linear/sparse_lu.h"
 #include "engine/math/complex.h"
 
 namespace truestep {
@@ -14,8 +13,7 @@ namespace truestep {
 class SparseFactors {
  public:
   /// Compressed columns of A1 and A2; the diagonal is added where it is missing.
-  SparseFactors(size_t n, std::span<const int32_t> column_start, std::span<const int32_t> rows,
-                SparseLibrary library = preferred_sparse_library());
+  SparseFactors(size_t n, std::span<const int32_t> column_start, std::span<const int32_t> rows);
   ~SparseFactors();
 
   /// False: singular. `a2` may be null.

@@ -30,7 +30,7 @@ class Straight final : public Interpolant {
   double h_;
 };
 
-template <size_t N>
+template <size_t W>
 class SplittingStepper {
  public:
   explicit SplittingStepper(Advance& in)
@@ -96,28 +96,28 @@ class SplittingStepper {
   const SecondOrder& second_;
   size_t n_;
   bool moving_;
-  Arrays<N, kCount> a_;
-  Arrays<2 * N, 1> old_;
+  Arrays<W, kCount> a_;
+  Arrays<2 * W, 1> old_;
 };
 
+/// Two or three positions in one vector register.
 template <class Run>
-void for_size(const Advance& in, Run run) {
-  with_size<1, 2, 3>(positions_of(in), run);
+void for_width(const Advance& in, Run run) {
+  with_width<4>(positions_of(in), run);
 }
 
-template <const Splitting& S>
-void advance_splitting(Advance& in) {
-  for_size(in, [&]<size_t N>() {
-    SplittingStepper<N> m(in);
+void advance_splitting(Advance& in, const Splitting& s) {
+  for_width(in, [&]<size_t W>() {
+    SplittingStepper<W> m(in);
     m.run([&](double t, double h, bool first, bool last) {
-      if (first) m.drift(S.drift[0] * h);
-      double place = S.drift[0];
-      for (size_t i = 0; i < S.kicks; ++i) {
-        m.accelerate(t + place * h, 0.5 * S.kick[i] * h);
-        m.kick(S.kick[i] * h);
-        const double following = i + 1 < S.kicks || last ? S.drift[i + 1] : S.drift[i + 1] + S.drift[0];
+      if (first) m.drift(s.drift[0] * h);
+      double place = s.drift[0];
+      for (size_t i = 0; i < s.kicks; ++i) {
+        m.accelerate(t + place * h, 0.5 * s.kick[i] * h);
+        m.kick(s.kick[i] * h);
+        const double following = i + 1 < s.kicks || last ? s.drift[i + 1] : s.drift[i + 1] + s.drift[0];
         m.drift(following * h);
-        place += S.drift[i + 1];
+        place += s.drift[i + 1];
       }
     });
   });
@@ -126,27 +126,27 @@ void advance_splitting(Advance& in) {
 }  // namespace
 
 void advance_leapfrog(Advance& in) {
-  advance_splitting<kLeapfrog>(in);
+  advance_splitting(in, kLeapfrog);
 }
 void advance_yoshida4(Advance& in) {
-  advance_splitting<kYoshida4>(in);
+  advance_splitting(in, kYoshida4);
 }
 void advance_yoshida6(Advance& in) {
-  advance_splitting<kYoshida6>(in);
+  advance_splitting(in, kYoshida6);
 }
 void advance_yoshida8(Advance& in) {
-  advance_splitting<kYoshida8>(in);
+  advance_splitting(in, kYoshida8);
 }
 void advance_kahan_li8(Advance& in) {
-  advance_splitting<kKahanLi8>(in);
+  advance_splitting(in, kKahanLi8);
 }
 void advance_pefrl(Advance& in) {
-  advance_splitting<kPefrl>(in);
+  advance_splitting(in, kPefrl);
 }
 
 void advance_symplectic_euler(Advance& in) {
-  for_size(in, [&]<size_t N>() {
-    SplittingStepper<N> m(in);
+  for_width(in, [&]<size_t W>() {
+    SplittingStepper<W> m(in);
     m.run([&](double t, double h, bool, bool) {
       m.accelerate(t, 0);
       m.kick(h);
@@ -157,8 +157,8 @@ void advance_symplectic_euler(Advance& in) {
 
 void advance_velocity_verlet(Advance& in) {
   const bool moving = in.f.second_order() && in.f.second_order()->depends_on_velocity();
-  for_size(in, [&]<size_t N>() {
-    SplittingStepper<N> m(in);
+  for_width(in, [&]<size_t W>() {
+    SplittingStepper<W> m(in);
     bool stands = false;
     m.run([&](double t, double h, bool, bool) {
       if (!stands) m.accelerate(t, 0);

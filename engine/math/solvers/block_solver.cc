@@ -1,10 +1,11 @@
 #include "engine/math/solvers/block_solver.h"
 
-#include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <vector>
 
-#include "engine/math/block_sparse_eigen.h"
+#include "engine/math/solvers/sparse_lu.h"
 #include "engine/math/trig.h"
 
 namespace truestep {
@@ -22,6 +23,28 @@ constexpr double kTwoGridIterations = 1.6, kProducts = 7, kPreparation = 60;
 bool is_large(const BlockSparse& a) {
   return a.block_size() == 3 && a.block_rows() >= kLarge;
 }
+
+// A matrix of blocks as compressed columns of numbers, rows ascending.
+struct Columns {
+  explicit Columns(const BlockSparse& a) : start(a.size() + 1), rows(a.values().size()), values(rows.size()) {
+    const size_t b = a.block_size();
+    for (BlockSparse::Slot s = 0; s < a.blocks(); ++s) {
+      for (size_t c = 0; c < b; ++c) start[a.column(s) * b + c + 1] += static_cast<int>(b);
+    }
+    std::partial_sum(start.begin(), start.end(), start.begin());
+    std::vector<int> next(start.begin(), start.end() - 1);
+    for (size_t i = 0; i < a.block_rows(); ++i) {
+      for (BlockSparse::Slot s = a.row_begin(i); s < a.row_begin(i + 1); ++s) {
+        for (size_t k = 0; k < b * b; ++k) {
+          const auto at = static_cast<size_t>(next[a.column(s) * b + k / b]++);
+          rows[at] = static_cast<int>(i * b + k % b), values[at] = a.block(s)[k];
+        }
+      }
+    }
+  }
+  std::vector<int> start, rows;
+  std::vector<double> values;
+};
 }  // namespace
 
 void BlockSolver::reserve(const BlockSparse& a) {
@@ -33,10 +56,12 @@ void BlockSolver::reserve(const BlockSparse& a) {
 BlockSolver::Result BlockSolver::solve(const BlockSparse& a, std::span<const double> b, std::span<double> x,
                                        const Request& request, const ThreadArena& arena) {
   if (request.symmetry == Symmetry::general) {
-    Eigen::SparseLU<Eigen::SparseMatrix<double>> lu(to_eigen(a));
-    if (lu.info() != Eigen::Success) return {Method::lu, 0, false};
-    const auto size = static_cast<Eigen::Index>(b.size());
-    Eigen::Map<Eigen::VectorXd>(x.data(), size) = lu.solve(Eigen::Map<const Eigen::VectorXd>(b.data(), size));
+    const Columns c(a);
+    const auto lu = make_sparse_lu<double>();
+    lu->analyse(static_cast<int>(a.size()), c.start.data(), c.rows.data());
+    if (!lu->factor(c.values.data())) return {Method::lu, 0, false};
+    std::ranges::copy(b, x.begin());
+    lu->solve(x.data());
     return {Method::lu, 0, true};
   }
   // Chebyshev's bound on the iterations: sqrt(condition) ln(2 / tolerance) / 2.

@@ -7,6 +7,7 @@
 #include "engine/base/errors.h"
 #include "engine/base/interrupt.h"
 #include "engine/base/text/short_number.h"
+#include "engine/base/version.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/session/world/world.h"
 
@@ -224,6 +225,13 @@ void World::list_plan() {
     plan_.push_back({"",
                      {PlanRow::Status::skipped, "couplings",
                       size() > 1 ? "none given: the systems do not interact" : "there is only one system"},
+                     std::nullopt});
+  }
+  if (!deviations().empty()) {
+    plan_.push_back({"",
+                     {PlanRow::Status::skipped, "same bits",
+                      "built with " + std::string(deviations()) +
+                          ": last bits may differ from those of a program built as usual"},
                      std::nullopt});
   }
 }

@@ -9,7 +9,7 @@
 
 #include "engine/base/random.h"
 #include "engine/kernels/fem/cell.h"
-#include "engine/math/block_sparse_eigen.h"
+#include "tests/support/block_sparse_eigen.h"
 #include "tests/unit/fem/fem_rig.h"
 
 namespace truestep {

@@ -1,6 +1,6 @@
 // Both libraries agree with dense elimination, report singular matrices and forget every matrix but the last;
 // CVODE's BDF runs on them.
-#include "engine/integrators/linear/sparse_lu.h"
+#include "engine/math/solvers/sparse_lu.h"
 #include "engine/integrators/table/integrators.h"
 
 #include <gtest/gtest.h>
@@ -16,9 +16,11 @@
 namespace truestep {
 namespace {
 
-std::vector<SparseLibrary> libraries() {
-  std::vector<SparseLibrary> all = {SparseLibrary::eigen};
-  if (preferred_sparse_library() == SparseLibrary::klu) all.push_back(SparseLibrary::klu);
+/// That of the program and, where it is installed, the other (tests/CMakeLists.txt).
+template <class T>
+std::vector<std::unique_ptr<SparseLu<T>>> libraries() {
+  std::vector<std::unique_ptr<SparseLu<T>>> all;
+  for (auto make : {TRUESTEP_SPARSE_LIBRARIES}) all.push_back(make());
   return all;
 }
 
@@ -72,8 +74,7 @@ TYPED_TEST(SparseLuOf, SolvesWhatDenseEliminationSolves) {
   }
   const Eigen::Matrix<T, Eigen::Dynamic, 1> expected =
       dense.partialPivLu().solve(Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, 1>>(b.data(), ring.n));
-  for (const SparseLibrary library : libraries()) {
-    const auto lu = make_sparse_lu<T>(library);
+  for (const auto& lu : libraries<T>()) {
     lu->analyse(ring.n, ring.start.data(), ring.rows.data());
     ASSERT_TRUE(lu->factor(values.data()));
     auto x = b;
@@ -88,11 +89,10 @@ TYPED_TEST(SparseLuOf, RemembersNothingOfEarlierMatrices) {
   const Ring ring(8);
   const auto first = numbers<T>(ring.rows.size(), 2.4), other = numbers<T>(ring.rows.size(), 1.1),
              b = numbers<T>(static_cast<size_t>(ring.n), 0.9);
-  for (const SparseLibrary library : libraries()) {
-    const auto fresh = make_sparse_lu<T>(library), used = make_sparse_lu<T>(library);
-    for (const auto& lu : {fresh.get(), used.get()}) {
-      lu->analyse(ring.n, ring.start.data(), ring.rows.data());
-    }
+  const auto all = libraries<T>(), again = libraries<T>();
+  for (size_t k = 0; k < all.size(); ++k) {
+    SparseLu<T>*const fresh = all[k].get(), *const used = again[k].get();
+    for (SparseLu<T>* lu : {fresh, used}) lu->analyse(ring.n, ring.start.data(), ring.rows.data());
     auto x = b, y = b;
     ASSERT_TRUE(used->factor(other.data()));
     used->solve(y.data());
@@ -109,8 +109,7 @@ TYPED_TEST(SparseLuOf, ASingularMatrixIsRefused) {
   const Ring ring(6);
   auto values = numbers<T>(ring.rows.size(), 2.4);
   for (int k = ring.start[7]; k < ring.start[8]; ++k) values[size_t(k)] = T(0);
-  for (const SparseLibrary library : libraries()) {
-    const auto lu = make_sparse_lu<T>(library);
+  for (const auto& lu : libraries<T>()) {
     lu->analyse(ring.n, ring.start.data(), ring.rows.data());
     EXPECT_FALSE(lu->factor(values.data()));
     EXPECT_TRUE(lu->factor(numbers<T>(ring.rows.size(), 2.4).data())) << "control";

@@ -7,7 +7,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/random.h"
-#include "engine/math/block_sparse_eigen.h"
+#include "tests/support/block_sparse_eigen.h"
 
 namespace truestep {
 namespace {

@@ -7,8 +7,8 @@
 #include "engine/base/random.h"
 #include "engine/kernels/springs/spring.h"
 #include "engine/math/block_sparse.h"
-#include "engine/math/block_sparse_eigen.h"
 #include "engine/systems/mass_spring/mass_spring_field.h"
+#include "tests/support/block_sparse_eigen.h"
 
 namespace truestep {
 using namespace mass_spring;

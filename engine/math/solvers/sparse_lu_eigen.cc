@@ -1,11 +1,10 @@
-// Sparse LU by Eigen, and the choice between the libraries.
+// Sparse LU by Eigen, part of the engine where the build says TRUESTEP_SPARSE=eigen.
 #include <Eigen/SparseCore>
 #include <Eigen/SparseLU>
 #include <algorithm>
 #include <vector>
 
-#include "engine/base/errors.h"
-#include "engine/integrators/linear/sparse_lu.h"
+#include "engine/math/solvers/sparse_lu.h"
 
 namespace truestep {
 
@@ -42,24 +41,7 @@ std::unique_ptr<SparseLu<T>> make_eigen_lu() {
   return std::make_unique<EigenLu<T>>();
 }
 
-SparseLibrary preferred_sparse_library() {
-#ifdef TRUESTEP_KLU
-  return SparseLibrary::klu;
-#else
-  return SparseLibrary::eigen;
-#endif
-}
-
-template <class T>
-std::unique_ptr<SparseLu<T>> make_sparse_lu(SparseLibrary library) {
-  if (library == SparseLibrary::eigen) return make_eigen_lu<T>();
-#ifdef TRUESTEP_KLU
-  return make_klu<T>();
-#else
-  throw Error("not_built", "this program was built without KLU");
-#endif
-}
-template std::unique_ptr<SparseLu<double>> make_sparse_lu(SparseLibrary);
-template std::unique_ptr<SparseLu<std::complex<double>>> make_sparse_lu(SparseLibrary);
+template std::unique_ptr<SparseLu<double>> make_eigen_lu();
+template std::unique_ptr<SparseLu<std::complex<double>>> make_eigen_lu();
 
 }  // namespace truestep

@@ -1,5 +1,5 @@
-// The loop of a fixed-step implicit method over [t, t_end] in `fixed_steps` equal steps. `Method` has the
-// members that explicit/drive.h requires, with bool step(t, h) in place of attempt: false if the step's
+// The loop of a fixed-step method over [t, t_end] in `fixed_steps` equal steps. `Method` has the members of
+// AdaptiveMethod (drive.h) except first_step and attempt, and bool step(t, h): false if an implicit step's
 // equations have no solution within reach of Newton's method.
 #pragma once
 #include "engine/base/errors.h"

@@ -1,4 +1,4 @@
-// Sparse LU by KLU (SuiteSparse, LGPL), compiled where it is present. klu_refactor, which reuses the pivots
+// Sparse LU by KLU (SuiteSparse, LGPL). klu_refactor, which reuses the pivots
 // of an older matrix, is not used: its result depends on the run's past.
 #include <klu.h>
 
@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "engine/integrators/linear/sparse_lu.h"
+#include "engine/math/solvers/sparse_lu.h"
 
 namespace truestep {
 
@@ -63,10 +63,10 @@ class Klu final : public SparseLu<T> {
 }  // namespace
 
 template <class T>
-std::unique_ptr<SparseLu<T>> make_klu() {
+std::unique_ptr<SparseLu<T>> make_klu_lu() {
   return std::make_unique<Klu<T>>();
 }
-template std::unique_ptr<SparseLu<double>> make_klu();
-template std::unique_ptr<SparseLu<std::complex<double>>> make_klu();
+template std::unique_ptr<SparseLu<double>> make_klu_lu();
+template std::unique_ptr<SparseLu<std::complex<double>>> make_klu_lu();
 
 }  // namespace truestep
