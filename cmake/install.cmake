@@ -7,8 +7,10 @@ set(package_files ${PROJECT_SOURCE_DIR}/cmake/package)
 
 # --- program
 install(TARGETS truestep RUNTIME COMPONENT program)
-configure_file(${package_files}/truestep.1.in ${CMAKE_CURRENT_BINARY_DIR}/package/truestep.1 @ONLY)
-install(FILES ${CMAKE_CURRENT_BINARY_DIR}/package/truestep.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
+set(man_page ${CMAKE_CURRENT_BINARY_DIR}/package/truestep.1)
+install(CODE "execute_process(COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:truestep> -DPAGE=${man_page} -DVERSION=${PROJECT_VERSION}
+                                      -P ${package_files}/man_page.cmake COMMAND_ERROR_IS_FATAL ANY)" COMPONENT program)
+install(FILES ${man_page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
 install(FILES ${package_files}/copyright ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/NOTICE ${PROJECT_SOURCE_DIR}/CHANGELOG.md
         DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/truestep COMPONENT program)
 
@@ -66,10 +68,11 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_COMPONENTS_ALL program)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME truestep)
-set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "physics simulation service
- Truestep steps scenes of particles, springs, bodies, liquids and fields, streams,
- records and draws their states, and says how accurate they are. One program holds
- the engine, the HTTP and WebSocket server, the browser viewer and the command line.")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "physics simulation service")
+set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "Truestep steps scenes of particles, springs, bodies, liquids and fields,
+streams, records and draws their states, and says how accurate they are. One
+program holds the engine, the HTTP and WebSocket server, the browser viewer and
+the command line.")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "${depends}")

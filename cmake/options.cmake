@@ -11,6 +11,7 @@ add_link_options(-pie)
 if(NOT CMAKE_BUILD_TYPE)
   set(CMAKE_BUILD_TYPE Release)
 endif()
+# Folders without the loops of steps say less (cmake/unity.cmake).
 set(CMAKE_CXX_FLAGS_RELEASE "-O3")
 
 option(TRUESTEP_WERROR "Warnings end the build (of gcc)" $ENV{TRUESTEP_WERROR})
@@ -46,7 +47,7 @@ endif()
 # is taken from the compiler's own list (CCACHE_DEPEND): nothing is preprocessed twice.
 find_program(TRUESTEP_CCACHE ccache)
 if(TRUESTEP_CCACHE)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env
+  set(CMAKE_CXX_COMPILER_LAUNCHER env
       CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1 CCACHE_PCH_EXTSUM=1 CCACHE_DEPEND=1
       CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime ${TRUESTEP_CCACHE})
   if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
@@ -56,6 +57,13 @@ if(TRUESTEP_CCACHE)
   else()
     add_compile_options(-fpch-preprocess)
   endif()
+endif()
+
+option(TRUESTEP_BUILD_COST "Record the CPU seconds of every compiler in build_cost.tsv (docs/building.md)" OFF)
+if(TRUESTEP_BUILD_COST)
+  find_package(Python3 REQUIRED COMPONENTS Interpreter)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/cmake/build_cost.py record
+      ${CMAKE_BINARY_DIR}/build_cost.tsv ${CMAKE_CXX_COMPILER_LAUNCHER})
 endif()
 
 find_program(TRUESTEP_LLD ld.lld)

@@ -8,11 +8,15 @@
 # find them in the compiler cache.
 set(joined_bytes 45000)
 
-# Folders below engine/ and server/ that loop over numbers, and the names of the files in them that do not.
+# Folders below engine/ that loop over numbers, and the names of the files in them that do not. Loops are worth -O3,
+# which is what is not said otherwise; what is neither has plain_options.
 set(loop_folders "^(collision|integrators|kernels|lattice|math|neighbours|rigid|systems)(/|$)")
+# Loops over the numbers of a frame, which may be compiled with others.
+set(joined_loop_folders "^sinks/stream")
 set(not_loops "_(build|check|checks|commands|cost|def|drawing|model|names|observe|output|outputs|state|tables|texts)\\.cc$|^rows_")
 # What reads, writes and tells rather than computes: less inlining is a third of the compiler's time and nobody's.
-set(quick_folders "^(api|cli|core/def|geometry/read|net/access|operations|persistence|reference|scene|session/snapshot|sessions|sinks|studies)(/|$)")
+set(quick_folders "^(api|cli|core/def|geometry/read|net/access|operations|persistence|reference|scene|session/snapshot|sessions|sinks/motion|sinks/recording|studies)(/|$)")
+set(plain_options $<$<CONFIG:Release>:-O2>)
 set(quick_options $<$<CONFIG:Release>:-O1> $<$<CONFIG:Release>:-finline-small-functions>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # Of strings that are put together or moved: gcc 12 warns of what is not there.
@@ -32,10 +36,12 @@ set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${PROJECT_SOURCE_
 file(STRINGS ${PROJECT_SOURCE_DIR}/tests/layering/libm_exceptions.txt libm_exceptions REGEX "^[^#]+:")
 list(TRANSFORM libm_exceptions REPLACE ":.*" "")
 
-# add_folder_options(FILE FOLDER NAME)
+# add_folder_options(FILE FOLDER NAME): how much a source is optimised is what its folder says.
 function(add_folder_options file folder name)
   if(folder MATCHES "${quick_folders}" OR (folder MATCHES "${loop_folders}" AND name MATCHES "${not_loops}"))
     set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS ${quick_options})
+  elseif(plain_options AND NOT folder MATCHES "${loop_folders}" AND NOT folder MATCHES "${joined_loop_folders}")
+    set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS ${plain_options})
   endif()
   if(access_options AND folder MATCHES "${access_folders}")
     set_property(SOURCE ${file} APPEND PROPERTY COMPILE_OPTIONS ${access_options})
@@ -130,7 +136,7 @@ function(join_sources target)
       set(options "")
     endif()
     set(kind ${folder})
-    if(options)
+    if(NOT options STREQUAL plain_options)
       string(MD5 sum "${options}")
       string(SUBSTRING ${sum} 0 4 sum)
       set(kind ${folder}_${sum})

@@ -3,6 +3,7 @@
 #include <utility>
 
 template class std::vector<truestep::Issue>;
+template class std::vector<std::string>;
 
 namespace truestep {
 
@@ -10,6 +11,10 @@ Error::Error(std::string code, const std::string& detail)
     : std::runtime_error(detail), code_(std::move(code)) {}
 Error::Error(std::string code, const std::string& detail, std::vector<Issue> issues)
     : std::runtime_error(detail), code_(std::move(code)), issues_(std::move(issues)) {}
+Error::Error(std::string code, const std::string& detail, Issue issue)
+    : std::runtime_error(detail), code_(std::move(code)) {
+  issues_.push_back(std::move(issue));
+}
 Error::Error(const Error&) = default;
 Error::~Error() = default;
 

@@ -22,6 +22,7 @@ struct Issue {
 
 // Compiled once, in errors.cc: almost every file reports something.
 extern template class std::vector<truestep::Issue>;
+extern template class std::vector<std::string>;
 
 namespace truestep {
 
@@ -30,6 +31,7 @@ class Error : public std::runtime_error {
  public:
   Error(std::string code, const std::string& detail);
   Error(std::string code, const std::string& detail, std::vector<Issue> issues);
+  Error(std::string code, const std::string& detail, Issue issue);
   Error(const Error&);
   ~Error() override;
   const std::string& code() const { return code_; }

@@ -11,9 +11,7 @@
 namespace truestep {
 
 /// name.x, name.y and name.z.
-inline void add_vector(Observables& out, const std::string& name, const Vec3& a, const char* unit) {
-  out.add(name + ".x", a.x, unit), out.add(name + ".y", a.y, unit), out.add(name + ".z", a.z, unit);
-}
+void add_vector(Observables& out, const std::string& name, const Vec3& a, const char* unit);
 
 struct MassPoints {
   explicit MassPoints(const Vec3& weight) : gravity(weight) {}
@@ -33,18 +31,10 @@ struct MassPoints {
   double speed() const { return std::sqrt(fastest); }
 
   /// Of motion and weight alone.
-  void observe_energy(Observables& out) const {
-    out.add("energy.kinetic", kinetic, "J");
-    out.add("energy.gravity", height, "J");
-    out.add("energy.total", kinetic + height, "J");
-  }
-  void observe_centre(Observables& out) const { add_vector(out, "centre", centre(), "m"); }
+  void observe_energy(Observables& out) const;
+  void observe_centre(Observables& out) const;
   /// Not numbers where there are no points.
-  void observe_extent(Observables& out) const {
-    const bool none = !(low.x <= high.x);
-    add_vector(out, "low", none ? centre() : low, "m");
-    add_vector(out, "high", none ? centre() : high, "m");
-  }
+  void observe_extent(Observables& out) const;
 
   Vec3 gravity;                                         ///< m/s^2
   double mass = 0;                                      ///< kg

@@ -10,8 +10,8 @@ inline PointPort require_points(const CouplingSide& side, const std::string& mem
   if (const auto points = side.system.ports().points) return *points;
   const std::string why = "\"" + side.id + "\" has no points that a coupling could reach";
   throw Error("scene_invalid", why,
-              {{"/" + member, "unsuitable_system", why, '"' + side.id + '"',
-                "a system of points (mass_spring, particles) or, on one side, of bodies (rigid3d)", "", ""}});
+              {"/" + member, "unsuitable_system", why, '"' + side.id + '"',
+               "a system of points (mass_spring, particles) or, on one side, of bodies (rigid3d)", "", ""});
 }
 
 /// Gives `impulse` (N s) to a row and the opposite to another.

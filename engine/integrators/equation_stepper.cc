@@ -39,8 +39,8 @@ const Integrator& named(const std::string& name, const RightHandSide& f) {
   }
   const std::string shown = name.substr(0, 40);
   throw Error("scene_invalid", "integrator " + shown + ": " + why,
-              {{"/integrator", row ? "unsuitable_integrator" : "unknown_integrator", why, '"' + shown + '"',
-                allowed, row ? "" : nearest_name(name, fitting), ""}});
+              {"/integrator", row ? "unsuitable_integrator" : "unknown_integrator", why, '"' + shown + '"',
+               allowed, row ? "" : nearest_name(name, fitting), ""});
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ LatticeModel::LatticeModel(const LatticeDef& def, SideKind usual, const Texts& t
   if (texts.squared == Texts::Squared::yes) c = r.graph.binary(O::multiply, c, c);
   constant_coefficient_ = r.graph.constant_value(c);
   const auto refuse = [&](const std::string& why) {
-    throw Error("scene_invalid", why, {{texts.coefficient.first, "out_of_range", why, "", "", "", ""}});
+    throw Error("scene_invalid", why, {texts.coefficient.first, "out_of_range", why, "", "", "", ""});
   };
   if (constant_coefficient_ && !(*constant_coefficient_ > 0 && std::isfinite(*constant_coefficient_))) {
     refuse("the coefficient must be a positive number");
@@ -237,7 +237,7 @@ Coefficient LatticeModel::coefficient(const Lattice& on, const Constants& consta
       } else if (!(v >= 0) || !std::isfinite(v)) {
         throw Error(
             "scene_invalid", "the coefficient is negative or not a number somewhere in the box",
-            {{"", "out_of_range", "the coefficient must be at least 0 everywhere", "", ">= 0", "", ""}});
+            {"", "out_of_range", "the coefficient must be at least 0 everywhere", "", ">= 0", "", ""});
       }
     }
   }

@@ -11,8 +11,8 @@ namespace {
 
 [[maybe_unused, noreturn]] void not_in_this_build(const std::string& name, const std::string& package) {
   throw Error("scene_invalid", "this build has no " + name,
-              {{"/engine", "not_built", "this build was made without " + name + " (Debian's " + package + ")",
-                '"' + name + '"', "truestep", "", ""}});
+              {"/engine", "not_built", "this build was made without " + name + " (Debian's " + package + ")",
+               '"' + name + '"', "truestep", "", ""});
 }
 
 }  // namespace

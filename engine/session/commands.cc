@@ -118,7 +118,7 @@ Command read_command(const json::value& document) {
   for (const std::string& n : names) all += (all.empty() ? "" : ", ") + n;
   if (!document.is_object()) {
     throw Error("bad_command", "a command must be an object",
-                {{"", "wrong_type", "a command must be an object", shorten(document), "an object", "", ""}});
+                {"", "wrong_type", "a command must be an object", shorten(document), "an object", "", ""});
   }
   const json::value* type = document.as_object().if_contains("type");
   const std::string name = type && type->is_string() ? std::string(type->as_string().c_str()) : "";
@@ -132,8 +132,8 @@ Command read_command(const json::value& document) {
     return command;
   }
   throw Error("bad_command", "no command has this type",
-              {{"/type", type ? "unknown_choice" : "missing", "no command has this type",
-                type ? shorten(*type) : "", all, nearest_name(name, names), ""}});
+              {"/type", type ? "unknown_choice" : "missing", "no command has this type",
+               type ? shorten(*type) : "", all, nearest_name(name, names), ""});
 }
 
 json::object write_command(const Command& command) {

@@ -140,8 +140,8 @@ class Things {
     for (size_t i = 0; i < session_.world().size(); ++i) ids.push_back(session_.world().id(i));
     if (std::find(ids.begin(), ids.end(), id) != ids.end()) return;
     throw Error("bad_query", "no system has this id",
-                {{"/systems", "unknown_system", "no system has this id", '"' + id.substr(0, 64) + '"',
-                  join_names(ids), nearest_name(id, ids), ""}});
+                {"/systems", "unknown_system", "no system has this id", '"' + id.substr(0, 64) + '"',
+                 join_names(ids), nearest_name(id, ids), ""});
   }
 
   void add_part(size_t p) {
@@ -288,7 +288,7 @@ json::object answer_query(const Session& session, const json::value& document) {
   constexpr Answer kAnswers[] = {ray, nearest, overlap, contacts};
   if (!document.is_object()) {
     throw Error("bad_query", "a query must be an object",
-                {{"", "wrong_type", "a query must be an object", shorten(document), "an object", "", ""}});
+                {"", "wrong_type", "a query must be an object", shorten(document), "an object", "", ""});
   }
   const json::value* type = document.as_object().if_contains("type");
   const std::string name = type && type->is_string() ? std::string(type->as_string().c_str()) : "";
@@ -307,8 +307,8 @@ json::object answer_query(const Session& session, const json::value& document) {
     return out;
   }
   throw Error("bad_query", "no query has this type",
-              {{"/type", type ? "unknown_choice" : "missing", "no query has this type",
-                type ? shorten(*type) : "", join_names(names), nearest_name(name, names), ""}});
+              {"/type", type ? "unknown_choice" : "missing", "no query has this type",
+               type ? shorten(*type) : "", join_names(names), nearest_name(name, names), ""});
 }
 
 }  // namespace truestep

@@ -81,7 +81,7 @@ void Session::play(double speed) {
   if (!(speed >= kLeastSpeed && speed <= kMostSpeed)) {
     throw Error(
         "bad_request", "speed must be a number from 1e-18 to 1e15",
-        {{"/speed", "out_of_range", "the value is outside the allowed range", "", "1e-18 to 1e15", "", "1"}});
+        {"/speed", "out_of_range", "the value is outside the allowed range", "", "1e-18 to 1e15", "", "1"});
   }
   if (failure_) throw Error("instability", failure_->detail);
   if (!playing_ || speed != speed_) pace_ = {}, achieved_speed_.reset();

@@ -100,8 +100,8 @@ size_t compared_system(const Scene& scene, const std::string& id) {
     ids += (ids.empty() ? "" : ", ") + s.id;
   }
   throw Error("scene_invalid", "no system of the scene fits the study",
-              {{"/system", "unknown_system", "the study needs a system with an integrator or engines",
-                '"' + id.substr(0, 64) + '"', ids, "", ""}});
+              {"/system", "unknown_system", "the study needs a system with an integrator or engines",
+               '"' + id.substr(0, 64) + '"', ids, "", ""});
 }
 
 bool says_nothing(const CrossCheckSide& s) {
@@ -134,8 +134,8 @@ std::vector<std::string> statistics(const CrossCheckParams& p, const System& sys
   for (size_t i = 0; i < p.statistics.size(); ++i) {
     if (!now.find(p.statistics[i]))
       throw Error("scene_invalid", "the system has no such observable",
-                  {{"/statistics/" + std::to_string(i), "unknown_observable",
-                    "the system has no such observable", '"' + p.statistics[i] + '"', names, "", ""}});
+                  {"/statistics/" + std::to_string(i), "unknown_observable",
+                   "the system has no such observable", '"' + p.statistics[i] + '"', names, "", ""});
     out.push_back(p.statistics[i]);
   }
   return out;

@@ -13,8 +13,8 @@ namespace {
 
 [[noreturn]] void bad_pointer(std::string_view pointer, const std::string& why) {
   throw Error("bad_pointer", "the scene has no place " + std::string(pointer) + ": " + why,
-              {{"", "bad_pointer", why, '"' + std::string(pointer.substr(0, 200)) + '"',
-                "a JSON pointer to a value of the scene", "", ""}});
+              {"", "bad_pointer", why, '"' + std::string(pointer.substr(0, 200)) + '"',
+               "a JSON pointer to a value of the scene", "", ""});
 }
 
 std::string unescaped(std::string_view token) {
@@ -85,8 +85,8 @@ size_t studied_system(const Scene& scene, std::string_view id) {
     if (scene.integrated_system(s.id)) ids += (ids.empty() ? "" : ", ") + s.id;
   }
   throw Error("scene_invalid", "no system of the scene fits the study",
-              {{"/system", "unknown_system", "the study needs a system with an integrator",
-                '"' + std::string(id.substr(0, 64)) + '"', ids, "", ""}});
+              {"/system", "unknown_system", "the study needs a system with an integrator",
+               '"' + std::string(id.substr(0, 64)) + '"', ids, "", ""});
 }
 
 }  // namespace truestep

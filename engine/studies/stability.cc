@@ -272,7 +272,7 @@ std::vector<const Integrator*> methods(const StabilityParams& p, const ForceFiel
     std::string all;
     for (const Integrator& row : integrators()) all += (all.empty() ? "" : ", ") + std::string(row.name);
     throw Error("scene_invalid", "an integrator of the study does not exist",
-                {{"/integrators", "unknown_choice", "there is no such integrator", "", all, "", ""}});
+                {"/integrators", "unknown_choice", "there is no such integrator", "", all, "", ""});
   }
   return out;
 }
@@ -301,17 +301,17 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
   const World world = build_world(scene, context);
   const Integration own = world.system(system).integration();
   if (!own.field) {
-    throw Error("scene_invalid", "the system has no force field",
-                {{"/system", "wrong_system", "stability needs a system of forces", '"' + p.system + '"', "",
-                  "", ""}});
+    throw Error(
+        "scene_invalid", "the system has no force field",
+        {"/system", "wrong_system", "stability needs a system of forces", '"' + p.system + '"', "", "", ""});
   }
   const WorldState start = world.initial_state();
   const Spectrum spectrum = estimate_spectrum(*own.field, start.systems[system], 0);
 
   if (spectrum.omega == 0 && spectrum.damping == 0) {
     throw Error("study_failed", "the system's forces neither oscillate nor decay: no step is unstable",
-                {{"/system", "no_rates", "the linearised forces have no frequency and no damping rate",
-                  '"' + read.systems[system].id + '"', "", "", ""}});
+                {"/system", "no_rates", "the linearised forces have no frequency and no damping rate",
+                 '"' + read.systems[system].id + '"', "", "", ""});
   }
 
   StudyResult r;

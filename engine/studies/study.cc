@@ -45,7 +45,7 @@ namespace {
 const json::object& object_of(const json::value& request) {
   if (!request.is_object()) {
     throw Error("scene_invalid", "a study request must be an object",
-                {{"", "wrong_type", "an object", shorten(request), "object", "", ""}});
+                {"", "wrong_type", "an object", shorten(request), "object", "", ""});
   }
   return request.as_object();
 }
@@ -65,8 +65,8 @@ StudyRequest read_study_request(const json::value& request) {
   const StudyKind* found = find_study_kind(wanted);
   if (!found) {
     throw Error("scene_invalid", "there is no such kind of study",
-                {{"/kind", "unknown_choice", "there is no such kind of study", kind ? shorten(*kind) : "",
-                  all, nearest_name(wanted, names), ""}});
+                {"/kind", "unknown_choice", "there is no such kind of study", kind ? shorten(*kind) : "", all,
+                 nearest_name(wanted, names), ""});
   }
   json::value rest = request;
   rest.as_object().erase("kind");

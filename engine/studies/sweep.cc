@@ -51,9 +51,9 @@ std::vector<std::vector<double>> cases_of(const SweepParams& p) {
     std::vector<std::vector<double>> longer;
     const auto values = grid_values(a);
     if (cases.size() * values.size() > kMaxSweepCases) {
-      throw Error("too_large", "the grid has more than " + std::to_string(kMaxSweepCases) + " cases",
-                  {{"/axes", "too_large", "the grid has too many cases", "", std::to_string(kMaxSweepCases),
-                    "", ""}});
+      throw Error(
+          "too_large", "the grid has more than " + std::to_string(kMaxSweepCases) + " cases",
+          {"/axes", "too_large", "the grid has too many cases", "", std::to_string(kMaxSweepCases), "", ""});
     }
     for (const auto& c : cases) {
       for (const double v : values) {

@@ -24,7 +24,7 @@ std::vector<double> field_values(const System& system, const State& state, const
   }
   throw Error(
       "scene_invalid", "the system has no field \"" + name + '"',
-      {{"/quantity", "unknown_field", "the system has no such field", '"' + name + '"', names, "", ""}});
+      {"/quantity", "unknown_field", "the system has no such field", '"' + name + '"', names, "", ""});
 }
 
 Trace trace(const World& world, const TraceRequest& request, const StudyContext& context) {

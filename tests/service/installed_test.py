@@ -89,7 +89,7 @@ class Library(Folder):
         prefix = self.install("library")
         self.example()
         page = self.folder / "CMakeLists.txt"
-        page.write_text(page.read_text().replace("truestep 0.2", "truestep 0.1"))
+        page.write_text(re.sub(r"truestep \d+\.\d+", "truestep 0.1", page.read_text()))
         self.assertIn("version", self.configure(prefix, code=1))
 
 
@@ -106,6 +106,11 @@ class Program(Folder):
         told = re.search(r"^Subcommands:\n(.*)", run(prefix / "bin/truestep", "--help"), re.M | re.S)[1]
         commands = re.search(r"^\.SH COMMANDS\n(.*?)^\.PP", page, re.M | re.S)[1]
         self.assertEqual(sorted(re.findall(r"^\.B (\w+)", commands, re.M)), sorted(re.findall(r"^  (\w+)  ", told, re.M)))
+
+    def test_the_version_stands_in_one_place(self):
+        files = run("git", "-C", ROOT, "grep", "-lF", VERSION, "--", "*.cc", "*.h", "*.cmake", "*.in", "*.txt", "*.json", "*.yaml", "*.yml",
+                    "*.md", "docker", "truestep", ":!web/package-lock.json", ":!tests").split()
+        self.assertEqual(files, ["CHANGELOG.md", "CMakeLists.txt"])
 
     def test_licences_come_along(self):
         documents = self.install("program") / "share/doc/truestep"

@@ -18,7 +18,7 @@ void set_normals(Outline& s) {
 }
 
 [[noreturn]] void refuse(const std::string& why) {
-  throw Error("scene_invalid", why, {{"", "bad_shape", why, "", "", "", ""}});
+  throw Error("scene_invalid", why, {"", "bad_shape", why, "", "", "", ""});
 }
 
 /// Andrew's monotone chain, counter-clockwise, without points on edges.

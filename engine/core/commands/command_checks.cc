@@ -5,7 +5,7 @@ namespace truestep {
 
 void refuse_command(const std::string& member, const std::string& code, const std::string& why,
                     const std::string& allowed) {
-  throw Error("bad_command", why, {{"/" + member, code, why, "", allowed, "", ""}});
+  throw Error("bad_command", why, {"/" + member, code, why, "", allowed, "", ""});
 }
 
 void check_command_numbers(const Command& c) {

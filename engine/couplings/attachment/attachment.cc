@@ -23,8 +23,8 @@ uint64_t named_point(int64_t index, const CouplingSide& side, const PointPort& c
     const std::string why = "\"" + side.id + "\" has " + std::to_string(n) + " points at t = 0";
     throw Error(
         "scene_invalid", why,
-        {{pointer, "out_of_range", why, std::to_string(index),
-          n > 0 ? std::to_string(-n) + " to " + std::to_string(n - 1) : "there is no such point", "", ""}});
+        {pointer, "out_of_range", why, std::to_string(index),
+         n > 0 ? std::to_string(-n) + " to " + std::to_string(n - 1) : "there is no such point", "", ""});
   }
   return points.ids.empty() ? static_cast<uint64_t>(row) : points.ids[static_cast<size_t>(row)];
 }
@@ -44,7 +44,7 @@ std::unique_ptr<const Attachment> Attachment::make(const AttachmentDef& def, con
     p.b = named_point(def.b_points[k], context.b, b, "/b_points" + at);
     if (same && p.a == p.b) {
       const std::string why = "a pair needs two different points";
-      throw Error("scene_invalid", why, {{"/b_points" + at, "inconsistent", why, "", "", "", ""}});
+      throw Error("scene_invalid", why, {"/b_points" + at, "inconsistent", why, "", "", "", ""});
     }
     const Vec3 r = separation(pa, *pa.row_of(p.a), pb, *pb.row_of(p.b));
     p.rest = def.rest_length.value_or(norm(r));
@@ -256,7 +256,7 @@ std::unique_ptr<const Coupling> build_attachment(const void* def, const Coupling
   if (!d.places.empty()) {
     const std::string why = "places need a system of bodies";
     throw Error("scene_invalid", why,
-                {{"/places", "unsuitable_system", why, "", "places on bodies of rigid3d", "", ""}});
+                {"/places", "unsuitable_system", why, "", "places on bodies of rigid3d", "", ""});
   }
   return Attachment::make(d, context);
 }

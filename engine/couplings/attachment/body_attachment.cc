@@ -13,7 +13,7 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& pointer, const std::string& code, const std::string& why,
                          const std::string& value, const std::string& allowed) {
-  throw Error("scene_invalid", why, {{pointer, code, why, value, allowed, "", ""}});
+  throw Error("scene_invalid", why, {pointer, code, why, value, allowed, "", ""});
 }
 
 /// Row with an index from the scene.

@@ -91,8 +91,8 @@ std::unique_ptr<const BodyContact> BodyContact::make(const ContactDef& def, cons
         "the method of \"" + points.id +
         "\" solves for all its points together, so that single points cannot carry a body";
     throw Error("scene_invalid", why,
-                {{"/" + member, "unsuitable_system", why, '"' + points.id + '"',
-                  "an explicit integrator, or none: the default then supports contact with bodies", "", ""}});
+                {"/" + member, "unsuitable_system", why, '"' + points.id + '"',
+                 "an explicit integrator, or none: the default then supports contact with bodies", "", ""});
   }
   std::unique_ptr<BodyContact> out(new BodyContact(def, columns, *on_bodies.bodies));
   out->bodies_first_ = bodies_first;

@@ -33,7 +33,7 @@ bool more_than_balls(const PublishedSolids& s) {
 }
 
 [[noreturn]] void refuse(const std::string& pointer, const std::string& why, const std::string& allowed) {
-  throw Error("scene_invalid", why, {{pointer, "unsuitable_system", why, "", allowed, "", ""}});
+  throw Error("scene_invalid", why, {pointer, "unsuitable_system", why, "", allowed, "", ""});
 }
 
 }  // namespace

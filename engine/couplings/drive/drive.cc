@@ -58,7 +58,7 @@ Cost drive_cost(const void* def, const Cost&, const Cost&) {
 
 void refuse_drive(const std::string& member, const std::string& why, const std::string& value,
                   const std::string& allowed) {
-  throw Error("scene_invalid", why, {{"/" + member, "unsuitable_system", why, value, allowed, "", ""}});
+  throw Error("scene_invalid", why, {"/" + member, "unsuitable_system", why, value, allowed, "", ""});
 }
 
 namespace {

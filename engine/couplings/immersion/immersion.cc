@@ -192,7 +192,7 @@ size_t parcels_in(const ConstBodies& bodies, size_t body, const State& medium, c
 [[noreturn]] void refuse(const std::string& member, const std::string& id, const std::string& why,
                          const std::string& allowed) {
   throw Error("scene_invalid", '"' + id + "\" " + why,
-              {{"/" + member, "unsuitable_system", '"' + id + "\" " + why, '"' + id + '"', allowed, "", ""}});
+              {"/" + member, "unsuitable_system", '"' + id + "\" " + why, '"' + id + '"', allowed, "", ""});
 }
 
 }  // namespace

@@ -210,7 +210,7 @@ class Ragdoll final : public Coupling {
 
 [[noreturn]] void refuse(const std::string& member, const std::string& why, const std::string& value,
                          const std::string& allowed) {
-  throw Error("scene_invalid", why, {{"/" + member, "unsuitable_system", why, value, allowed, "", ""}});
+  throw Error("scene_invalid", why, {"/" + member, "unsuitable_system", why, value, allowed, "", ""});
 }
 
 }  // namespace

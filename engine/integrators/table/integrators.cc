@@ -41,8 +41,8 @@ const Integrator& choose_integrator(const IntegratorChoice& choice, std::string_
   const std::string why = method ? refusal(*method, field).value_or("") : "no integrator has this name";
   if (!why.empty()) {
     throw Error("scene_invalid", "integrator " + std::string(name) + ": " + why,
-                {{"/integrator", method ? "unsuitable_integrator" : "unknown_integrator", why,
-                  '"' + std::string(name) + '"', allowed, method ? "" : nearest_name(name, fitting), ""}});
+                {"/integrator", method ? "unsuitable_integrator" : "unknown_integrator", why,
+                 '"' + std::string(name) + '"', allowed, method ? "" : nearest_name(name, fitting), ""});
   }
   return *method;
 }

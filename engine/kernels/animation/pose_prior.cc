@@ -1,10 +1,10 @@
 #include "engine/kernels/animation/pose_prior.h"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
 #include "engine/kernels/animation/cholesky.h"
+#include "engine/math/solvers/dense_symmetric.h"
 
 namespace truestep::animation {
 
@@ -61,24 +61,19 @@ PosePrior::PosePrior(std::span<const Joint> joints, std::span<const JointMotion>
     coordinates_.push_back(c);
   }
   if (size_ == 0) return;
-  const auto size = static_cast<Eigen::Index>(size_);
-  Eigen::MatrixXd samples(size, static_cast<Eigen::Index>(frames));
-  for (size_t f = 0; f < frames; ++f)
-    read(poses.subspan(f * n, n), samples.col(static_cast<Eigen::Index>(f)).data());
-  const Eigen::VectorXd mean = samples.rowwise().mean();
-  samples.colwise() -= mean;
-  const Eigen::MatrixXd covariance =
-      samples * samples.transpose() / static_cast<double>(std::max<size_t>(frames - 1, 1));
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(covariance);
-  const double all = std::max(covariance.trace(), 1e-300);
+  DenseColumns samples(size_, frames);
+  for (size_t f = 0; f < frames; ++f) read(poses.subspan(f * n, n), samples.column(f).data());
+  const PrincipalComponents found = principal_components(samples);
+  const auto& [variances, axes] = found.of_covariance;
+  const double all = std::max(found.trace, 1e-300);
   const size_t count = std::min(components, size_);
   double held = 0;
   for (size_t k = 0; k < count; ++k) {
-    const Eigen::Index c = size - 1 - static_cast<Eigen::Index>(k);
-    const double variance = std::max(eigen.eigenvalues()[c], 0.0);
+    const size_t c = size_ - 1 - k;
+    const double variance = std::max(variances[c], 0.0);
     held += variance;
     deviations_.push_back(std::max(std::sqrt(variance), least));
-    for (Eigen::Index i = 0; i < size; ++i) components_.push_back(eigen.eigenvectors()(i, c));
+    for (size_t i = 0; i < size_; ++i) components_.push_back(axes(i, c));
   }
   explained_ = std::min(held / all, 1.0);
   const double left = count < size_ ? std::max(all - held, 0.0) / static_cast<double>(size_ - count) : 0;

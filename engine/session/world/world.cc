@@ -30,8 +30,8 @@ size_t World::index_of(std::string_view wanted) const {
     ids += (i ? ", " : "") + id(i);
   }
   throw Error("unknown_system", "no system has the id \"" + std::string(wanted.substr(0, 64)) + '"',
-              {{"/system", "unknown_system", "no system has this id",
-                '"' + std::string(wanted.substr(0, 64)) + '"', ids, "", ""}});
+              {"/system", "unknown_system", "no system has this id",
+               '"' + std::string(wanted.substr(0, 64)) + '"', ids, "", ""});
 }
 
 WorldState World::initial_state() const {

@@ -19,8 +19,8 @@ MotionExport::MotionExport(const System& system, std::string name, double rate)
     : system_(system), name_(std::move(name)), rate_(rate) {
   if (!suits(system)) {
     throw Error("unsuitable_system", "\"" + name_ + "\" has neither joints nor blended shapes",
-                {{"/system", "unsuitable_system", "the system has neither joints nor blended shapes", name_,
-                  "a skeleton or blend_shapes", "", ""}});
+                {"/system", "unsuitable_system", "the system has neither joints nor blended shapes", name_,
+                 "a skeleton or blend_shapes", "", ""});
   }
 }
 

@@ -29,8 +29,8 @@ size_t motion_system(const World& world, std::string_view id, MotionFormat forma
   const std::string why =
       suitable.empty() ? "nothing in the scene has " + what : "nothing with " + what + " has this id";
   throw Error("unknown_system", why,
-              {{pointer, "unknown_system", why, '"' + std::string(id.substr(0, 60)) + '"',
-                suitable.empty() ? "a scene with " + what : suitable, "", ""}});
+              {pointer, "unknown_system", why, '"' + std::string(id.substr(0, 60)) + '"',
+               suitable.empty() ? "a scene with " + what : suitable, "", ""});
 }
 
 std::string write_motion(const MotionExport& file, MotionFormat format) {

@@ -13,7 +13,7 @@ namespace {
 
 [[noreturn]] void refuse(size_t index, const std::string& message) {
   throw Error("scene_invalid", message,
-              {{"/recording/fields/" + std::to_string(index), "unknown_field", message, "", "", "", ""}});
+              {"/recording/fields/" + std::to_string(index), "unknown_field", message, "", "", "", ""});
 }
 
 // Observables that a recording keeps: those named by the scene, or all if it names none; probes always.

@@ -35,8 +35,8 @@ void require_part(const PartTable& table, const std::string& name) {
     if (table.named(p, name)) return;
   }
   throw Error("unknown_system", "no system has the id \"" + name.substr(0, 64) + '"',
-              {{"/system", "unknown_system", "no system or part has this id", '"' + name.substr(0, 64) + '"',
-                join_names(table.ids()), "", ""}});
+              {"/system", "unknown_system", "no system or part has this id", '"' + name.substr(0, 64) + '"',
+               join_names(table.ids()), "", ""});
 }
 
 }  // namespace
@@ -80,8 +80,8 @@ std::vector<WireField> wire_fields(const World& world, const std::vector<std::st
                         fields.begin() + static_cast<ptrdiff_t>(w))
       continue;
     throw Error("bad_request", "no system has a field named " + fields[w].substr(0, 64),
-                {{"/fields/" + std::to_string(w), "unknown_field", "no system has this field",
-                  '"' + fields[w].substr(0, 64) + '"', join_names(table.field_names("")), "", ""}});
+                {"/fields/" + std::to_string(w), "unknown_field", "no system has this field",
+                 '"' + fields[w].substr(0, 64) + '"', join_names(table.field_names("")), "", ""});
   }
   return out;
 }

@@ -44,8 +44,8 @@ std::string quantity_of(const AccuracyParams& wanted, const System& system) {
   }
   if (wanted.quantity == "state" || wanted.quantity == "position") return "state";
   throw Error("scene_invalid", "the system has no field \"" + wanted.quantity + '"',
-              {{"/accuracy/quantity", "unknown_field", "the system has no such field",
-                '"' + wanted.quantity + '"', names, "", ""}});
+              {"/accuracy/quantity", "unknown_field", "the system has no such field",
+               '"' + wanted.quantity + '"', names, "", ""});
 }
 
 // The best by order and structure when nothing could be measured: the best method for the system, a hundred
@@ -91,7 +91,7 @@ const MeasuredMethod* closest(const std::vector<MeasuredMethod>& measured) {
     if (!(2 * nearest->error <= 1)) reachable = "a shorter horizon";
   }
   throw Error("accuracy_unreachable", detail,
-              {{"/accuracy/tolerance", "unreachable", message, write_json(tolerance), reachable, "", ""}});
+              {"/accuracy/tolerance", "unreachable", message, write_json(tolerance), reachable, "", ""});
 }
 
 }  // namespace

@@ -141,8 +141,8 @@ class Measurer {
         possible >= scene_dt_ ? "about " + short_number(possible, 3) + " s at most" : "a larger budget";
     throw Error(
         "study_failed", "no method completes a reference solution within the time budget",
-        {{"/horizon", "too_long", "no method gets this far in time and is accurate enough to be a reference",
-          short_number(out_.horizon, 3), allowed, "", "s"}});
+        {"/horizon", "too_long", "no method gets this far in time and is accurate enough to be a reference",
+         short_number(out_.horizon, 3), allowed, "", "s"});
   }
 
   void measure(const std::string& name, double share) {
@@ -152,7 +152,7 @@ class Measurer {
       for (const Integrator& r : integrators()) all += (all.empty() ? "" : ", ") + std::string(r.name);
       throw Error(
           "scene_invalid", "there is no integrator \"" + name + '"',
-          {{"/integrators", "unknown_choice", "there is no such integrator", '"' + name + '"', all, "", ""}});
+          {"/integrators", "unknown_choice", "there is no such integrator", '"' + name + '"', all, "", ""});
     }
     const bool adaptive = row->stepping == Integrator::Stepping::adaptive;
     // From cheap to expensive, so that a budget which runs out cuts off the end of the curve.

@@ -32,7 +32,7 @@ std::string types_with_resolution() {
 
 [[noreturn]] void refuse(const std::string& pointer, const std::string& code, const std::string& why,
                          const std::string& value, const std::string& allowed) {
-  throw Error("scene_invalid", why, {{pointer, code, why, value, allowed, "", ""}});
+  throw Error("scene_invalid", why, {pointer, code, why, value, allowed, "", ""});
 }
 
 // Without everything that is meaningful at one resolution only: rows by number, expected values.

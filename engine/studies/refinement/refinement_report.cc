@@ -69,7 +69,7 @@ StudyResult run_refinement(const json::value& scene, const ConvergenceParams& p,
        {std::pair{!p.integrator.empty(), "/integrator"}, {p.step.has_value(), "/step"}}) {
     if (p.refine != Refine::space || !given) continue;
     const char* why = "refinement in space uses methods and steps whose errors are negligible";
-    throw Error("scene_invalid", why, {{pointer, "inconsistent", why, "", "\"refine\": \"both\"", "", ""}});
+    throw Error("scene_invalid", why, {pointer, "inconsistent", why, "", "\"refine\": \"both\"", "", ""});
   }
   RefinementStudy study(scene, p, context);
   study.run();

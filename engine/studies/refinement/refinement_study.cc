@@ -74,8 +74,8 @@ void RefinementStudy::run() {
   }
   if (levels_.empty()) {
     throw Error("study_failed", "not even the coarsest resolution finishes within the time budget",
-                {{"/horizon", "too_long", "not even the coarsest resolution gets so far within the budget",
-                  short_number(horizon_, 3), "a larger budget or a shorter horizon", "", "s"}});
+                {"/horizon", "too_long", "not even the coarsest resolution gets so far within the budget",
+                 short_number(horizon_, 3), "a larger budget or a shorter horizon", "", "s"});
   }
 }
 
@@ -92,8 +92,8 @@ void RefinementStudy::choose_steps() {
   method_ = p_.integrator.empty() ? at_work.method : find_integrator(p_.integrator);
   if (!p_.integrator.empty() && !method_) {
     throw Error("scene_invalid", "there is no integrator \"" + p_.integrator + '"',
-                {{"/integrator", "unknown_choice", "there is no such integrator", '"' + p_.integrator + '"',
-                  "", "", ""}});
+                {"/integrator", "unknown_choice", "there is no such integrator", '"' + p_.integrator + '"',
+                 "", "", ""});
   }
   const int in_space = order_ > 0 ? order_ : 2, in_time = method_ ? method_->order : in_space;
   adaptive_ = method_ && method_->stepping == Integrator::Stepping::adaptive;

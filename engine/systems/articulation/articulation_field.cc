@@ -55,7 +55,7 @@ void ArticulationField::close_start() {
   if (!(gap(model_.tree, model_.closures, model_.q, scratch.work) < 1e-10)) {
     const std::string why = "the loops cannot be closed from where the links start";
     throw Error("scene_invalid", why,
-                {{"/closures", "not_closed", why, "", "a start close to one with closed loops", "", ""}});
+                {"/closures", "not_closed", why, "", "a start close to one with closed loops", "", ""});
   }
 }
 
@@ -93,8 +93,8 @@ void ArticulationField::refuse_empty_joints() {
       if (!(trace > 0) || !(moved > 1e-12 * trace) || !std::isfinite(moved)) {
         const std::string why = "the joint has no inertia to move in its direction";
         throw Error("scene_invalid", why,
-                    {{"/links/" + std::to_string(link.def), "no_inertia", why, "",
-                      "mass away from the axis, or an inertia", "", ""}});
+                    {"/links/" + std::to_string(link.def), "no_inertia", why, "",
+                     "mass away from the axis, or an inertia", "", ""});
       }
       const Drive& d = model_.drives[size_t(i)];
       const double k = d.stiffness + (d.limited() ? d.limit_stiffness : 0);

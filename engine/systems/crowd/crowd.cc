@@ -82,7 +82,7 @@ Crowd::Crowd(const CrowdDef& def, const BuildContext& context)
 
 void Crowd::check_ways() const {
   const auto refuse = [](const std::string& at, const std::string& why) {
-    throw Error("scene_invalid", why, {{at, "unreachable", why, "", "", "", ""}});
+    throw Error("scene_invalid", why, {at, "unreachable", why, "", "", "", ""});
   };
   if (!grid_) return;
   for (size_t k = 0; k < ways_.size(); ++k) {

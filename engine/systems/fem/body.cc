@@ -12,7 +12,7 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& pointer, const std::string& code, const std::string& message,
                          const std::string& value) {
-  throw Error("scene_invalid", pointer + ": " + message, {{pointer, code, message, value, "", "", ""}});
+  throw Error("scene_invalid", pointer + ": " + message, {pointer, code, message, value, "", "", ""});
 }
 
 /// Compiles the texts of some components into a program over nodes; `variables` are their names.

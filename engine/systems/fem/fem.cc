@@ -71,8 +71,7 @@ Fem::Fem(std::unique_ptr<const FemField> field, const ChosenMethod& method, cons
 
 void Fem::add_barrier(const FemDef& def) {
   const auto refuse = [](const std::string& pointer, const std::string& message) {
-    throw Error("scene_invalid", pointer + ": " + message,
-                {{pointer, "bad_contact", message, "", "", "", ""}});
+    throw Error("scene_invalid", pointer + ": " + message, {pointer, "bad_contact", message, "", "", "", ""});
   };
   constexpr double kUsualReach = 1e-3, kWidest = 0.5;
   BarrierSurface surface(body(), colliders_, surfaces_, def.friction.value_or(Surface{}.friction));

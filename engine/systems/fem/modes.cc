@@ -1,12 +1,11 @@
 // Natural frequencies of a body at rest: K y = (2 pi f)^2 M y by subspace iteration on K + shift M,
 // factorised once (Bathe 1996, section 11.6). Done when a system is built, never in a step.
-#include <Eigen/Dense>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "engine/base/errors.h"
 #include "engine/math/solvers/block_ldlt.h"
+#include "engine/math/solvers/dense_symmetric.h"
 #include "engine/systems/fem/fem.h"
 
 namespace truestep::fem {
@@ -59,49 +58,52 @@ std::vector<double> natural_frequencies(const FemField& field, int count) {
   factors.analyze(a);
   if (factors.factorize(a) != BlockLdlt::Outcome::positive_definite) {
     throw Error("scene_invalid", "the body's stiffness at rest is not positive definite",
-                {{"/modes", "no_frequencies", "the body's stiffness at rest is not positive definite", "", "",
-                  "", ""}});
+                {"/modes", "no_frequencies", "the body's stiffness at rest is not positive definite", "", "",
+                 "", ""});
   }
 
-  using Matrix = Eigen::MatrixXd;
-  Matrix y(n, m), my(n, m);
+  DenseColumns y(n, m), my(n, m);
   uint64_t seed = 1;
-  for (Eigen::Index c = 0; c < y.cols(); ++c) {
-    for (Eigen::Index r = 0; r < y.rows(); ++r) {
+  for (size_t c = 0; c < m; ++c) {
+    for (size_t r = 0; r < n; ++r) {
       seed = seed * 6364136223846793005u + 1442695040888963407u;
-      y(r, c) = free(static_cast<size_t>(r)) ? static_cast<double>(seed >> 11) * 0x1p-52 - 1 : 0;
+      y(r, c) = free(r) ? static_cast<double>(seed >> 11) * 0x1p-52 - 1 : 0;
     }
   }
   const auto times_mass = [&] {
-    for (Eigen::Index r = 0; r < y.rows(); ++r) my.row(r) = b.masses[static_cast<size_t>(r) / 3] * y.row(r);
+    for (size_t c = 0; c < m; ++c) {
+      for (size_t r = 0; r < n; ++r) my(r, c) = b.masses[r / 3] * y(r, c);
+    }
+  };
+  const auto symmetric = [m](const DenseColumns& all) {
+    DenseColumns half(m, m);
+    for (size_t c = 0; c < m; ++c) {
+      for (size_t r = 0; r < m; ++r) half(r, c) = 0.5 * (all(r, c) + all(c, r));
+    }
+    return half;
   };
   times_mass();
-  Eigen::VectorXd last = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(m));
+  std::vector<double> last(m, 0.0);
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
     // x = A^-1 M y; A projected onto their span is x^T M y.
-    Matrix x(n, m);
-    for (Eigen::Index c = 0; c < y.cols(); ++c) {
-      factors.solve({my.col(c).data(), n}, {x.col(c).data(), n});
-    }
-    const Matrix stiff = x.transpose() * my;
+    DenseColumns x(n, m);
+    for (size_t c = 0; c < m; ++c) factors.solve(my.column(c), x.column(c));
+    const DenseColumns turned = x.transposed(), stiff = turned * my;
     y = x;
     times_mass();
-    const Matrix mass = x.transpose() * my;
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix> ritz(0.5 * (stiff + stiff.transpose()),
-                                                                0.5 * (mass + mass.transpose()));
-    y = x * ritz.eigenvectors();
+    const DenseEigen ritz = generalized_eigen(symmetric(stiff), symmetric(turned * my));
+    y = x * ritz.vectors;
     times_mass();
-    const Eigen::VectorXd values = ritz.eigenvalues();
     double moved = 0;
-    for (Eigen::Index k = 0; k < static_cast<Eigen::Index>(wanted); ++k) {
-      moved = std::max(moved, std::abs(values[k] - last[k]) / std::abs(values[k]));
+    for (size_t k = 0; k < wanted; ++k) {
+      moved = std::max(moved, std::abs(ritz.values[k] - last[k]) / std::abs(ritz.values[k]));
     }
-    last = values;
+    last = ritz.values;
     if (moved < kAccurate) break;
   }
   std::vector<double> out;
   for (size_t k = 0; k < wanted; ++k) {
-    const double squared = last[static_cast<Eigen::Index>(k)] - shift;
+    const double squared = last[k] - shift;
     // That of a rigid motion is rounding.
     out.push_back(squared > 10 * shift ? std::sqrt(squared) / (2 * kPi) : 0);
   }

@@ -47,7 +47,7 @@ FlowModel::FlowModel(const GridFluidDef& d, const Vec3& g)
     const std::string why =
         "more flows in than out: " + std::to_string(net) + " of " + std::to_string(through);
     throw Error("scene_invalid", why,
-                {{"/sides", "not_balanced", why, "", "an outflow on one of the sides", "", ""}});
+                {"/sides", "not_balanced", why, "", "an outflow on one of the sides", "", ""});
   }
 }
 

@@ -62,7 +62,7 @@ EnergyLaw::EnergyLaw(const std::string& text, int dimension, const Material& mat
                      const std::string& pointer)
     : dimension_(dimension) {
   const auto refuse = [&](const std::string& message, const std::string& meant = "") {
-    throw Error("scene_invalid", message, {{pointer, "bad_expression", message, text, "", meant, ""}});
+    throw Error("scene_invalid", message, {pointer, "bad_expression", message, text, "", meant, ""});
   };
   ExpressionGraph graph;
   ExpressionNames names;

@@ -1,6 +1,6 @@
 #include "engine/systems/mpm/solver.h"
 
-#include "engine/systems/mpm/make_solver.h"
+#include "engine/systems/mpm/solvers/make_solver.h"
 
 namespace truestep::mpm {
 

@@ -30,9 +30,9 @@ double dot_radius(const State& s) {
 
 [[noreturn]] void refuse(std::string_view integrator, const std::string& why) {
   const std::string name(integrator);
-  throw Error("scene_invalid", "integrator " + name + ": " + why,
-              {{"/integrator", "unsuitable_integrator", why, '"' + name + '"', "ias15, leapfrog and others",
-                "", ""}});
+  throw Error(
+      "scene_invalid", "integrator " + name + ": " + why,
+      {"/integrator", "unsuitable_integrator", why, '"' + name + '"', "ias15, leapfrog and others", "", ""});
 }
 
 /// Error "scene_invalid" when no body outweighs the others.

@@ -18,7 +18,7 @@ constexpr size_t kObservedElements = 16;
 
 [[noreturn]] void refuse(const char* pointer, const char* code, const std::string& why,
                          const std::string& allowed, const std::string& did_you_mean = "") {
-  throw Error("bad_command", why, {{pointer, code, why, "", allowed, did_you_mean, ""}});
+  throw Error("bad_command", why, {pointer, code, why, "", allowed, did_you_mean, ""});
 }
 
 }  // namespace

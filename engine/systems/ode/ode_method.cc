@@ -83,8 +83,8 @@ OdeMethod choose_ode_method(const OdeDef& def, const OdeModel& model, double dt)
     }
     std::string name = def.integrator.substr(0, 40);
     throw Error("scene_invalid", "integrator " + name + ": " + why,
-                {{"/integrator", row ? "unsuitable_integrator" : "unknown_integrator", why, '"' + name + '"',
-                  allowed, row ? "" : nearest_name(name, fitting), ""}});
+                {"/integrator", row ? "unsuitable_integrator" : "unknown_integrator", why, '"' + name + '"',
+                 allowed, row ? "" : nearest_name(name, fitting), ""});
   }
   // Explicit methods are stable to about 3.3 / rate.
   constexpr double kManySteps = 50;

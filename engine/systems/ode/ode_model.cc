@@ -35,7 +35,7 @@ OdeModel compile_ode(const OdeDef& def) {
     return OdeCompiler(def, first.paired()).compile();
   } catch (const ExpressionFault& fault) {
     throw Error("scene_invalid", fault.message,
-                {{"/equations", "bad_expression", fault.message, "", "", "", ""}});
+                {"/equations", "bad_expression", fault.message, "", "", "", ""});
   }
 }
 

@@ -42,7 +42,7 @@ const Integrator& checked_boris(const ParticlesDef& def) {
   if (!why) return boris();
   throw Error(
       "scene_invalid", "integrator boris: " + *why,
-      {{"/integrator", "unsuitable_integrator", *why, "\"boris\"", "leapfrog, rk4 and others", "", ""}});
+      {"/integrator", "unsuitable_integrator", *why, "\"boris\"", "leapfrog, rk4 and others", "", ""});
 }
 
 }  // namespace

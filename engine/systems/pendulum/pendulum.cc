@@ -47,7 +47,7 @@ const DefTable& pendulum_table() {
 namespace {
 
 [[noreturn]] void refuse(const std::string& pointer, const std::string& message, const std::string& allowed) {
-  throw Error("bad_command", message, {{pointer, "bad_command", message, "", allowed, "", ""}});
+  throw Error("bad_command", message, {pointer, "bad_command", message, "", allowed, "", ""});
 }
 
 class Pendulum final : public ForceSystem {

@@ -369,7 +369,7 @@ Model build_model(const Rigid2dDef& def) {
     const Joint& j = m.joints[i];
     if (m.bodies[j.a].inverse_mass + m.bodies[j.b].inverse_mass > 0) continue;
     throw Error("scene_invalid", "a joint needs a dynamic body",
-                {{"/joints", "no_dynamic_body", "a joint needs a dynamic body", "", "", "", ""}});
+                {"/joints", "no_dynamic_body", "a joint needs a dynamic body", "", "", "", ""});
   }
   for (Joint& j : m.joints) stiffen_by_frequency(j, m.bodies[j.a], m.bodies[j.b]);
   for (const Joint& j : m.joints) {

@@ -10,7 +10,7 @@ using namespace animation;
 std::optional<Recording> read_recording(const MotionDef& def, const std::string& where) {
   if (def.markers) return std::nullopt;
   const auto refuse = [](const std::string& at, const char* code, const std::string& why) {
-    throw Error("scene_invalid", why, {{at, code, why, "", "", "", ""}});
+    throw Error("scene_invalid", why, {at, code, why, "", "", "", ""});
   };
   try {
     if (def.gltf.empty()) return recording_of(read_bvh(def.bvh));
@@ -32,7 +32,7 @@ void take_skin(const MotionDef& motion, SkinDef& skin) {
     for (const auto& t : s.triangles) skin.triangles.insert(skin.triangles.end(), t.begin(), t.end());
     skin.file_weights = s.weights;
   } catch (const GltfFault& f) {
-    throw Error("scene_invalid", f.what(), {{"/motion/gltf", "bad_gltf", f.what(), "", "", "", ""}});
+    throw Error("scene_invalid", f.what(), {"/motion/gltf", "bad_gltf", f.what(), "", "", "", ""});
   }
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& pointer, const std::string& why, const std::string& value = "",
                          const std::string& allowed = "") {
-  throw Error("scene_invalid", why, {{pointer, "bad_markers", why, value, allowed, "", ""}});
+  throw Error("scene_invalid", why, {pointer, "bad_markers", why, value, allowed, "", ""});
 }
 
 std::vector<std::string_view> words_of(std::string_view line) {

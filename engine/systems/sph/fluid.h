@@ -10,7 +10,7 @@
 #include "engine/base/parallel.h"
 #include "engine/neighbours/cell_lattice.h"
 #include "engine/neighbours/cell_order.h"
-#include "engine/systems/sph/pair_list.h"
+#include "engine/systems/sph/lists/pair_list.h"
 #include "engine/systems/sph/setting.h"
 
 namespace truestep::sph {

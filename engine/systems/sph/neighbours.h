@@ -2,7 +2,7 @@
 #pragma once
 #include <type_traits>
 
-#include "engine/systems/sph/around.h"
+#include "engine/systems/sph/lists/around.h"
 
 namespace truestep::sph {
 

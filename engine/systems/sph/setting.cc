@@ -67,8 +67,7 @@ double largest_symbol(Smoothing kind, int dimension, double support) {
 [[noreturn]] void refuse_initial(const Vec3& x) {
   const std::string message = "is not finite at the particle at (" + short_number(x.x, 4) + ", " +
                               short_number(x.y, 4) + ", " + short_number(x.z, 4) + ") m";
-  throw Error("scene_invalid", "/initial " + message,
-              {{"/initial", "out_of_range", message, "", "", "", ""}});
+  throw Error("scene_invalid", "/initial " + message, {"/initial", "out_of_range", message, "", "", "", ""});
 }
 
 }  // namespace

@@ -1,25 +1,17 @@
-#include "server/net/websocket/websocket_stream.h"
-
-#include <atomic>
+// What follows the handshake of a WebSocket: sending, receiving, closing.
 #include <boost/asio/bind_cancellation_slot.hpp>
-#include <boost/asio/cancellation_signal.hpp>
 #include <boost/asio/dispatch.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/websocket/stream.hpp>
-#include <deque>
-#include <mutex>
 
 #include "engine/base/errors.h"
 #include "engine/base/log.h"
 #include "engine/base/text/utf8.h"
-#include "server/net/websocket/handshake.h"
-#include "server/net/websocket/websocket_wire.h"
+#include "server/net/websocket/beast_websocket.h"
 
 namespace truestep::net {
 
 namespace asio = boost::asio;
-namespace http = boost::beast::http;
 namespace websocket = boost::beast::websocket;
 
 namespace {
@@ -53,92 +45,7 @@ uint16_t code_of(const boost::system::error_code& ec) {
   return ec == websocket::condition::protocol_violation ? 1002 : kLost;
 }
 
-http::request<http::empty_body> handshake_of(const Request& r) {
-  http::request<http::empty_body> out(http::verb::get, r.target, 11);
-  for (const Field& f : r.headers) {
-    if (!iequals(f.name, "sec-websocket-extensions") || is_deflate_offer_safe(f.value))
-      out.insert(f.name, f.value);
-  }
-  return out;
-}
-
-class BeastWebSocket final : public ServedWebSocket, public std::enable_shared_from_this<BeastWebSocket> {
- public:
-  BeastWebSocket(Socket socket, const Request& request, std::shared_ptr<WebSocketHandler> handler,
-                 WebSocketLimits limits, std::string subprotocol)
-      : ws_(std::move(socket), limits.close_wait),
-        handshake_(handshake_of(request)),
-        handler_(std::move(handler)),
-        limits_(limits),
-        subprotocol_(std::move(subprotocol)),
-        remote_(request.remote) {}
-
-  bool send(MessageKind kind, MessageParts parts) override;
-  void close(uint16_t code, std::string_view reason) override;
-  size_t queued_bytes() const override { return queued_.load(std::memory_order_relaxed); }
-  bool is_open() const override { return !closing_.load(std::memory_order_relaxed); }
-  const std::string& subprotocol() const override { return subprotocol_; }
-  const std::string& remote() const override { return remote_; }
-
-  Task<> run() override;
-  void tick(Clock::time_point now) override;
-  void abort() override;
-
- private:
-  struct Outgoing {
-    MessageKind kind;
-    MessageParts parts;
-  };
-
-  void configure();
-  void write_next();
-  void start_close(uint16_t code, std::string_view reason);
-  void send_close();
-  void deliver(std::string_view message);
-  void end(const boost::system::error_code& ec);
-
-  websocket::stream<Wire> ws_;
-  http::request<http::empty_body> handshake_;
-  std::shared_ptr<WebSocketHandler> handler_;
-  const WebSocketLimits limits_;
-  const std::string subprotocol_, remote_;
-
-  std::mutex mutex_;
-  std::deque<Outgoing> queue_;
-  bool writing_ = false;  ///< write_next is under way or posted
-  std::atomic<size_t> queued_{0};
-  std::atomic<bool> closing_{false};
-
-  Outgoing current_;  ///< on its way; from here on network thread only
-  bool open_ = false, pinging_ = false, close_due_ = false, close_sent_ = false;
-  Clock::time_point ping_sent_ = Clock::now();
-  uint16_t end_code_ = 0;
-  std::string end_reason_;
-  asio::cancellation_signal stop_reading_, stop_closing_;
-};
-
-void BeastWebSocket::configure() {
-  ws_.auto_fragment(false);
-  ws_.read_message_max(limits_.max_message);
-  // For receiving only: outgoing messages go to many clients from one shared buffer, and loopback and local
-  // networks outrun deflate.
-  websocket::permessage_deflate deflate;
-  deflate.server_enable = true;
-  deflate.server_no_context_takeover = deflate.client_no_context_takeover = true;
-  ws_.set_option(deflate);
-  ws_.compress(false);
-  ws_.set_option(websocket::stream_base::decorator([this](websocket::response_type& response) {
-    response.set(http::field::server, "truestep");
-    if (!subprotocol_.empty()) response.set(http::field::sec_websocket_protocol, subprotocol_);
-  }));
-  // Beast considers codes above 4999 valid and would echo them; a close already begun takes precedence.
-  ws_.control_callback([this](websocket::frame_type kind, boost::beast::string_view) {
-    if (kind != websocket::frame_type::close || ws_.reason().code <= 4999 || closing_.exchange(true)) return;
-    end_code_ = 1002;
-    end_reason_ = "the close code is not allowed";
-    send_close();
-  });
-}
+}  // namespace
 
 // --- sending
 
@@ -219,14 +126,11 @@ void BeastWebSocket::send_close() {
 
 Task<> BeastWebSocket::run() {
   const auto self = shared_from_this();
-  configure();
-  const IoResult accepted =
-      co_await Io([&](const Resume& handler) { ws_.async_accept(handshake_, handler); });
-  if (accepted.error) {
+  co_await Io([&](const Resume& handler) { ws_.next_layer().async_wait(Socket::wait_write, handler); });
+  if (accept()) {
     abort();
     co_return;
   }
-  handshake_ = {};
   open_ = true;
   try {
     handler_->on_open(self);
@@ -309,15 +213,6 @@ void BeastWebSocket::abort() {
     self->stop_reading_.emit(asio::cancellation_type::terminal);
     self->stop_closing_.emit(asio::cancellation_type::terminal);
   });
-}
-
-}  // namespace
-
-std::shared_ptr<ServedWebSocket> make_websocket(Socket socket, const Request& request,
-                                                std::shared_ptr<WebSocketHandler> handler,
-                                                WebSocketLimits limits, std::string subprotocol) {
-  return std::make_shared<BeastWebSocket>(std::move(socket), request, std::move(handler), limits,
-                                          std::move(subprotocol));
 }
 
 }  // namespace truestep::net

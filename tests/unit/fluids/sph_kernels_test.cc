@@ -7,7 +7,7 @@
 
 #include "engine/kernels/sph/cohesion.h"
 #include "engine/kernels/sph/half_space.h"
-#include "engine/systems/sph/pair_list.h"
+#include "engine/systems/sph/lists/pair_list.h"
 
 namespace truestep::sph {
 namespace {

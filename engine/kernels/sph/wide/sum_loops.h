@@ -1,6 +1,6 @@
 // Sums over the neighbour lists of consecutive particles, sixteen floats at once: loops for processors with
-// AVX-512, chosen when the program runs. They add in the order of systems/sph/pair_list.h: the sums are the
-// same to the bit.
+// AVX-512, chosen when the program runs. They add in the order of systems/sph/lists/pair_list.h: the sums are
+// the same to the bit.
 #pragma once
 #include <cstddef>
 #include <cstdint>

@@ -256,8 +256,8 @@ void require_color(const World& world, const std::string& color_by) {
   const std::vector<std::string> names = world.parts().color_names();
   if (std::find(names.begin(), names.end(), color_by) != names.end()) return;
   throw Error("bad_request", "nothing that is drawn in this scene has this field",
-              {{"?color_by", "unknown_field", "nothing that is drawn in this scene has this field",
-                '"' + color_by.substr(0, 64) + '"', join_names(names), nearest_name(color_by, names), ""}});
+              {"?color_by", "unknown_field", "nothing that is drawn in this scene has this field",
+               '"' + color_by.substr(0, 64) + '"', join_names(names), nearest_name(color_by, names), ""});
 }
 
 FrameRequest picture_request(const World& world, const PictureLook& look) {

@@ -19,7 +19,7 @@ Liquid::Liquid(const GridFluidDef& def, const BuildContext& context)
   const std::vector<StartingPlace> places = starting_places(def, start.obstacles);
   if (places.empty() && !def.bodies.empty()) {
     const std::string why = "the bodies of liquid contain no particle: too small, or outside the box";
-    throw Error("scene_invalid", why, {{"/bodies", "empty", why, "", "larger bodies or more cells", "", ""}});
+    throw Error("scene_invalid", why, {"/bodies", "empty", why, "", "larger bodies or more cells", "", ""});
   }
   capacity_ = largest_count(def, places.size());
   for (const LiquidInletDef& e : def.emitters) inlets_.emplace_back(def, e);

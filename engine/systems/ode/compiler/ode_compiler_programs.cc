@@ -24,7 +24,7 @@ void OdeCompiler::programs() {
       m.tracer_velocity = ExpressionRows(graph_, tracer_roots_);
     } catch (const ExpressionFault& f) {
       throw Error("scene_invalid", f.message,
-                  {{"/tracers/velocity", "bad_expression", f.message, "", "", "", ""}});
+                  {"/tracers/velocity", "bad_expression", f.message, "", "", "", ""});
     }
   }
   pair_up();

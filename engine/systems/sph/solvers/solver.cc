@@ -1,3 +1,4 @@
+// The solver for a scene's dimension.
 #include "engine/systems/sph/solvers/make_solver.h"
 
 namespace truestep::sph {

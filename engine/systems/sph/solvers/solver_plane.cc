@@ -1,3 +1,4 @@
+// The solver in the plane, for both precisions.
 #include "engine/systems/sph/solvers/make_solver.h"
 #include "engine/systems/sph/solvers/solver_of.h"
 

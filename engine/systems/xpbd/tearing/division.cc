@@ -63,7 +63,7 @@ Division divide(const XpbdDef& def, const BuildContext& context, const Body& bod
                                 " substeps per step, and at most 1000 are allowed: use a softer material, "
                                 "larger cells, a shorter time.dt or fem";
     throw Error("scene_invalid", "/youngs_modulus: " + message,
-                {{"/youngs_modulus", "too_stiff", message, std::to_string(*def.youngs_modulus), "", "", ""}});
+                {"/youngs_modulus", "too_stiff", message, std::to_string(*def.youngs_modulus), "", "", ""});
   }
   if (stiff_at_rest(def)) return {static_cast<int>(n), fixed, "as short as the stiffness requires"};
   return {static_cast<int>(std::min(n, kMost)), by_tension,

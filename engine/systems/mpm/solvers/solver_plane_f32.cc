@@ -1,5 +1,6 @@
-#include "engine/systems/mpm/make_solver.h"
-#include "engine/systems/mpm/solver_of.h"
+// The solver in the plane with f32, for both kinds of splines.
+#include "engine/systems/mpm/solvers/make_solver.h"
+#include "engine/systems/mpm/solvers/solver_of.h"
 
 namespace truestep::mpm {
 

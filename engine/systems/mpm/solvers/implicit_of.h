@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/systems/mpm/implicit.h"
+#include "engine/systems/mpm/solvers/implicit.h"
 
 namespace truestep::mpm {
 

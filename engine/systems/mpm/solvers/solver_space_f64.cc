@@ -1,5 +1,6 @@
-#include "engine/systems/mpm/make_solver.h"
-#include "engine/systems/mpm/solver_of.h"
+// The solver in space with f64, for both kinds of splines.
+#include "engine/systems/mpm/solvers/make_solver.h"
+#include "engine/systems/mpm/solvers/solver_of.h"
 
 namespace truestep::mpm {
 

@@ -1,4 +1,5 @@
-#include "engine/systems/sph/neighbour_lists.h"
+// Lists of neighbours of f32, in the plane and in space.
+#include "engine/systems/sph/lists/neighbour_lists.h"
 
 namespace truestep::sph {
 

@@ -1,4 +1,5 @@
-#include "engine/systems/mpm/implicit_of.h"
+// Implicit substeps in space, for both kinds of splines.
+#include "engine/systems/mpm/solvers/implicit_of.h"
 
 namespace truestep::mpm {
 

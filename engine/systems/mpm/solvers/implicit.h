@@ -10,8 +10,8 @@
 #include <span>
 
 #include "engine/kernels/mpm/stiffness.h"
-#include "engine/systems/mpm/held_nodes.h"
-#include "engine/systems/mpm/node_blocks.h"
+#include "engine/systems/mpm/solvers/held_nodes.h"
+#include "engine/systems/mpm/solvers/node_blocks.h"
 
 namespace truestep::mpm {
 

@@ -6,8 +6,8 @@
 #include "engine/base/errors.h"
 #include "engine/base/text/short_number.h"
 #include "engine/systems/mpm/field_contact.h"
-#include "engine/systems/mpm/implicit.h"
 #include "engine/systems/mpm/rows.h"
+#include "engine/systems/mpm/solvers/implicit.h"
 
 namespace truestep::mpm {
 
