@@ -30,13 +30,13 @@ def trial(tree, fault, whole_tier):
     with tree.planted(fault):
         outcome = tree.named(fault.tests)
         seconds = outcome.seconds
-        if outcome.built and not outcome.failed and whole_tier:
+        if not outcome.trouble and not outcome.failed and whole_tier:
             outcome = tree.tier(fault.tier)
             seconds += outcome.seconds
             if outcome.failed:
                 return f"{names(outcome)}, none of the expected tests", True, seconds
-    if not outcome.built:
-        return "it does not build", False, seconds
+    if outcome.trouble:
+        return outcome.trouble, False, seconds
     return (names(outcome), True, seconds) if outcome.failed else ("**nobody**", False, seconds)
 
 
