@@ -1,12 +1,12 @@
-// KLU beside Eigen's SparseLU, of which a program has one (math/solvers/sparse_lu.h), on the Newton matrices
-// I - z J of implicit methods, real and complex, one factorisation and one solution: a chain of 1,000 masses
-// and the Brusselator on a grid of 64 x 64 points.
+// KLU beside Eigen's SparseLU, of which a program has one (math/solvers/sparse/sparse_lu.h), on the Newton
+// matrices I - z J of implicit methods, real and complex, one factorisation and one solution: a chain of
+// 1,000 masses and the Brusselator on a grid of 64 x 64 points.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <vector>
 
-#include "engine/math/solvers/sparse_lu.h"
+#include "engine/math/solvers/sparse/sparse_lu.h"
 #include "tests/bench/report.h"
 
 namespace {

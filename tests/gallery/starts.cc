@@ -13,8 +13,8 @@
 #include "engine/session/expectation.h"
 #include "engine/session/session.h"
 #include "engine/studies/precision/accuracy.h"
+#include "tests/gallery/weighed_memory.h"
 #include "tests/support/slowdown.h"
-#include "tests/support/weighed_memory.h"
 
 namespace truestep::gallery_pass {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "engine/integrators/linear/symmetric_factors.h"
-#include "engine/math/solvers/sparse_lu.h"
+#include "engine/math/solvers/sparse/sparse_lu.h"
 
 namespace truestep {
 

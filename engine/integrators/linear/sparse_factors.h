@@ -1,6 +1,6 @@
 // Sparse factors of M = I - c1 A1 - c2 A2 for two matrices of one pattern, real or complex: LU, or L D L^T
 // where inverse masses make M symmetric and it needs no pivots. The fill-reducing order is found once per
-// pattern; see math/solvers/sparse_lu.h and symmetric_factors.h.
+// pattern; see math/solvers/sparse/sparse_lu.h and symmetric_factors.h.
 #pragma once
 #include <cstdint>
 #include <memory>

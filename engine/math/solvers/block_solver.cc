@@ -5,7 +5,7 @@
 #include <numeric>
 #include <vector>
 
-#include "engine/math/solvers/sparse_lu.h"
+#include "engine/math/solvers/sparse/sparse_lu.h"
 #include "engine/math/trig.h"
 
 namespace truestep {
@@ -25,8 +25,9 @@ bool is_large(const BlockSparse& a) {
 }
 
 // A matrix of blocks as compressed columns of numbers, rows ascending.
-struct Columns {
-  explicit Columns(const BlockSparse& a) : start(a.size() + 1), rows(a.values().size()), values(rows.size()) {
+struct CompressedColumns {
+  explicit CompressedColumns(const BlockSparse& a)
+      : start(a.size() + 1), rows(a.values().size()), values(rows.size()) {
     const size_t b = a.block_size();
     for (BlockSparse::Slot s = 0; s < a.blocks(); ++s) {
       for (size_t c = 0; c < b; ++c) start[a.column(s) * b + c + 1] += static_cast<int>(b);
@@ -56,7 +57,7 @@ void BlockSolver::reserve(const BlockSparse& a) {
 BlockSolver::Result BlockSolver::solve(const BlockSparse& a, std::span<const double> b, std::span<double> x,
                                        const Request& request, const ThreadArena& arena) {
   if (request.symmetry == Symmetry::general) {
-    const Columns c(a);
+    const CompressedColumns c(a);
     const auto lu = make_sparse_lu<double>();
     lu->analyse(static_cast<int>(a.size()), c.start.data(), c.rows.data());
     if (!lu->factor(c.values.data())) return {Method::lu, 0, false};

@@ -1,6 +1,6 @@
 // Both libraries agree with dense elimination, report singular matrices and forget every matrix but the last;
 // CVODE's BDF runs on them.
-#include "engine/math/solvers/sparse_lu.h"
+#include "engine/math/solvers/sparse/sparse_lu.h"
 #include "engine/integrators/table/integrators.h"
 
 #include <gtest/gtest.h>

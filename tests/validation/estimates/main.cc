@@ -24,7 +24,7 @@
 #include "engine/scene/json/json.h"
 #include "engine/session/session.h"
 #include "scaled_scene.h"
-#include "tests/support/weighed_memory.h"
+#include "tests/gallery/weighed_memory.h"
 
 namespace {
 

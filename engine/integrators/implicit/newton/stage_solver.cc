@@ -3,8 +3,8 @@
 namespace truestep {
 
 namespace {
-constexpr double kSlow = 0.05, kShortest = 1e-3;
-constexpr int kMostIterations = 50;
+constexpr double kSlowConvergence = 0.05, kShortest = 1e-3;
+constexpr int kMostNewtonIterations = 50;
 enum : size_t { kTrial = kWorkArrays - 2, kNext };
 }  // namespace
 
@@ -53,7 +53,7 @@ bool StageSolver::try_again() {
 
 void StageSolver::step_accepted() {
   fresh_ = false;
-  if (slowest_ > kSlow || whole_) linearised_ = false;
+  if (slowest_ > kSlowConvergence || whole_) linearised_ = false;
   slowest_ = 0;
   whole_ = false;
 }
@@ -65,7 +65,7 @@ bool StageSolver::newton(double t, const double* base, double z, double* y, doub
     for (size_t i = 0; i < n; ++i) rate[i] = (base[i] - at[i]) + z * rate[i];
     eq_.solve(rate);
   };
-  for (int k = 0; k < kMostIterations; ++k) {
+  for (int k = 0; k < kMostNewtonIterations; ++k) {
     eq_.rate(t, y, d);
     eq_.differentiate(t, y, d);
     factored_ = 0;

@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "engine/math/solvers/sparse_lu.h"
+#include "engine/math/solvers/sparse/sparse_lu.h"
 
 namespace truestep {
 

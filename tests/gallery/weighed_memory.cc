@@ -1,4 +1,4 @@
-#include "tests/support/weighed_memory.h"
+#include "tests/gallery/weighed_memory.h"
 
 #include <malloc.h>
 

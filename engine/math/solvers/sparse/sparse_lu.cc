@@ -1,4 +1,4 @@
-#include "engine/math/solvers/sparse_lu.h"
+#include "engine/math/solvers/sparse/sparse_lu.h"
 
 namespace truestep {
 

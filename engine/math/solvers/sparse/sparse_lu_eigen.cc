@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "engine/math/solvers/sparse_lu.h"
+#include "engine/math/solvers/sparse/sparse_lu.h"
 
 namespace truestep {
 
