@@ -122,11 +122,11 @@ unsigned first_start(const Wish& wish, Marks& marks) {
   const auto one = arena(1);
   testing::WeighedMemory memory(cost.state_bytes + cost.workspace_bytes);
   Session session(std::make_shared<const World>(std::move(scene)), one, {.history_bytes = 0});
-  if (!expectations.empty()) expectations.add(session.observe());
+  if (!expectations.empty()) expectations.add(session.observe(), session.time());
   if (marks.saved_step == 0) save(session, wish.state);
   for (uint64_t n = 1; n <= steps && session.step(1) == 1; ++n) {
     memory.after_step(n);
-    if (expectations.needs_every_step() || n == steps) expectations.add(session.observe());
+    if (expectations.needs_every_step() || n == steps) expectations.add(session.observe(), session.time());
     if (n == marks.golden_step) marks.golden_hash = session.hash();
     if (n == marks.early_step) marks.early_hash = session.hash();
     if (n == marks.saved_step) save(session, wish.state);
