@@ -10,7 +10,7 @@ set(joined_bytes 45000)
 
 # Folders below engine/ that loop over numbers, and the names of the files in them that do not. Loops are worth -O3,
 # which is what is not said otherwise; what is neither has plain_options.
-set(loop_folders "^(collision|integrators|kernels|lattice|math|neighbours|rigid|systems)(/|$)")
+set(loop_folders "^(animation|collision|core/state|integrators|kernels|lattice|math|neighbours|rigid|systems)(/|$)")
 # Loops over the numbers of a frame, which may be compiled with others.
 set(joined_loop_folders "^sinks/stream")
 set(not_loops "_(build|check|checks|commands|cost|def|drawing|model|names|observe|output|outputs|state|tables|texts)\\.cc$|^rows_")
@@ -45,7 +45,8 @@ function(is_loops out folder name)
   if(folder MATCHES "${loop_folders}" AND NOT name MATCHES "${not_loops}")
     set(loops ON)
   endif()
-  if(folder MATCHES "^systems/" AND (name STREQUAL "${last}.cc" OR name MATCHES "${systems_not_loops}" OR folder MATCHES "/compiler$"))
+  if((folder MATCHES "^systems/[^/]+$" AND name STREQUAL "${last}.cc")
+     OR (folder MATCHES "^systems/" AND (name MATCHES "${systems_not_loops}" OR folder MATCHES "/compiler$")))
     set(loops OFF)
   endif()
   set(${out} ${loops} PARENT_SCOPE)
