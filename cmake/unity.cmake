@@ -10,7 +10,7 @@ set(joined_bytes 45000)
 
 # Folders below engine/ that loop over numbers, and the names of the files in them that do not. Loops are worth -O3,
 # which is what is not said otherwise; what is in neither of these has plain_options.
-set(loop_folders "^(integrators|kernels|lattice|math/solvers|rigid|systems)(/|$)")
+set(loop_folders "^(animation|core/state|integrators|kernels|lattice|math/solvers|rigid|systems)(/|$)")
 # Loops that may be compiled with others, because what they call stands in the same file: no scene takes more instructions. (Those of
 # lattice, joined, cost a heated plate 1.7 % more.)
 set(joined_loop_folders "^(collision|math|neighbours|sinks/stream)(/|$)")
@@ -46,7 +46,8 @@ function(is_loops out folder name)
   if(folder MATCHES "${loop_folders}|${joined_loop_folders}" AND NOT name MATCHES "${not_loops}")
     set(loops ON)
   endif()
-  if(folder MATCHES "^systems/" AND (name STREQUAL "${last}.cc" OR name MATCHES "${systems_not_loops}" OR folder MATCHES "/compiler$"))
+  if((folder MATCHES "^systems/[^/]+$" AND name STREQUAL "${last}.cc")
+     OR (folder MATCHES "^systems/" AND (name MATCHES "${systems_not_loops}" OR folder MATCHES "/compiler$")))
     set(loops OFF)
   endif()
   set(${out} ${loops} PARENT_SCOPE)

@@ -49,7 +49,7 @@ double order_of(const ExtendedStep& step, const ExtendedProblem& p, int promised
   return extended_order(step, p, 0, {1e-10, 1e-13, 4});
 }
 
-class ExtendedOrder : public testing::TestWithParam<ExtendedProblem> {
+class ExtendedOrder : public ::testing::TestWithParam<ExtendedProblem> {
  protected:
   // use(witness, row, promised order) for the rows that serve the problem with order 5 or more.
   template <class Use>
@@ -87,7 +87,7 @@ TEST_P(ExtendedOrder, TheProductTakesTheWitnessSteps) {
   });
 }
 
-INSTANTIATE_TEST_SUITE_P(Problems, ExtendedOrder, testing::ValuesIn(extended_problems()),
+INSTANTIATE_TEST_SUITE_P(Problems, ExtendedOrder, ::testing::ValuesIn(extended_problems()),
                          [](const auto& info) { return std::string(info.param.name); });
 
 TEST(ExtendedOrderControl, EveryRowIsThere) {

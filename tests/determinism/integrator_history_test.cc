@@ -18,7 +18,7 @@ std::string ellipse(const std::string& integrator) {
          integrator + '"';
 }
 
-class History : public testing::TestWithParam<std::string> {};
+class History : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(History, ContinuesWithTheSameBits) {
   constexpr int kParts = 12, kSteps = 23;
@@ -65,8 +65,8 @@ TEST_P(History, OfGreatLengthContinuesWithTheSameBits) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, History,
-                         testing::Values("cvode_adams", "cvode_bdf", "ias15", "rkn86", "rkn1210", "dop853",
-                                         "bdf2", "generalized_alpha"),
+                         ::testing::Values("cvode_adams", "cvode_bdf", "ias15", "rkn86", "rkn1210", "dop853",
+                                           "bdf2", "generalized_alpha"),
                          [](const auto& info) { return info.param; });
 
 }  // namespace

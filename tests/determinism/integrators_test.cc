@@ -39,7 +39,7 @@ struct Stepper {
 
 constexpr uint64_t kSteps = 6;
 
-class Bits : public testing::TestWithParam<std::string> {};
+class Bits : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Bits, DoNotDependOnHowTheRunIsMade) {
   // Damping makes the force depend on velocity, which some methods refuse.
@@ -97,7 +97,7 @@ std::vector<std::string> names() {
   for (const Integrator& m : integrators()) all.emplace_back(m.name);
   return all;
 }
-INSTANTIATE_TEST_SUITE_P(Integrators, Bits, testing::ValuesIn(names()),
+INSTANTIATE_TEST_SUITE_P(Integrators, Bits, ::testing::ValuesIn(names()),
                          [](const auto& info) { return info.param; });
 
 TEST(VelocityVerlet, KeepsNoForceThatACommandHasChanged) {

@@ -63,7 +63,7 @@ class EchoHandler : public WebSocketHandler {
   std::shared_ptr<WebSocket> socket_;
 };
 
-class NetServer : public testing::Test {
+class NetServer : public ::testing::Test {
  protected:
   void start(Options options = {}) {
     options.port = 0;

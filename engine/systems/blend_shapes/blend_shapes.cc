@@ -1,4 +1,4 @@
-#include "engine/systems/blend_shapes/blend_shapes.h"
+#include "engine/systems/blend_shapes/scratch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,15 +10,7 @@
 namespace truestep::blend_shapes {
 
 using namespace animation;
-
-namespace {
-enum : State::Column { kPosition, kVelocity, kInverseMass, kControl };
-}
-
-struct BlendShapes::Scratch {
-  Driver::Scratch driver;
-  std::vector<double> x;
-};
+using namespace columns;
 
 BlendShapes::BlendShapes(const BlendShapesDef& given, const BuildContext& context)
     : driver_(given, context.id), dt_(context.dt), order_(given.order), color_(given.color) {
@@ -148,18 +140,6 @@ State BlendShapes::initial_state() const {
   update(ahead, dt_, dt_, scratch);
   s.copy_column(kVelocity, ahead, kVelocity);
   return s;
-}
-
-void BlendShapes::update(State& s, double t, double h, Scratch& scratch) const {
-  const auto out = driver_.evaluate(t, s.f64(kControl), scratch.driver);
-  std::vector<double>& x = scratch.x;
-  x.resize(3 * base_.size());
-  for (size_t i = 0; i < base_.size(); ++i) store3(x.data(), i, base_[i]);
-  for (size_t k = 0; k < targets_.size(); ++k) add_shape(targets_[k], out[weights_[k]], x.data());
-  const Vec3 move = load3(&out[position_], 0);
-  const Rotation turn = rotation(euler_rotation(order_, load3(&out[rotation_], 0)));
-  for (size_t i = 0; i < base_.size(); ++i) store3(x.data(), i, move + turn.apply(load3(x.data(), i)));
-  place_points(s.f64(kPosition), s.f64(kVelocity), x, h);
 }
 
 void BlendShapes::observe(const State& s, double t, Observables& out) const {

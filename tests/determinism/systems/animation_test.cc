@@ -25,8 +25,8 @@ constexpr const char* kStretching = R"scene({"time": {"dt": 0.01}, "systems": [
      "emitters": [{"position": [0, 1.5, 0], "direction": [0, -1, 0], "rate": 200, "speed": 1, "cone": 0.3, "lifetime": 1}]}],
   "couplings": [{"type": "contact", "id": "c", "a": "rain", "b": "k"}]})scene";
 
-class AnimationDeterminism : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Scenes, AnimationDeterminism, testing::Values(kReaching, kStretching));
+class AnimationDeterminism : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Scenes, AnimationDeterminism, ::testing::Values(kReaching, kStretching));
 
 TEST_P(AnimationDeterminism, ThreadsAndDroppedScratchChangeNothing) {
   SceneRun serial(GetParam(), 0), four(GetParam(), 4), dropped(GetParam(), 2);

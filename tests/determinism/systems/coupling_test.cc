@@ -24,8 +24,8 @@ constexpr const char* kRain = R"({"time": {"dt": 0.004, "substeps": 2}, "systems
     {"type": "contact", "id": "catch", "a": "cloth", "b": "dust"},
     {"type": "contact", "id": "heap", "a": "dust", "b": "dust", "restitution": 0.2}]})";
 
-class CoupledDeterminism : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Scenes, CoupledDeterminism, testing::Values(kJoined, kRain));
+class CoupledDeterminism : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Scenes, CoupledDeterminism, ::testing::Values(kJoined, kRain));
 
 TEST_P(CoupledDeterminism, ThreadsAndDroppedScratchChangeNothing) {
   SceneRun serial(GetParam(), 0), one(GetParam(), 1), eight(GetParam(), 8), dropped(GetParam(), 2);

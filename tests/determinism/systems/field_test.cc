@@ -40,7 +40,7 @@ std::unique_ptr<FieldRun> make(const Kind& k, int threads) {
   return std::make_unique<FieldRun>(d, k.dt, threads);
 }
 
-class FieldBits : public testing::TestWithParam<Kind> {};
+class FieldBits : public ::testing::TestWithParam<Kind> {};
 
 TEST_P(FieldBits, DoNotDependOnHowTheRunIsMade) {
   const auto reference = make(GetParam(), 0);
@@ -86,17 +86,17 @@ TEST_P(FieldBits, DoNotDependOnHowTheRunIsMade) {
 
 using Of = Kind::Of;
 INSTANTIATE_TEST_SUITE_P(Fields, FieldBits,
-                         testing::Values(Kind{"heat_euler", "euler", "1", Of::heat, 2e-5},
-                                         Kind{"heat_rk4", "rk4", "1 + x*y", Of::heat, 2e-5},
-                                         Kind{"heat_rkc2", "rkc2", "1 + 0.2*sin(t)", Of::heat, 1e-3},
-                                         Kind{"heat_sdirk4", "sdirk4", "1", Of::heat, 2e-3},
-                                         Kind{"heat_radau5", "radau5", "1 + x*y", Of::heat, 1e-2},
-                                         Kind{"heat_bdf2", "bdf2", "1 + x*y", Of::heat, 1e-2},
-                                         Kind{"wave_leapfrog", "leapfrog", "1", Of::wave, 2e-3},
-                                         Kind{"wave_midpoint", "implicit_midpoint", "1 + 0.2*x", Of::wave,
-                                              5e-2},
-                                         Kind{"wave_alpha", "generalized_alpha", "1", Of::wave, 5e-2},
-                                         Kind{"wave_dop853", "dop853", "1", Of::wave, 5e-2}),
+                         ::testing::Values(Kind{"heat_euler", "euler", "1", Of::heat, 2e-5},
+                                           Kind{"heat_rk4", "rk4", "1 + x*y", Of::heat, 2e-5},
+                                           Kind{"heat_rkc2", "rkc2", "1 + 0.2*sin(t)", Of::heat, 1e-3},
+                                           Kind{"heat_sdirk4", "sdirk4", "1", Of::heat, 2e-3},
+                                           Kind{"heat_radau5", "radau5", "1 + x*y", Of::heat, 1e-2},
+                                           Kind{"heat_bdf2", "bdf2", "1 + x*y", Of::heat, 1e-2},
+                                           Kind{"wave_leapfrog", "leapfrog", "1", Of::wave, 2e-3},
+                                           Kind{"wave_midpoint", "implicit_midpoint", "1 + 0.2*x", Of::wave,
+                                                5e-2},
+                                           Kind{"wave_alpha", "generalized_alpha", "1", Of::wave, 5e-2},
+                                           Kind{"wave_dop853", "dop853", "1", Of::wave, 5e-2}),
                          [](const auto& info) { return info.param.name; });
 
 TEST(FieldBits, EulerInPlaceIsEuler) {

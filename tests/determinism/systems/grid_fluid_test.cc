@@ -111,7 +111,7 @@ TEST(GridFluidTwoFluidsBits, DoNotDependOnHowTheRunIsMade) {
   }
 }
 
-class GridFluidBits : public testing::TestWithParam<FlowKind> {};
+class GridFluidBits : public ::testing::TestWithParam<FlowKind> {};
 
 TEST_P(GridFluidBits, DoNotDependOnHowTheRunIsMade) {
   constexpr uint64_t kSteps = 4;
@@ -140,14 +140,14 @@ TEST_P(GridFluidBits, DoNotDependOnHowTheRunIsMade) {
 
 constexpr auto kRk3 = GridFluidDef::Stepping::rk3, kAb2 = GridFluidDef::Stepping::ab2;
 INSTANTIATE_TEST_SUITE_P(Flows, GridFluidBits,
-                         testing::Values(FlowKind{"rk3", A::central, kRk3, false, false},
-                                         FlowKind{"ab2_solid", A::central, kAb2, true, false},
-                                         FlowKind{"ab2_moving_solid", A::central, kAb2, true, false, true},
-                                         FlowKind{"rk3_moving_solid", A::central, kRk3, true, true, true},
-                                         FlowKind{"bfecc_moving_solid", A::bfecc, kRk3, true, false, true},
-                                         FlowKind{"semi_lagrangian", A::semi_lagrangian, kRk3, false, true},
-                                         FlowKind{"maccormack_solid", A::maccormack, kRk3, true, true},
-                                         FlowKind{"bfecc", A::bfecc, kRk3, false, false}),
+                         ::testing::Values(FlowKind{"rk3", A::central, kRk3, false, false},
+                                           FlowKind{"ab2_solid", A::central, kAb2, true, false},
+                                           FlowKind{"ab2_moving_solid", A::central, kAb2, true, false, true},
+                                           FlowKind{"rk3_moving_solid", A::central, kRk3, true, true, true},
+                                           FlowKind{"bfecc_moving_solid", A::bfecc, kRk3, true, false, true},
+                                           FlowKind{"semi_lagrangian", A::semi_lagrangian, kRk3, false, true},
+                                           FlowKind{"maccormack_solid", A::maccormack, kRk3, true, true},
+                                           FlowKind{"bfecc", A::bfecc, kRk3, false, false}),
                          [](const auto& info) { return info.param.name; });
 
 }  // namespace

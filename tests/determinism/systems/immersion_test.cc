@@ -15,8 +15,8 @@ std::string afloat(const std::string& solver) {
   return bath.scene();
 }
 
-class ImmersionDeterminism : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Solvers, ImmersionDeterminism, testing::Values("dfsph", "wcsph", "pbf"));
+class ImmersionDeterminism : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Solvers, ImmersionDeterminism, ::testing::Values("dfsph", "wcsph", "pbf"));
 
 TEST_P(ImmersionDeterminism, ThreadsAndDroppedScratchChangeNothing) {
   const std::string scene = afloat(GetParam());

@@ -47,7 +47,7 @@ std::unique_ptr<LiquidRun> make_liquid(const LiquidKind& k, int threads) {
   return std::make_unique<LiquidRun>(d, 0.02, threads);
 }
 
-class LiquidBits : public testing::TestWithParam<LiquidKind> {};
+class LiquidBits : public ::testing::TestWithParam<LiquidKind> {};
 
 TEST_P(LiquidBits, DoNotDependOnHowTheRunIsMade) {
   constexpr uint64_t kSteps = 10;
@@ -77,16 +77,16 @@ TEST_P(LiquidBits, DoNotDependOnHowTheRunIsMade) {
   EXPECT_EQ(restored->state.hash(), hash) << "restored";
 }
 
-INSTANTIATE_TEST_SUITE_P(Liquids, LiquidBits,
-                         testing::Values(LiquidKind{"flip", A::flip, false, false},
-                                         LiquidKind{"apic", A::apic, false, true},
-                                         LiquidKind{"apic_moving_solid", A::apic, false, false, true},
-                                         LiquidKind{"flip_space", A::flip, true, true},
-                                         LiquidKind{"apic_space", A::apic, true, false},
-                                         LiquidKind{"flip_changes", A::flip, false, false, true, true},
-                                         LiquidKind{"apic_changes", A::apic, false, false, false, true},
-                                         LiquidKind{"apic_space_changes", A::apic, true, false, false, true}),
-                         [](const auto& info) { return info.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Liquids, LiquidBits,
+    ::testing::Values(LiquidKind{"flip", A::flip, false, false}, LiquidKind{"apic", A::apic, false, true},
+                      LiquidKind{"apic_moving_solid", A::apic, false, false, true},
+                      LiquidKind{"flip_space", A::flip, true, true},
+                      LiquidKind{"apic_space", A::apic, true, false},
+                      LiquidKind{"flip_changes", A::flip, false, false, true, true},
+                      LiquidKind{"apic_changes", A::apic, false, false, false, true},
+                      LiquidKind{"apic_space_changes", A::apic, true, false, false, true}),
+    [](const auto& info) { return info.param.name; });
 
 }  // namespace
 }  // namespace truestep::test

@@ -20,8 +20,8 @@ constexpr const char* kChannel = R"({"gravity": [0, -9.81, 0], "time": {"dt": 0.
      "bodies": [{"shape": "box", "center": [1, 0.1, 0], "half_extents": [1, 0.1, 1]}],
      "kill_planes": [{"point": [0, 0.01, 0]}]}]})";
 
-class LiquidSession : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Scenes, LiquidSession, testing::Values(kFountain, kChannel));
+class LiquidSession : public ::testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Scenes, LiquidSession, ::testing::Values(kFountain, kChannel));
 
 TEST_P(LiquidSession, SnapshotContinuesTheTrajectory) {
   SceneRun a(GetParam()), b(GetParam(), 4);

@@ -7,7 +7,7 @@ namespace {
 
 using testing_rig::SpringRun;
 
-class SpringDeterminism : public testing::TestWithParam<const char*> {
+class SpringDeterminism : public ::testing::TestWithParam<const char*> {
  protected:
   static MassSpringDef cloth() {
     MassSpringDef d;
@@ -23,8 +23,8 @@ class SpringDeterminism : public testing::TestWithParam<const char*> {
 };
 
 INSTANTIATE_TEST_SUITE_P(Methods, SpringDeterminism,
-                         testing::Values("symplectic_euler", "rk4", "linear_implicit_euler",
-                                         "implicit_euler"));
+                         ::testing::Values("symplectic_euler", "rk4", "linear_implicit_euler",
+                                           "implicit_euler"));
 
 TEST_P(SpringDeterminism, ThreadsChangeNothing) {
   SpringRun one(cloth()), two(cloth(), {0, -9.81, 0}, 2), four(cloth(), {0, -9.81, 0}, 4);

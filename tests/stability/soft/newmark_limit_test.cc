@@ -128,7 +128,7 @@ TEST(NewmarkLimit, RemediesNameWhatHoldsWithTheScenesNumbers) {
   EXPECT_LE(*broken->suggested_dt, 2 / kOmega);
   EXPECT_DOUBLE_EQ(*broken->suggested_dt, 0.25 / std::ceil(0.25 * kOmega / 2));
   const std::string& second = broken->remedies.at(1);
-  ASSERT_THAT(second, testing::StartsWith("the integrator "));
+  ASSERT_THAT(second, ::testing::StartsWith("the integrator "));
   const std::string name = second.substr(15, second.find(' ', 15) - 15);
   EXPECT_NE(name, "newmark");
   EXPECT_FALSE(failure(scene(name, settings(0, 0.5), 0.25))) << name;

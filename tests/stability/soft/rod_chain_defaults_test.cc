@@ -55,7 +55,7 @@ TEST(RodChainDefaults, StepsThatAreForcedOnItEndInAnEvent) {
     ASSERT_TRUE(run.session.failure()) << more;
     const Failure& f = *run.session.failure();
     EXPECT_EQ(f.system, "chain");
-    EXPECT_THAT(f.detail, testing::HasSubstr("held when tried for")) << f.detail;
+    EXPECT_THAT(f.detail, ::testing::HasSubstr("held when tried for")) << f.detail;
     ASSERT_TRUE(f.suggested_dt) << f.detail;
     EXPECT_LT(*f.suggested_dt, 1.0 / 60);
     // Reported while the numbers are still meaningful.

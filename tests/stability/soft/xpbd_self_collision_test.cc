@@ -43,8 +43,8 @@ double lowest_of_small(const XpbdRun& run) {
   return low;
 }
 
-class XpbdSelfCollision : public testing::TestWithParam<Precision> {};
-INSTANTIATE_TEST_SUITE_P(Precisions, XpbdSelfCollision, testing::Values(Precision::f64, Precision::f32));
+class XpbdSelfCollision : public ::testing::TestWithParam<Precision> {};
+INSTANTIATE_TEST_SUITE_P(Precisions, XpbdSelfCollision, ::testing::Values(Precision::f64, Precision::f32));
 
 TEST_P(XpbdSelfCollision, ClothThrownOnClothAtTwentyMetresASecondStaysOnIt) {
   for (const double speed : {20.0, 60.0}) {

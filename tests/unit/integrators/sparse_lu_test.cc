@@ -57,8 +57,8 @@ std::vector<T> numbers(size_t count, double turn) {
 }
 
 template <class T>
-class SparseLuOf : public testing::Test {};
-using Scalars = testing::Types<double, std::complex<double>>;
+class SparseLuOf : public ::testing::Test {};
+using Scalars = ::testing::Types<double, std::complex<double>>;
 TYPED_TEST_SUITE(SparseLuOf, Scalars);
 
 TYPED_TEST(SparseLuOf, SolvesWhatDenseEliminationSolves) {

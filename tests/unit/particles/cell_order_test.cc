@@ -52,7 +52,8 @@ TEST(CellOrder, IsByCellThenByIndexForAnyNumberOfThreads) {
         const std::vector<uint32_t> cell = random_cells(n, cells, ++seed);
         order.sort(
             n, cells, [&](size_t i) { return cell[i]; }, arena);
-        SCOPED_TRACE(testing::Message() << threads << " threads, " << n << " points, " << cells << " cells");
+        SCOPED_TRACE(::testing::Message()
+                     << threads << " threads, " << n << " points, " << cells << " cells");
         expect_sorted(order, cell, cells);
       }
     }

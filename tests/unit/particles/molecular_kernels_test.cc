@@ -273,8 +273,8 @@ std::vector<std::string> faults(const MolecularDef& d) {
 }
 
 TEST(Molecular, RefusesWhatCannotBe) {
-  using testing::ElementsAre;
-  using testing::IsEmpty;
+  using ::testing::ElementsAre;
+  using ::testing::IsEmpty;
   EXPECT_THAT(faults(testing_rig::liquid(4)), IsEmpty());
   const auto changed = [](const auto& change) {
     MolecularDef d = testing_rig::liquid(4);

@@ -11,8 +11,8 @@
 namespace truestep {
 namespace {
 
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 Session session_of(const std::string& system, double dt = 0.01) {
   return Session(std::make_shared<const World>(parse_scene(R"({"time": {"dt": )" + std::to_string(dt) +
@@ -60,7 +60,7 @@ TEST(FaultWords, RemediesOfEquationsThatAMethodCannotFollow) {
       equations(R"s("states": {"x": 1}, "equations": {"x": "-1e4 * (x - cos(t))"}, "integrator": "rk4")s");
   s.step(2000);
   ASSERT_TRUE(s.failure());
-  EXPECT_THAT(s.failure()->remedies, testing::Contains(HasSubstr("integrator tsit5 (held when tried")));
+  EXPECT_THAT(s.failure()->remedies, ::testing::Contains(HasSubstr("integrator tsit5 (held when tried")));
 }
 
 TEST(FaultWords, ABoundIsSaidWithItsNumber) {

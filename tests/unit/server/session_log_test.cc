@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 using Kind = LogRecord::Kind;
 using End = LogContents::End;
 
-class SessionLog : public testing::Test {
+class SessionLog : public ::testing::Test {
  protected:
   SessionLog() { fs::create_directories(folder); }
   ~SessionLog() override { fs::remove_all(folder); }

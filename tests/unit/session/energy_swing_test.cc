@@ -23,7 +23,7 @@ std::shared_ptr<const World> world(const std::string& system, double dt) {
 
 // ---- linear: the swing of every explicit method with a limit
 
-class EnergySwing : public testing::TestWithParam<const char*> {};
+class EnergySwing : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(EnergySwing, IsAtMostWhatTheShareOfTheLimitAllows) {
   const ThreadArena arena(1);
@@ -57,8 +57,8 @@ TEST_P(EnergySwing, IsAtMostWhatTheShareOfTheLimitAllows) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, EnergySwing,
-                         testing::Values("symplectic_euler", "verlet", "velocity_verlet", "leapfrog",
-                                         "yoshida4", "yoshida6", "yoshida8", "kahan_li8", "pefrl", "rk4"),
+                         ::testing::Values("symplectic_euler", "verlet", "velocity_verlet", "leapfrog",
+                                           "yoshida4", "yoshida6", "yoshida8", "kahan_li8", "pefrl", "rk4"),
                          [](const auto& info) { return std::string(info.param); });
 
 // ---- nonlinear: a mass on one spring that flies through the spring's other end
@@ -68,7 +68,7 @@ struct Flight {
   const char* velocity;
 };
 
-class EnergyOfOneSpring : public testing::TestWithParam<Flight> {
+class EnergyOfOneSpring : public ::testing::TestWithParam<Flight> {
  protected:
   /// What 20 s end with; the limit of the step is 2 / sqrt(1892) = 0.04598 s.
   static std::optional<Failure> fly(double dt) {
@@ -96,8 +96,8 @@ TEST_P(EnergyOfOneSpring, WithinItIsNone) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Flights, EnergyOfOneSpring,
-                         testing::Values(Flight{"velocity_verlet", "[10,13,0]"},
-                                         Flight{"symplectic_euler", "[10,13,0]"}),
+                         ::testing::Values(Flight{"velocity_verlet", "[10,13,0]"},
+                                           Flight{"symplectic_euler", "[10,13,0]"}),
                          [](const auto& info) { return std::string(info.param.method); });
 
 // The control: a linear spring at 0.99 of the limit swings by a factor of nearly 200 and is left alone.

@@ -33,8 +33,9 @@ TEST(Instability, ExplosionIsCaughtBeforeTheNumbersOverflow) {
   EXPECT_EQ(f.system, "o");
   EXPECT_EQ(f.quantity, "energy");
   EXPECT_EQ(f.last_good_step, done);
-  EXPECT_THAT(f.detail, testing::AllOf(testing::HasSubstr("system \"o\": energy rose from 5"),
-                                       testing::HasSubstr("in step " + std::to_string(done + 1) + " (t = ")));
+  EXPECT_THAT(f.detail,
+              ::testing::AllOf(::testing::HasSubstr("system \"o\": energy rose from 5"),
+                               ::testing::HasSubstr("in step " + std::to_string(done + 1) + " (t = ")));
   // The last good state is kept, and it can be plotted.
   const double v = s.state().systems[0].f64(s.state().systems[0].at("velocity"))[0];
   EXPECT_LT(std::abs(v), 1e8);
@@ -49,7 +50,7 @@ TEST(Instability, TheSuggestionsHelp) {
   EXPECT_DOUBLE_EQ(*broken.failure()->suggested_dt, 0.015);
   ASSERT_GE(broken.failure()->remedies.size(), 2u);
   EXPECT_THAT(broken.failure()->detail,
-              testing::AllOf(testing::HasSubstr("0.015 s"), testing::HasSubstr("integrator")));
+              ::testing::AllOf(::testing::HasSubstr("0.015 s"), ::testing::HasSubstr("integrator")));
   Session smaller = session(*broken.failure()->suggested_dt, "symplectic_euler");
   EXPECT_EQ(smaller.step(2000), 2000u);
   // The method named in the second sentence.
@@ -89,7 +90,7 @@ TEST(Instability, RemediesWereTriedOnTheStateThatFailed) {
   s.step(2000);
   ASSERT_TRUE(s.failure());
   for (const std::string& remedy : s.failure()->remedies)
-    EXPECT_THAT(remedy, testing::HasSubstr("held when tried for ")) << remedy;
+    EXPECT_THAT(remedy, ::testing::HasSubstr("held when tried for ")) << remedy;
   // The effect of a command at step 3 is part of the trial.
   Session stiffened = session(0.01, "symplectic_euler");
   stiffened.step(3);
@@ -109,7 +110,7 @@ struct Linkage {
   const char* method;
   double dt;
 };
-class InstabilityOfALinkage : public testing::TestWithParam<Linkage> {
+class InstabilityOfALinkage : public ::testing::TestWithParam<Linkage> {
  protected:
   static Session linkage(const std::string& method, double dt) {
     boost::json::value d = parse_json(std::string(find_gallery_scene("four_bars")->text));
@@ -138,7 +139,7 @@ TEST_P(InstabilityOfALinkage, RemediesHold) {
   EXPECT_GT(methods, 0u);
 }
 INSTANTIATE_TEST_SUITE_P(Methods, InstabilityOfALinkage,
-                         testing::Values(Linkage{"newmark", 0.05}, Linkage{"implicit_midpoint", 0.1}),
+                         ::testing::Values(Linkage{"newmark", 0.05}, Linkage{"implicit_midpoint", 0.1}),
                          [](const auto& info) { return std::string(info.param.method); });
 
 TEST(Instability, EveryFloatingColumnIsLookedAt) {

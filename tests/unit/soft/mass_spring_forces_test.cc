@@ -93,14 +93,14 @@ MassSpringDef own_springs() {
   return d;
 }
 
-class Networks : public testing::TestWithParam<MassSpringDef (*)()> {};
+class Networks : public ::testing::TestWithParam<MassSpringDef (*)()> {};
 
 MassSpringDef big_cloth() {
   return cloth(60);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, Networks,
-                         testing::Values(
+                         ::testing::Values(
                              rope, hair, [] { return cloth(); }, mesh, zero_rest_length, own_springs,
                              big_cloth));
 

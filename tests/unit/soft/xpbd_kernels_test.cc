@@ -17,13 +17,13 @@ using testing_numbers::Numbers;
 using testing_numbers::slope;
 
 template <class T>
-class XpbdKernels : public testing::Test {
+class XpbdKernels : public ::testing::Test {
  protected:
   static constexpr int kLanes = Wide<T>::kLanes;
   // A sum of a few products, each rounded once.
   static constexpr double kRounding = 40 * std::numeric_limits<T>::epsilon();
 };
-using Scalars = testing::Types<float, double>;
+using Scalars = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(XpbdKernels, Scalars);
 
 template <class T>

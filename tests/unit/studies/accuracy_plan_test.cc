@@ -27,7 +27,7 @@ json::value scene_of(const std::string& system, double tolerance, const std::str
   return d;
 }
 
-struct Plan : testing::Test {
+struct Plan : ::testing::Test {
   AccuracyOutcome choose(const json::value& d, double budget = 2) {
     runs = 0;
     return choose_method(d, budget, context);

@@ -16,7 +16,7 @@ namespace {
 
 namespace json = boost::json;
 
-class Refining : public testing::Test {
+class Refining : public ::testing::Test {
  protected:
   StudyResult run(const std::string& request) {
     return run_study(read_study_request(parse_json(request)), context);
@@ -122,7 +122,7 @@ TEST_F(Refining, ASceneThatHasNoResolutionSaysWhatHas) {
   EXPECT_EQ(e.code(), "scene_invalid");
   EXPECT_EQ(e.issues().at(0).pointer, "/refine");
   for (const char* has : {"heat (cells)", "wave (cells)", "mass_spring (", "xpbd (", "rod_chain (links)"})
-    EXPECT_THAT(e.issues().at(0).allowed, testing::HasSubstr(has));
+    EXPECT_THAT(e.issues().at(0).allowed, ::testing::HasSubstr(has));
   const Error method =
       refused(convergence(rod(R"("order":"2")", true), R"("refine":"space","integrator":"rk4")"));
   EXPECT_EQ(method.issues().at(0).pointer, "/integrator");
@@ -166,7 +166,7 @@ TEST_F(Refining, ARopeStaysTheSameRope) {
   // Points of a given mass: more of them are a heavier rope.
   std::string heavier = rope;
   heavier.replace(heavier.find("\"density\":0.5"), 13, "\"mass\":0.01");
-  EXPECT_THAT(refused(convergence(heavier, R"("refine":"space")")).what(), testing::HasSubstr("density"));
+  EXPECT_THAT(refused(convergence(heavier, R"("refine":"space")")).what(), ::testing::HasSubstr("density"));
 }
 
 // The same for position-based ropes, sheets and blocks: by hand from the springs in series and in parallel.
@@ -221,10 +221,10 @@ TEST_F(Refining, WhatBelongsToPointsOfAClothIsNamed) {
                             R"("refine":"space","budget":5)"))
             .what());
   };
-  EXPECT_THAT(why(R"("mass":0.1,)"), testing::HasSubstr("density"));
-  EXPECT_THAT(why(R"("density":1,"scheme":"pbd",)"), testing::HasSubstr("use xpbd"));
-  EXPECT_THAT(why(R"("density":1,"pins":[3],)"), testing::HasSubstr("pinned"));
-  EXPECT_THAT(why(R"("density":1,"loads":[{"point":8,"mass":1}],)"), testing::HasSubstr("loads"));
+  EXPECT_THAT(why(R"("mass":0.1,)"), ::testing::HasSubstr("density"));
+  EXPECT_THAT(why(R"("density":1,"scheme":"pbd",)"), ::testing::HasSubstr("use xpbd"));
+  EXPECT_THAT(why(R"("density":1,"pins":[3],)"), ::testing::HasSubstr("pinned"));
+  EXPECT_THAT(why(R"("density":1,"loads":[{"point":8,"mass":1}],)"), ::testing::HasSubstr("loads"));
 }
 
 // Rods of half the length with half the mass: their ends approach a thread that swings down. Compared are the
@@ -308,7 +308,7 @@ TEST_F(Refining, WhatCannotBeDividedIsRefusedBeforeAnythingRuns) {
     {"type":"mass_spring","id":"cloth","density":0.2,"bending_stiffness":2,"pinned":["corner_00"],
      "cloth_grid":{"origin":[0,0,0],"edge_u":[1,0,0],"edge_v":[0,0,1],"nx":4,"ny":4}}]})j",
                   R"("refine":"space","budget":5)"));
-  EXPECT_THAT(e.what(), testing::HasSubstr("bending_rigidity"));
+  EXPECT_THAT(e.what(), ::testing::HasSubstr("bending_rigidity"));
   EXPECT_EQ(begun, 0);
 }
 

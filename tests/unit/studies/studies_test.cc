@@ -97,9 +97,9 @@ TEST_F(Study, WorkPrecisionRanksHigherOrderFirstAtSmallErrors) {
     }
   }
   EXPECT_LT(r.summary.at("reference").at("uncertainty").as_double(), 1e-9);
-  EXPECT_THAT(result_csv(r.table), testing::StartsWith("integrator,setting,cpu_seconds (s),"));
+  EXPECT_THAT(result_csv(r.table), ::testing::StartsWith("integrator,setting,cpu_seconds (s),"));
   EXPECT_THAT(result_svg(r.plot),
-              testing::AllOf(testing::HasSubstr("dopri5"), testing::EndsWith("</svg>\n")));
+              ::testing::AllOf(::testing::HasSubstr("dopri5"), ::testing::EndsWith("</svg>\n")));
 }
 
 TEST_F(Study, ErrorsOfTheReferenceAreThoseOfTheClosedForm) {
@@ -124,7 +124,7 @@ TEST_F(Study, AStudyCoversWhatItsBudgetReachesAndSaysSo) {
   EXPECT_GT(horizon, 0.005);
   EXPECT_LT(horizon, 60);
   EXPECT_THAT(std::string(shortened.summary.at("note").as_string()),
-              testing::HasSubstr("of the scene's 60 s"));
+              ::testing::HasSubstr("of the scene's 60 s"));
   EXPECT_FALSE(shortened.plot.series.empty());
   // Controls: a requested horizon is kept or refused, and a cheap scene is covered completely.
   try {
@@ -155,7 +155,7 @@ TEST_F(Study, NoErrorIsQuotedBelowWhatTheReferenceKnows) {
   const auto bouncing = run(with("work_precision", rest, ball));
   EXPECT_GE(lowest(bouncing), 10 * bouncing.summary.at("reference").at("uncertainty").as_double());
   EXPECT_THAT(std::string(bouncing.summary.at("reference").at("method").as_string()),
-              testing::HasSubstr("dt / 8"));
+              ::testing::HasSubstr("dt / 8"));
   // Control: the same without a floor is smooth, accurate to rounding, and reported far below that.
   const auto falling = run(with("work_precision", rest));
   EXPECT_LT(lowest(falling), 1e-6);

@@ -16,7 +16,7 @@ inline constexpr const char* kOscillator = R"({"schema_version":"1.0","name":"os
               "integrator":"rk4"}]})";
 
 /// Studies without progress, until `cancelled`.
-class Study : public testing::Test {
+class Study : public ::testing::Test {
  protected:
   StudyResult run(const std::string& request) {
     return run_study(read_study_request(parse_json(request)), context);

@@ -27,9 +27,9 @@ TEST_F(Study, StabilityLimitsMatchTheory) {
     EXPECT_NEAR(std::get<double>(row[3]), 1, 0.02) << std::get<std::string>(row[0]);
   }
   // The plot identifies the methods by name, one line each.
-  EXPECT_THAT(r.plot.y_names, testing::ElementsAre("symplectic_euler", "rk4"));
+  EXPECT_THAT(r.plot.y_names, ::testing::ElementsAre("symplectic_euler", "rk4"));
   EXPECT_THAT(result_svg(r.plot),
-              testing::AllOf(testing::HasSubstr(">symplectic_euler<"), testing::HasSubstr(">rk4<")));
+              ::testing::AllOf(::testing::HasSubstr(">symplectic_euler<"), ::testing::HasSubstr(">rk4<")));
 }
 
 TEST_F(Study, StabilityIsThatOfTheSystemItIsAbout) {
@@ -51,7 +51,7 @@ TEST_F(Study, StabilityOfFreeFlightIsRefusedWithTheReason) {
     ADD_FAILURE() << "nothing can be unstable here";
   } catch (const Error& e) {
     EXPECT_EQ(e.code(), "study_failed");
-    EXPECT_THAT(e.what(), testing::HasSubstr("neither oscillate nor decay"));
+    EXPECT_THAT(e.what(), ::testing::HasSubstr("neither oscillate nor decay"));
   }
 }
 
@@ -60,7 +60,7 @@ TEST_F(Study, StabilityOfALargeSceneEndsWithinItsBudget) {
   const auto r = run(with("stability", R"("integrators":["rk4","velocity_verlet"],"budget":0.4)", kCloth));
   // 1,000 steps per run would be some 2 s of this cloth; the spectrum and building the worlds are extra.
   EXPECT_LT(thread_cpu_seconds() - begin, std::chrono::duration<double>(patience(1.5)).count());
-  EXPECT_THAT(std::string(r.summary.at("note").as_string()), testing::HasSubstr("of the 1000 steps"));
+  EXPECT_THAT(std::string(r.summary.at("note").as_string()), ::testing::HasSubstr("of the 1000 steps"));
   // Control: a light scene runs all of them.
   EXPECT_FALSE(run(with("stability", R"("integrators":["rk4"])")).summary.contains("note"));
 }

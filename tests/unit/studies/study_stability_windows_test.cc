@@ -39,8 +39,8 @@ TEST(StudyStabilityWindows, TheEndOfTheFirstSpanIsReported) {
   EXPECT_NEAR(span.at("from").to_number<double>(), 3.5, 0.05);
   EXPECT_NEAR(span.at("to").to_number<double>(), 5.37, 0.05);
   // In the table's text, and hence on the command line and in the CSV, and in the plot.
-  EXPECT_THAT(result_csv(r.table), testing::HasSubstr("3.5"));
-  EXPECT_THAT(result_svg(r.plot), testing::HasSubstr("stable again"));
+  EXPECT_THAT(result_csv(r.table), ::testing::HasSubstr("3.5"));
+  EXPECT_THAT(result_svg(r.plot), ::testing::HasSubstr("stable again"));
   // Control: leapfrog itself has one interval, and nothing is claimed above it.
   EXPECT_FALSE(again.contains("velocity_verlet"));
 }
