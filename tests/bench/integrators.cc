@@ -10,7 +10,7 @@
 #include "engine/core/equations/integrator.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/math/block_sparse.h"
-#include "engine/math/block_sparse_eigen.h"
+#include "tests/support/block_sparse_eigen.h"
 #include "engine/math/trig.h"
 #include "engine/systems/mass_spring/mass_spring_def.h"
 #include "engine/systems/mass_spring/mass_spring_field.h"

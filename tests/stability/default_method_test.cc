@@ -11,8 +11,8 @@
 namespace truestep {
 namespace {
 
-struct SceneRun : testing_rig::WorldRun {
-  explicit SceneRun(const std::string& system, double dt, const std::string& more = "")
+struct MethodRun : testing_rig::WorldRun {
+  explicit MethodRun(const std::string& system, double dt, const std::string& more = "")
       : WorldRun(R"({"schema_version": "1.0", )" + more + R"( "time": {"dt": )" + std::to_string(dt) +
                  R"(}, "systems": [)" + system + "]}") {}
   std::string method() const {
@@ -32,32 +32,33 @@ std::string oscillator(double stiffness, const std::string& rest = "") {
 }
 
 TEST(DefaultMethod, FollowsTheFastestMotionAgainstTheStep) {
-  EXPECT_EQ(SceneRun(oscillator(100), 0.01).method(), "rk4");
-  EXPECT_EQ(SceneRun(oscillator(1e6), 0.01).method(), "dop853");
-  EXPECT_EQ(SceneRun(oscillator(1e10), 0.01).method(), "bdf2");
+  EXPECT_EQ(MethodRun(oscillator(100), 0.01).method(), "rk4");
+  EXPECT_EQ(MethodRun(oscillator(1e6), 0.01).method(), "dop853");
+  EXPECT_EQ(MethodRun(oscillator(1e10), 0.01).method(), "bdf2");
   // The step decides, not the spring.
-  EXPECT_EQ(SceneRun(oscillator(1e10), 1e-5).method(), "rk4");
-  EXPECT_NE(SceneRun(oscillator(1e10), 0.01).reason().find("too fast for rk4"), std::string::npos);
+  EXPECT_EQ(MethodRun(oscillator(1e10), 1e-5).method(), "rk4");
+  EXPECT_NE(MethodRun(oscillator(1e10), 0.01).reason().find("too fast for rk4"), std::string::npos);
   for (const double k : {100.0, 1e6, 1e10}) {
-    SceneRun run(oscillator(k), 0.01);
+    MethodRun run(oscillator(k), 0.01);
     EXPECT_LE(run.steps(500).observed("energy.total"), 0.5 * k * (1 + 1e-6)) << k;
   }
 }
 
 TEST(DefaultMethod, HoldsShortPendulumsAndStiffPairsOfParticles) {
-  SceneRun pendulum(R"({"type": "pendulum", "id": "p", "links": 3, "length": 1e-4, "angle": 0.3})", 1.0 / 60);
+  MethodRun pendulum(R"({"type": "pendulum", "id": "p", "links": 3, "length": 1e-4, "angle": 0.3})",
+                     1.0 / 60);
   EXPECT_EQ(pendulum.method(), "dop853") << pendulum.reason();
   const double start = pendulum.observed("energy.total");
   EXPECT_NEAR(pendulum.steps(300).observed("energy.total"), start, 1e-3 * std::abs(start));
-  SceneRun pair(R"({"type": "particles", "id": "p", "mass": 1, "positions": [[0, 0, 0], [1.001, 0, 0]],
+  MethodRun pair(R"({"type": "particles", "id": "p", "mass": 1, "positions": [[0, 0, 0], [1.001, 0, 0]],
                "springs": [{"a": 0, "b": 1, "stiffness": 1e8, "rest_length": 1}]})",
-                0.01, R"("gravity": [0, 0, 0],)");
+                 0.01, R"("gravity": [0, 0, 0],)");
   EXPECT_NE(pair.method(), "leapfrog");
   EXPECT_LE(pair.steps(500).observed("energy.total"), 50 * (1 + 1e-3));
 }
 
 TEST(DefaultMethod, NeverReplacesOneThatIsNamed) {
-  SceneRun run(oscillator(1e10, R"(, "integrator": "rk4")"), 0.01);
+  MethodRun run(oscillator(1e10, R"(, "integrator": "rk4")"), 0.01);
   EXPECT_EQ(run.method(), "rk4");
   EXPECT_NE(run.reason().find("named by the scene"), std::string::npos);
   EXPECT_THROW(run.steps(500), Instability) << "control: it does not hold";
@@ -82,19 +83,19 @@ constexpr const char* kLight = R"("gravity": [0, -0.1, 0],)";
 
 // That they swing like beams and hold is in tests/scenes/chains.
 TEST(DefaultMethod, OfABeamOfTwoHundredLinks) {
-  SceneRun run(beam(std::pow(2 * std::numbers::pi / 3.5160152685, 2)), 1.0 / 60, kLight);
+  MethodRun run(beam(std::pow(2 * std::numbers::pi / 3.5160152685, 2)), 1.0 / 60, kLight);
   EXPECT_EQ(run.method(), "bdf2") << run.reason();
 }
 
 TEST(DefaultMethod, OfFewStiffLinks) {
-  SceneRun run(R"({"type": "articulation", "id": "a", "links": [
+  MethodRun run(R"({"type": "articulation", "id": "a", "links": [
         {"joint": "ball", "shapes": [{"type": "box", "half_extents": [0.2, 0.05, 0.08], "position": [0.2, 0, 0]}]},
         {"joint": "hinge", "axis": [0, 0, 1], "offset": [0.4, 0, 0], "stiffness": 3e7,
          "shapes": [{"type": "box", "half_extents": [0.2, 0.05, 0.08], "position": [0.2, 0, 0]}]},
         {"joint": "universal", "axis": [0, 0, 1], "second_axis": [0, 1, 0], "offset": [0.4, 0, 0],
          "stiffness": 1e7,
          "shapes": [{"type": "box", "half_extents": [0.2, 0.05, 0.08], "position": [0.2, 0, 0]}]}]})",
-               1.0 / 60);
+                1.0 / 60);
   EXPECT_EQ(run.method(), "radau5") << run.reason();
 }
 
@@ -106,7 +107,7 @@ std::string rope(double stiffness) {
 
 TEST(DefaultMethod, OfTheStiffestRope) {
   for (const double k : {1e10, 1e12}) {
-    SceneRun run(rope(k), 1.0 / 60);
+    MethodRun run(rope(k), 1.0 / 60);
     EXPECT_EQ(run.method(), "implicit_euler") << run.reason();
   }
 }

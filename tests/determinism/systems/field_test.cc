@@ -7,7 +7,6 @@
 namespace truestep::test {
 namespace {
 
-using lattice::SideKind;
 constexpr uint64_t kSteps = 4;
 
 struct Kind {
@@ -23,9 +22,9 @@ std::unique_ptr<FieldRun> make(const Kind& k, int threads) {
     d.integrator = k.integrator;
     d.initial = "exp(-50*((x - 0.4)^2 + (y - 0.6)^2))";
     d.source = "x*sin(9*t)";
-    d.sides.x_min = side(SideKind::dirichlet, "0.1*sin(5*t)");
-    d.sides.x_max = side(SideKind::robin, "y", 2);
-    d.sides.y_min = side(SideKind::neumann, "x*t");
+    d.sides.x_min = side(lattice::SideKind::dirichlet, "0.1*sin(5*t)");
+    d.sides.x_max = side(lattice::SideKind::robin, "y", 2);
+    d.sides.y_min = side(lattice::SideKind::neumann, "x*t");
     d.tolerance = 1e-2;
   };
   if (k.of == Kind::Of::heat) {
@@ -102,7 +101,8 @@ INSTANTIATE_TEST_SUITE_P(Fields, FieldBits,
 TEST(FieldBits, EulerInPlaceIsEuler) {
   // Without forcing, one thread steps in place and several threads into a second array.
   for (const auto order : {lattice::LatticeDef::Order::second, lattice::LatticeDef::Order::fourth}) {
-    for (const SideKind kind : {SideKind::dirichlet, SideKind::neumann, SideKind::periodic}) {
+    for (const lattice::SideKind kind :
+         {lattice::SideKind::dirichlet, lattice::SideKind::neumann, lattice::SideKind::periodic}) {
       for (const size_t dimensions : {1, 2, 3}) {
         heat::HeatDef d;
         d.cells = {12, 300, 7};

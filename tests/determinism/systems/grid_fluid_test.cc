@@ -41,7 +41,7 @@ std::unique_ptr<GridFlow> make_flow(const FlowKind& k, int threads) {
 }
 
 TEST(GridFluidSteadyBits, DoNotDependOnHowTheRunIsMade) {
-  const auto make = [](int threads) {
+  const auto make_flow = [](int threads) {
     GridFluidDef d;
     d.cells = {32, 48};
     d.viscosity = 0.01, d.stepping = GridFluidDef::Stepping::steady, d.order = GridFluidDef::Order::fourth;
@@ -76,7 +76,7 @@ TEST(GridFluidTwoFluidsBits, DoNotDependOnHowTheRunIsMade) {
   constexpr uint64_t kSteps = 4;
   for (const A advection : {A::central, A::maccormack}) {
     for (const bool space : {false, true}) {
-      const auto make = [&](int threads, double density) {
+      const auto make_flow = [&](int threads, double density) {
         GridFluidDef d;
         d.cells = space ? std::vector<int64_t>{10, 20, 12} : std::vector<int64_t>{24, 66};
         d.size = space ? std::vector<double>{1, 2, 1} : std::vector<double>{1, 2.75};

@@ -6,7 +6,7 @@
 #include "engine/base/errors.h"
 #include "engine/integrators/implicit/newton/stage_newton.h"
 #include "engine/math/block_sparse.h"
-#include "engine/math/block_sparse_eigen.h"
+#include "tests/support/block_sparse_eigen.h"
 #include "tests/unit/soft/mass_spring_rig.h"
 
 namespace truestep {

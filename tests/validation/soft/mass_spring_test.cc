@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "engine/math/block_sparse.h"
-#include "engine/math/block_sparse_eigen.h"
+#include "tests/support/block_sparse_eigen.h"
 #include "tests/unit/soft/mass_spring_rig.h"
 
 namespace truestep {
