@@ -147,9 +147,9 @@ TEST(Contact, KeepsMomentumWithBounceAndFriction) {
 // corners'.
 TEST(Contact, FallingChangesNothingBetweenThem) {
   constexpr double g = -20, t = 75 * 0.004;
-  // Bounces to rounding; what rests on the cloth is held over the rest of a step by a mean acceleration.
+  // What slides or rests on the cloth is held over the rest of a step by a mean acceleration.
   for (const auto& [law, tolerance] :
-       {std::pair(R"("restitution": 0.4, "friction": 0.6)", 1e-12), {R"("restitution": 0)", 1e-5}}) {
+       {std::pair(R"("restitution": 0.4, "friction": 0.6)", 1e-4), {R"("restitution": 0)", 1e-5}}) {
     SceneRun floats(rain(law)), falls(rain(law, g));
     double contacts = 0;
     for (int i = 0; i < 75; ++i) {
