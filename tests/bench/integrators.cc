@@ -10,11 +10,11 @@
 #include "engine/core/equations/integrator.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/math/block_sparse.h"
-#include "tests/support/block_sparse_eigen.h"
 #include "engine/math/trig.h"
 #include "engine/systems/mass_spring/mass_spring_def.h"
 #include "engine/systems/mass_spring/mass_spring_field.h"
 #include "tests/bench/report.h"
+#include "tests/support/block_sparse_eigen.h"
 
 namespace truestep::bench {
 using namespace mass_spring;

@@ -24,6 +24,7 @@ Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
       gravity_(def.gravity.value_or(context.gravity)),
       sleep_speed_(def.sleep_speed),
       sleep_time_(def.sleep_time),
+      dt_(context.dt),
       most_bodies_(bodies_.starts.size() + kSpare) {
   settings_ = {static_cast<int>(def.substeps), 0, def.push_out_speed, def.contact_hertz,
                def.contact_damping_ratio};

@@ -128,6 +128,7 @@ class Rigid3d final : public StagedSystem, public BodyOwner, public BodySleep {
   Rigid3dDef::Precision precision_;
   Vec3 gravity_;
   double sleep_speed_, sleep_time_;
+  double dt_;  ///< s, of the scene's steps; for what is told of a state alone
   size_t most_bodies_;
 };
 

@@ -66,6 +66,7 @@ void Rigid3d::observe(const State& s, double, Observables& out) const {
   out.add("speed.largest", fastest, "m/s");
   out.add("count", static_cast<double>(kind.size()), "1");
   out.add("awake", awake, "1");
+  out.add("substeps", substeps(s, dt_), "1");
   out.add("contacts", static_cast<double>(s.rows(columns::contact_bodies)), "1");
   const auto bodies = s.span<uint32_t>(columns::contact_bodies);
   const auto depths = s.f64(columns::contact_depth);

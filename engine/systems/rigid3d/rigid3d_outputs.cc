@@ -33,6 +33,7 @@ const Outputs& rigid3d_outputs() {
                       {"speed.largest", "m/s", "of all dynamic bodies"},
                       {"count", "1", "bodies"},
                       {"awake", "1", "dynamic bodies that do not sleep"},
+                      {"substeps", "1", "of a step, as many as the loads on light bodies need"},
                       {"contacts", "1", "pairs of bodies that touch or nearly do"},
                       {"penetration", "m", "deepest overlap"},
                       {"sensed", "1", "pairs of a sensor and a body in it"},

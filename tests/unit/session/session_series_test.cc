@@ -9,7 +9,7 @@
 namespace truestep {
 namespace {
 
-Session make_session(const std::string& more) {
+Session oscillator_session(const std::string& more) {
   return Session(
       std::make_shared<const World>(parse_scene(
           R"({"time": {"dt": 0.01}, "systems": [{"type": "oscillator", "id": "a"}])" + more + "}")),
@@ -23,7 +23,7 @@ Observables energy(double v) {
 }
 
 TEST(SessionSeries, EnergyIsKeptFromTheStart) {
-  Session s = make_session("");
+  Session s = oscillator_session("");
   s.step(10);
   ASSERT_FALSE(s.series().steps().empty());
   EXPECT_EQ(s.series().steps().front(), 0u);
@@ -55,7 +55,7 @@ TEST(SessionSeries, OfSeveralSystemsTheEnergyOfEachIsKept) {
 }
 
 TEST(SessionSeries, AScenesListIsWorthEveryStep) {
-  Session s = make_session(R"(, "observables": ["a"])");
+  Session s = oscillator_session(R"(, "observables": ["a"])");
   s.step(100);
   EXPECT_EQ(s.series().steps().size(), 101u);
 }
@@ -93,7 +93,7 @@ TEST(SessionSeries, TheBoundHoldsInPointsAndBytes) {
 }
 
 TEST(SessionPace, SpeedIsWhatIsLeftAfterSkipping) {
-  Session s = make_session("");
+  Session s = oscillator_session("");
   s.play(1);
   EXPECT_FALSE(s.achieved_speed());
   for (int k = 0; k < 100; ++k) s.advance(0.01);
@@ -106,7 +106,7 @@ TEST(SessionPace, SpeedIsWhatIsLeftAfterSkipping) {
 }
 
 TEST(SessionPace, StepsThatWereDueAndAreNotDoneAreSkipped) {
-  Session s = make_session("");
+  Session s = oscillator_session("");
   s.play(1);
   const uint64_t before = s.skipped_steps();
   for (int k = 0; k < 100; ++k) {
@@ -123,7 +123,7 @@ TEST(SessionPace, StepsThatWereDueAndAreNotDoneAreSkipped) {
 
 // 17 of the 500 steps of each look are due and none is done, which the first reading knows as well.
 TEST(SessionPace, StepsThatAreDueAreNotDone) {
-  Session s = make_session("");
+  Session s = oscillator_session("");
   s.play(10);
   for (int k = 0; k < 10; ++k) {
     s.skip(s.accrue(0.5));
