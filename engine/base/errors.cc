@@ -16,11 +16,13 @@ Error::Error(std::string code, const std::string& detail, Issue issue)
   issues_.push_back(std::move(issue));
 }
 Error::Error(const Error&) = default;
+Error& Error::operator=(const Error&) = default;
 Error::~Error() = default;
 
 Instability::Instability(std::string system, std::string quantity, long long index, const std::string& detail)
     : Error("instability", detail), system(std::move(system)), quantity(std::move(quantity)), index(index) {}
 Instability::Instability(const Instability&) = default;
+Instability& Instability::operator=(const Instability&) = default;
 Instability::~Instability() = default;
 
 }  // namespace truestep

@@ -33,6 +33,7 @@ class Error : public std::runtime_error {
   Error(std::string code, const std::string& detail, std::vector<Issue> issues);
   Error(std::string code, const std::string& detail, Issue issue);
   Error(const Error&);
+  Error& operator=(const Error&);
   ~Error() override;
   const std::string& code() const { return code_; }
   const std::vector<Issue>& issues() const { return issues_; }
@@ -47,6 +48,7 @@ class Instability : public Error {
  public:
   Instability(std::string system, std::string quantity, long long index, const std::string& detail);
   Instability(const Instability&);
+  Instability& operator=(const Instability&);
   ~Instability() override;
   std::string system;       ///< id of the system that failed
   std::string quantity;     ///< column that is non-finite

@@ -33,8 +33,9 @@ TEST(MpmInlet, PoursWhatItsSpeedAndTimeSay) {
       run.seconds(0.4);
       EXPECT_EQ(run.observe("count"), 12 * layer);
       EXPECT_EQ(run.observe("emitted"), run.observe("count"));
-      if (law != Law::sand)
+      if (law != Law::sand) {
         EXPECT_NEAR(run.observe("plastic.mean"), 0, 1e-3) << "nothing has deformed it yet";
+      }
       // Sums in f64; each particle's mass is the density times its volume.
       EXPECT_NEAR(run.observe("mass") / (12 * layer * particle), 1, 1e-13);
       // Without gravity it keeps its velocity, up to rounding of f32 and the drag of nodes next to the axis.

@@ -21,7 +21,9 @@ TEST(LivingRows, EveryRowIsFoundWhereItsColumnHasIt) {
     for (size_t i = 0; i < dead.size(); ++i) {
       const auto at = rows.place(i);
       ASSERT_EQ(at.has_value(), !dead[i]) << "row " << i;
-      if (at) EXPECT_EQ(left[*at], static_cast<double>(i));
+      if (at) {
+        EXPECT_EQ(left[*at], static_cast<double>(i));
+      }
     }
     EXPECT_FALSE(rows.place(dead.size()));
   }
