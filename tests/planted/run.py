@@ -7,6 +7,7 @@ The expected tests run first. Where they miss a fault its tier runs until someth
 It runs ./truestep test, in a clone of its own (build/planted) at the last commit, or with --here in this one; a fault is taken
 out again however a run ends. Ends with 1 where a fault was not found by its tier."""
 import argparse
+import signal
 import sys
 from pathlib import Path
 
@@ -73,6 +74,8 @@ def main():
     chosen = [f for f in faults if (not args.fault or f.name in args.fault) and (args.tier != "default" or f.tier == "default")]
     if args.list:
         return listed(chosen)
+    # Asked to end, it leaves as an exception does: what was planted is taken out.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     return run(chosen, Tree(ROOT) if args.here else own_tree(), not args.expected_only)
 
 
