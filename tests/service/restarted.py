@@ -1,5 +1,6 @@
 """What tests of restarts share: a folder, one server after another on it, and a scene that commands change."""
 import pathlib
+import re
 import shutil
 import tempfile
 import time
@@ -11,6 +12,7 @@ from patience import patience
 ROPE = {"name": "a rope", "time": {"dt": 0.004, "duration": 1000}, "observables": ["energy"],
         "systems": [{"type": "mass_spring", "id": "rope", "stiffness": 2000, "mass": 0.01, "pinned": ["first"],
                      "rope": {"from": [0, 1, 0], "to": [1, 1, 0], "links": 40}}]}
+STATE = re.compile(r"state\.(\d+)\.(\d+)")
 PUSH = {"type": "impulse", "system": "rope", "index": 20, "impulse": [0, 0, 0.01]}
 
 
@@ -75,5 +77,6 @@ class Restarted(unittest.TestCase):
 
     def newest_state(self, session):
         """The step of the newest state that is saved on disk, 0 for the start."""
-        states = (path.name.split(".") for path in self.folder(session).glob("state.*.*"))
-        return max(((int(number), int(step)) for _, number, step in states), default=(0, 0))[1]
+        # A state that is being written has one more suffix until it is renamed: it is none yet.
+        states = (STATE.fullmatch(path.name) for path in self.folder(session).glob("state.*.*"))
+        return max(((int(name[1]), int(name[2])) for name in states if name), default=(0, 0))[1]
