@@ -152,7 +152,8 @@ bool is_text(std::string_view bytes) {
   constexpr int kMostWords = 100;  // of a name
   for (int k = 0; k < kMostWords; ++k) {
     const std::string_view w = lines.next_word();
-    if (w.empty() || same_word(w, "facet") || same_word(w, "endsolid") || same_word(w, "end")) return true;
+    if (w.empty()) return bytes.find('\0') == bytes.npos;
+    if (same_word(w, "facet") || same_word(w, "endsolid") || same_word(w, "end")) return true;
   }
   return false;
 }
