@@ -1,6 +1,10 @@
 #include "server/cli/arguments.h"
 
 #include <CLI/CLI.hpp>
+#include <iomanip>
+#include <sstream>
+
+#include "server/cli/duration.h"
 
 namespace truestep {
 
@@ -28,6 +32,20 @@ Argument Argument::one_of(std::vector<std::string> words, std::string as) {
   CLI::Validator check = CLI::IsMember(std::move(words));
   if (!as.empty()) check.description(std::move(as));
   option_->check(check);
+  return *this;
+}
+
+Argument Argument::of_time() {
+  // Before the checks of its range, which are those of a number.
+  option_->transform(CLI::Validator(
+      [](std::string& text) {
+        const auto seconds = read_time(text);
+        if (!seconds)
+          return text + " is no time: it is a number of seconds, or has a unit as 250ms, 90s, 5m, 2h, 7d, 3y";
+        text = (std::ostringstream() << std::setprecision(17) << *seconds).str();
+        return std::string();
+      },
+      "or 250ms, 5m, 2h, 7d, 3y"));
   return *this;
 }
 
@@ -88,6 +106,10 @@ CommandLine::CommandLine(std::string sentence, std::string name, std::string ver
   app_->set_version_flag("--version", std::move(version));
 }
 CommandLine::~CommandLine() = default;
+
+std::string CommandLine::help() const {
+  return app_->help();
+}
 
 bool CommandLine::parse(int argc, char** argv) {
   try {
