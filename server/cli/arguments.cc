@@ -2,8 +2,10 @@
 
 #include <CLI/CLI.hpp>
 #include <iomanip>
+#include <iostream>
 #include <sstream>
 
+#include "engine/base/text/nearest_name.h"
 #include "server/cli/duration.h"
 
 namespace truestep {
@@ -100,6 +102,26 @@ std::vector<Arguments::Known> Arguments::subcommands() const {
   return out;
 }
 
+namespace {
+
+// For options that the given command does not have, those that it has and that are named nearly so.
+std::string meant_options(const CLI::App& app) {
+  std::string out;
+  for (const CLI::App* command : app.get_subcommands()) {
+    std::vector<std::string> known;
+    for (const CLI::Option* option : command->get_options()) {
+      for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+    }
+    for (const std::string& word : command->remaining()) {
+      const std::string near = nearest_name(word.substr(0, word.find('=')), known);
+      if (word.starts_with("--") && !near.empty()) out += (out.empty() ? "did you mean " : " and ") + near;
+    }
+  }
+  return out.empty() ? out : out + '?';
+}
+
+}  // namespace
+
 CommandLine::CommandLine(std::string sentence, std::string name, std::string version)
     : app_(std::make_unique<CLI::App>(std::move(sentence), std::move(name))) {
   app_->require_subcommand(1);
@@ -114,6 +136,11 @@ std::string CommandLine::help() const {
 bool CommandLine::parse(int argc, char** argv) {
   try {
     app_->parse(argc, argv);
+  } catch (const CLI::ExtrasError& e) {
+    app_->exit(e, std::cout, std::cerr);
+    const std::string hint = meant_options(*app_);
+    if (!hint.empty()) std::cerr << hint << '\n';
+    return false;
   } catch (const CLI::ParseError& e) {
     return app_->exit(e) == 0;
   }

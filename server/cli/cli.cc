@@ -7,7 +7,7 @@
 #include "engine/base/version.h"
 #include "server/cli/arguments.h"
 #include "server/cli/completion.h"
-#include "server/cli/describe_commands.h"
+#include "server/cli/describe/describe_commands.h"
 #include "server/cli/exit_codes.h"
 #include "server/cli/input.h"
 #include "server/cli/motion.h"
