@@ -7,7 +7,7 @@
 namespace truestep {
 namespace {
 
-Command impulse(int64_t row) {
+Command impulse_on(int64_t row) {
   Command c;
   c.kind = CommandKind::impulse;
   c.system = "a";
@@ -23,18 +23,18 @@ TEST(RefusedCommand, LeavesTheFutureThatASeekWentBackFrom) {
   const auto arena = std::make_shared<const ThreadArena>(1);
   Session s(world, arena);
   s.step(9);
-  s.command(impulse(0));
+  s.command(impulse_on(0));
   s.step(31);
   const uint64_t end = s.hash();
   s.seek(5);
-  EXPECT_THROW(s.command(impulse(77)), Error);
+  EXPECT_THROW(s.command(impulse_on(77)), Error);
   EXPECT_EQ(s.journal_ahead().size(), 1u);
   s.step(35);
   EXPECT_EQ(s.hash(), end);
   EXPECT_FALSE(replay(read_bundle(write_bundle(bundle_of(s))), arena).difference);
   // The control: a command that is carried out makes another future.
   s.seek(5);
-  s.command(impulse(0));
+  s.command(impulse_on(0));
   EXPECT_TRUE(s.journal_ahead().empty());
   s.step(35);
   EXPECT_NE(s.hash(), end);

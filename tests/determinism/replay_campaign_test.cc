@@ -9,7 +9,7 @@ namespace {
 
 // One scene of every way to remember something: an adaptive method, contacts that start warm, closed loops,
 // points with springs, emitters, and the wrapped state of an equation.
-constexpr const char* kScenes[] = {"four_bars", "dominoes_2d",  "robertson_long", "lorenz_butterfly",
+constexpr const char* kScenes[] = {"four_bars", "dominoes_2d", "robertson_long", "lorenz_butterfly",
                                    "car_2d",    "wave_string", "free_top",       "rod_helix"};
 constexpr uint64_t kCourses = 5;  // of each scene
 
