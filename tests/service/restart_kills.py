@@ -86,7 +86,7 @@ class Course:
             self.stream.close()
             self.stream = None
             return self.step
-        except (OSError, ValueError) as e:
+        except (OSError, ValueError, IndexError) as e:
             raise Killed from e
 
     def work(self, service):
