@@ -99,6 +99,22 @@ void print_outputs(const Outputs& out) {
   }
 }
 
+void print_settable(const json::array& settable) {
+  if (settable.empty()) return;
+  std::cout << "\nset_parameter (POST /v1/sessions/{id}/commands, while the scene runs) takes\n";
+  for (const json::value& v : settable) {
+    const json::object& p = v.as_object();
+    const std::string_view unit = p.at("unit").as_string(), of = p.at("of").as_string(),
+                           sentence = p.at("description").as_string();
+    std::cout << "  " << p.at("name").as_string().c_str() << " (" << p.at("takes").as_string().c_str();
+    if (!unit.empty()) std::cout << ", " << unit;
+    std::cout << ')';
+    if (of != "system") std::cout << ", index: the row or id of a " << of;
+    if (!sentence.empty()) std::cout << ": " << sentence;
+    std::cout << '\n';
+  }
+}
+
 int systems(const Options& options) {
   if (options.name.empty()) {
     if (options.json) {
@@ -134,6 +150,7 @@ int systems(const Options& options) {
       std::cout << "  " << own << ": of this system only\n";
   }
   print_outputs(*row->outputs);
+  print_settable(d.at("settable").as_array());
   std::cout << "\nguarantees\n";
   for (const std::string_view g : row->guarantees) std::cout << "  " << g << '\n';
   return kExitOk;
