@@ -201,8 +201,15 @@ void check_accuracy(const Scene& scene, std::vector<Issue>& errors) {
   for (const SceneSystem& s : scene.systems) {
     if (scene.integrated_system(s.id)) fit.push_back(s.id);
   }
-  errors.push_back({"/accuracy/system", "unknown_system", "accuracy needs a system that takes an integrator",
-                    '"' + id.substr(0, 64) + '"', join_names(fit), nearest_name(id, fit), ""});
+  std::vector<std::string> types;
+  for (const CatalogueRow& row : catalogue()) {
+    if (row.table->find("integrator")) types.emplace_back(row.type);
+  }
+  errors.push_back(
+      {"/accuracy/system", "unknown_system",
+       "accuracy chooses an integrator and its step: it needs a system of type " + join_names(types),
+       '"' + id.substr(0, 64) + '"', fit.empty() ? "a system of such a type" : join_names(fit),
+       nearest_name(id, fit), ""});
 }
 
 // Ids of probes, and of the systems that they refer to.

@@ -107,6 +107,22 @@ void print_outputs(const Outputs& out) {
   }
 }
 
+void print_settable(const json::array& settable) {
+  if (settable.empty()) return;
+  std::cout << "\nset_parameter (POST /v1/sessions/{id}/commands, while the scene runs) takes\n";
+  for (const json::value& v : settable) {
+    const json::object& p = v.as_object();
+    const std::string_view unit = p.at("unit").as_string(), of = p.at("of").as_string(),
+                           sentence = p.at("description").as_string();
+    std::cout << "  " << p.at("name").as_string().c_str() << " (" << p.at("takes").as_string().c_str();
+    if (!unit.empty()) std::cout << ", " << unit;
+    std::cout << ')';
+    if (of != "system") std::cout << ", index: the row or id of a " << of;
+    if (!sentence.empty()) std::cout << ": " << sentence;
+    std::cout << '\n';
+  }
+}
+
 template <class Names>
 void print_guarantees(const Names& guarantees) {
   if (std::empty(guarantees)) return;
@@ -143,6 +159,7 @@ int describe(const CatalogueRow& row, const SystemsOptions& options, Detail deta
   print_parameters(std::cout, d.at("parameters").as_array(), detail);
   print_methods(row, d.at("integrators").as_array(), detail);
   print_outputs(*row.outputs);
+  print_settable(d.at("settable").as_array());
   print_guarantees(row.guarantees);
   return kExitOk;
 }
