@@ -183,22 +183,23 @@ class Failures(Restarted):
         scene = {**ROPE, "recording": {"fields": ["colour"]}}
         refused = self.service.request("PUT", path, scene)
         self.assertEqual((refused.status, refused.json()["errors"][0]["pointer"]), (422, "/recording/fields/0"))
-        # The layout is good, and either of the files cannot be made.
+        # Names that links stand at are taken: what they lead to is not written to.
         ids = [path.rsplit("/", 1)[1]]
-        for ending in (".vtkhdf", ".vtkhdf.chunks"):
-            ids.append(str(uuid.uuid4()))
-            os.symlink("/nonexistent/place", pathlib.Path(self.data) / (ids[-1] + ending))
-            failed = self.service.request("PUT", "/v1/sessions/" + ids[-1], {**ROPE, "recording": {}})
-            self.assertEqual((failed.status, failed.json()["code"]), (500, "recording_io"))
+        target = pathlib.Path(self.data).with_suffix(".elsewhere")
         for name in ids:
             self.assertEqual(self.service.get("/v1/sessions/" + name).json()["code"], "unknown_session")
             self.assertEqual([p.name for p in pathlib.Path(self.data).rglob(name + "*")], [])
         self.assertEqual(self.service.get("/v1/recordings").json()["recordings"], [])
+        for ending in (".vtkhdf", ".vtkhdf.chunks"):
+            ids.append(str(uuid.uuid4()))
+            os.symlink(target, pathlib.Path(self.data) / (ids[-1] + ending))
         for name in ids:
             made = self.service.request("PUT", "/v1/sessions/" + name, {**ROPE, "recording": {}})
             self.assertEqual(made.status, 201, made.body)
             self.service.post(made.json()["links"]["step"], {"steps": 3})
-            self.assertEqual(self.service.post(made.json()["links"]["recording"] + "/finish").json()["frames"], 4)
+            done = self.service.post(made.json()["links"]["recording"] + "/finish").json()
+            self.assertEqual((done["frames"], done["id"]), (4, name if name == ids[0] else name + ".2"))
+        self.assertFalse(target.exists())
 
     def small_disk(self, size):
         folder = tempfile.mkdtemp(prefix="truestep")
