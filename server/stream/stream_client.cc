@@ -161,8 +161,9 @@ void StreamClient::between_steps(const std::string& request_id, std::function<vo
 }
 
 void StreamClient::command(const v1::ClientMessage& message) {
-  between_steps(message.request_id(), [this, c = read_command(parse_json(message.command().json()))] {
-    entry_->session.command(c);
+  between_steps(message.request_id(), [this, document = parse_json(message.command().json())] {
+    Session& session = entry_->session;
+    session.command(read_command_for(session.world(), session.state(), document));
     if (!entry_->session.playing()) send_current_frame();
   });
 }
