@@ -72,7 +72,8 @@ void sync(const fs::path& path, int flags) {
 
 void throw_file_error(const std::string& what, int code) {
   const bool full = code == ENOSPC || code == EDQUOT || code == EFBIG;
-  if (code == EMFILE || code == ENFILE) throw Error("overloaded", "no more files can be opened: cannot " + what);
+  if (code == EMFILE || code == ENFILE)
+    throw Error("overloaded", "no more files can be opened: cannot " + what);
   throw Error(full ? "disk_full" : "folder_io", "cannot " + what + ": " + std::strerror(code));
 }
 
