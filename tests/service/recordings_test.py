@@ -9,7 +9,7 @@ import time
 import unittest
 import uuid
 
-from harness import BINARY
+from harness import BINARY, Socket
 from patience import patience
 from restarted import PUSH, ROPE, Restarted
 
@@ -208,6 +208,28 @@ class Failures(Restarted):
             self.skipTest("mounting a small disk needs root")
         self.addCleanup(subprocess.run, ["umount", "-l", folder])
         return folder
+
+    def test_a_playing_session_pauses_when_its_recording_ends_for_want_of_room(self):
+        self.kill()
+        self.data = self.small_disk("3m")
+        self.start()
+        cloth = {"time": {"dt": 0.004, "duration": 1000}, "recording": {},
+                 "systems": [{"type": "mass_spring", "id": "cloth", "pinned": ["first"], "cloth_grid": {"nx": 40, "ny": 40}}]}
+        s = self.service.create(cloth)
+        self.assertNotIn("not_recorded_because", s)
+        stream = Socket(self.service, s["links"]["stream"], "truestep.v1.json")
+        self.addCleanup(stream.close)
+        self.assertEqual(self.service.post(s["links"]["play"], {"speed": 10}).status, 200)
+        stream.socket.settimeout(patience(60))
+        event = stream.message("event")
+        self.assertEqual(event["kind"], "recording_incomplete", event)
+        now = self.look(s)
+        self.assertEqual(now["status"], "paused")
+        self.assertIn("full", now["not_recorded_because"])
+        row, = self.service.get("/v1/recordings").json()["recordings"]
+        self.assertEqual(row["state"], "incomplete")
+        # Steps that are asked for go on, unrecorded.
+        self.assertEqual(self.step(s, 5)["step"], now["step"] + 5)
 
     def test_what_was_recorded_before_the_disk_was_full_can_be_had(self):
         self.kill()
