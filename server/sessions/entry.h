@@ -69,6 +69,7 @@ struct SessionEntry {
   std::atomic<Clock::rep> last_used{Clock::now().time_since_epoch().count()};
   std::atomic<int> streams{0};       ///< open WebSockets
   std::atomic<bool> removed{false};  ///< taken out of the store; its jobs stop
+  std::atomic<bool> deleted{false};  ///< by a client: set before anything of it goes
   std::atomic<uint64_t> version{1};  ///< grows whenever the state or its past changes
   Signal changed;                    ///< notified together with `version`
 
@@ -120,6 +121,21 @@ struct SessionEntry {
                                            session.series().memory_bytes() +
                                            (poll ? poll->memory_bytes() : 0) + encoded.memory_bytes());
     if (std::abs(now - kept.bytes()) > kWorthAWord) kept.count(now);
+  }
+  /// f(entry) under the lock. Error "unknown_session" when a client deletes the session before or meanwhile.
+  template <class F>
+  auto use(const F& f) {
+    require_there();
+    try {
+      return f(*this);
+    } catch (const Error& e) {
+      // Its folder has gone under it.
+      if (e.code() == "folder_io") require_there();
+      throw;
+    }
+  }
+  void require_there() const {
+    if (deleted) throw Error("unknown_session", "there is no session with this id");
   }
   /// Call after every change, with or without the lock.
   void publish() {
