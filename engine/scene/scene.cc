@@ -241,6 +241,15 @@ void check_probes(const Scene& scene, SceneReport& report) {
   }
 }
 
+void warn_of_empty_systems(const Scene& scene, std::vector<Issue>& warnings) {
+  for (const SceneSystem& s : scene.systems) {
+    if (s.row->cost(s.def.get()).elements > 0) continue;
+    warnings.push_back({"/systems/" + std::to_string(s.place), "empty",
+                        "the system \"" + s.id + "\" has nothing in it: it only has what commands spawn", "",
+                        "", "", ""});
+  }
+}
+
 }  // namespace
 
 std::optional<size_t> Scene::integrated_system(std::string_view id) const {
@@ -313,6 +322,7 @@ SceneReport read_scene(const json::value& document) {
     report.warnings.push_back({"/expect", "no_expectation",
                                "a scene with \"teaches\" should also have \"expect\"", "", "", "", ""});
   }
+  if (report.errors.empty()) warn_of_empty_systems(scene, report.warnings);
   (report.errors.empty() ? report.scene : report.draft) = std::move(scene);
   return report;
 }

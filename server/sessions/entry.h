@@ -137,6 +137,10 @@ struct SessionEntry {
   void require_there() const {
     if (deleted) throw Error("unknown_session", "there is no session with this id");
   }
+  /// Before a client is told of the present step: makes it survive the process. Under the lock.
+  void acknowledge();
+  /// Whether that would do nothing.
+  bool acknowledged() const;
   /// Call after every change, with or without the lock.
   void publish() {
     version.fetch_add(1, std::memory_order_release);
