@@ -68,6 +68,7 @@ struct SessionEntry {
   std::atomic<Clock::rep> last_used{Clock::now().time_since_epoch().count()};
   std::atomic<int> streams{0};       ///< open WebSockets
   std::atomic<bool> removed{false};  ///< taken out of the store; its jobs stop
+  std::atomic<bool> deleted{false};  ///< by a client: set before anything of it goes
   std::atomic<uint64_t> version{1};  ///< grows whenever the state or its past changes
   Signal changed;                    ///< notified together with `version`
 
@@ -112,6 +113,21 @@ struct SessionEntry {
   /// After a batch of steps, under the lock: reports memory use to the budget, stops profiling that nobody
   /// reads, and says so when the recording has ended for want of room.
   void settle();
+  /// f(entry) under the lock. Error "unknown_session" when a client deletes the session before or meanwhile.
+  template <class F>
+  auto use(const F& f) {
+    require_there();
+    try {
+      return f(*this);
+    } catch (const Error& e) {
+      // Its folder has gone under it.
+      if (e.code() == "folder_io") require_there();
+      throw;
+    }
+  }
+  void require_there() const {
+    if (deleted) throw Error("unknown_session", "there is no session with this id");
+  }
   /// Before a client is told of the present step: makes it survive the process. Under the lock.
   void acknowledge();
   /// Whether that would do nothing.

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <ctime>
 
-#include "engine/base/hash.h"
 #include "engine/base/log.h"
-#include "engine/scene/json/json_write.h"
 #include "engine/session/describe.h"
 #include "engine/studies/precision/accuracy.h"
 #include "server/persistence/sessions/session_archive.h"
@@ -32,11 +30,8 @@ void SessionStore::check_room() const {
               "this server has reached its limit of " + std::to_string(limits_.max_sessions) + " sessions");
 }
 
-SessionStore::Begun SessionStore::begin(const std::string& id, const json::value& document,
+SessionStore::Begun SessionStore::begin(const std::string& id, uint64_t scene_hash,
                                         const net::Caller& owner) {
-  Hasher hasher;
-  hasher.text(write_json(document));
-  const uint64_t scene_hash = hasher.value();
   const auto check = [&](const std::string& existing_owner, uint64_t existing_hash) {
     if (!owner.may_see(existing_owner)) throw unknown_session();
     if (existing_hash != scene_hash)
@@ -125,7 +120,7 @@ EntryPtr SessionStore::build(Creation& creation, SceneDraft draft, Accuracy accu
     lease.require(std::max(lease.bytes(), bytes(c)), "measuring this scene");
   };
   creation.stage = "measuring";
-  SettledScene settled = accuracy == Accuracy::chosen
+  SettledScene settled = accuracy == Accuracy::chosen || !asked.header.accuracy
                              ? SettledScene{std::move(asked), {}}
                              : settle_accuracy(draft.document, limits_.accuracy_seconds, *arena_, admit);
   creation.stage = "building";
@@ -174,10 +169,11 @@ void SessionStore::fail(const CreationPtr& creation, std::exception_ptr error) {
   creation->done.notify();
 }
 
-EntryPtr SessionStore::create(json::value document, const std::string& id, const net::Caller& owner,
+EntryPtr SessionStore::create(const json::value& document, const std::string& id, const net::Caller& owner,
                               Accuracy accuracy, const std::function<void(SessionEntry&)>& prepare) {
-  const Begun begun = begin(id, document, owner);
-  if (begun.how == Begun::How::anew) make(begun.creation, read_draft(std::move(document)), accuracy, prepare);
+  SceneDraft draft = read_draft(document);
+  const Begun begun = begin(id, draft.hash, owner);
+  if (begun.how == Begun::How::anew) make(begun.creation, std::move(draft), accuracy, prepare);
   if (begun.creation->error) {
     forget(begun.creation);
     std::rethrow_exception(begun.creation->error);

@@ -97,11 +97,12 @@ Task<Response> branch(App& app, const Request& request) {
     WorldState state;
     {
       const std::lock_guard lock(entry->mutex);
+      entry->require_there();
       document = entry->session.world().scene().canonical();
       accuracy = entry->accuracy;
       state = entry->session.state();
     }
-    const EntryPtr made = app.store.create(std::move(document), random_session_id(), caller,
+    const EntryPtr made = app.store.create(document, random_session_id(), caller,
                                            SessionStore::Accuracy::chosen, [&](SessionEntry& e) {
                                              e.accuracy = std::move(accuracy);
                                              e.session.restore(std::move(state));
@@ -120,7 +121,7 @@ Task<Response> branch(App& app, const Request& request) {
 void add_snapshot_routes(net::Router& router, App& app) {
   const std::string session = "/v1/sessions/{id}";
   router.add(Method::post, session + "/branch", "A new session that continues from this one's state",
-             [&app](const Request& r) { return branch(app, r); });
+             [&app](const Request& r) { return once(app, r, [&app, &r] { return branch(app, r); }); });
   router.add(Method::get, session + "/snapshots", "The session's snapshots", [&app](const Request& r) {
     return with_session(app, r, [](SessionEntry& e) {
       json::array list;

@@ -69,10 +69,18 @@ std::shared_ptr<SessionKeeper> SessionArchive::add(SessionFolder folder, const S
 
 std::shared_ptr<SessionKeeper> SessionArchive::keep(const SessionAbout& about, const Session& session,
                                                     const boost::json::object& accuracy) {
-  auto keeper = add(SessionFolder::create(root_, about, session.world().scene().canonical(), accuracy), about,
-                    session, {});
-  if (session.origin()) keeper->save_anew();
-  return keeper;
+  const SessionFolder folder =
+      SessionFolder::create(root_, about, session.world().scene().canonical(), accuracy);
+  try {
+    auto keeper = add(folder, about, session, {});
+    if (session.origin()) keeper->save_anew();
+    return keeper;
+  } catch (...) {
+    // What is not kept is neither listed nor found by the next server.
+    remove(about.id);
+    folder.remove();
+    throw;
+  }
 }
 
 SavedSession SessionArchive::read(const std::string& id, std::optional<uint64_t> recorded) {
