@@ -101,7 +101,8 @@ def scenes_of(page):
             yield line, whole
             continue
         if len(pieces) != len(contexts):
-            raise ValueError(f"{where}: {len(pieces)} pieces of JSON and {len(contexts)} contexts (<!-- json -->) before them: {pieces}")
+            raise ValueError(f"{where}: {len(pieces)} pieces of JSON and {len(contexts)} contexts before them "
+                             f"(<!-- json ... -->, as the head of this test says): {pieces}")
         template = None
         for piece, context in zip(pieces, contexts):
             template = template if context == "same" else context

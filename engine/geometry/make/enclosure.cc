@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "engine/geometry/make/weld.h"
+
 namespace truestep {
 namespace {
 
@@ -65,7 +67,13 @@ std::optional<EnclosureFault> enclosure_fault(std::span<const Vec3> vertices,
     }
     volume += dot(a, area);
   }
-  if (auto fault = edge_fault(triangles)) return fault;
+  if (auto fault = edge_fault(triangles)) {
+    // Corners that are repeated at one place are one: only then is something missing.
+    const std::vector<uint32_t> first = first_at_place(vertices);
+    std::vector<int64_t> welded;
+    for (const int64_t p : triangles) welded.push_back(first[static_cast<size_t>(p)]);
+    if (edge_fault(welded)) return fault;
+  }
   if (!(volume > 0)) {
     return EnclosureFault{whole, "the triangles run clockwise seen from outside: reverse each"};
   }

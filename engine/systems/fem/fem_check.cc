@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/geometry/make/weld.h"
 #include "engine/systems/fem/bending.h"
 #include "engine/systems/fem/fem_tables.h"
 #include "engine/systems/fem/mesh.h"
@@ -187,7 +188,12 @@ bool check_fill(const FillShape& f, const Report& report) {
     return false;
   }
   if (f.surface) {
-    if (const auto fault = surface_fault(mesh_triangles(*f.surface))) {
+    auto triangles = mesh_triangles(*f.surface);
+    if (const auto fault = surface_fault(triangles)) {
+      // Corners that are repeated at one place are one: only then is something missing.
+      const std::vector<uint32_t> first = first_at_place(f.surface->vertices);
+      for (auto& t : triangles) t = {first[t[0]], first[t[1]], first[t[2]]};
+      if (!surface_fault(triangles)) return true;
       report("/fill/surface/triangles/" + std::to_string(3 * fault->triangle), fault->what);
       return false;
     }
