@@ -222,9 +222,10 @@ class Failures(Restarted):
         while "not_recorded_because" not in self.look(s):
             self.step(s, 10)
         filler.unlink()
-        # There is room again: the session is kept again, from a state behind the last frame on.
+        # There is room again: states are saved, and those from before the last frame are removed.
         end = time.monotonic() + patience(30)
-        while not (self.look(s)["kept"] and self.newest_state(s) > 0) and time.monotonic() < end:
+        full = self.look(s)["step"]
+        while (self.newest_state(s) <= full or (self.folder(s) / "log.0").exists()) and time.monotonic() < end:
             self.step(s, 200)
         step = self.step(s, 7)["step"]
         self.again()
