@@ -86,6 +86,14 @@ std::optional<uint64_t> last_recorded_step(App& app, const std::string& session)
 void continue_recording(App& app, SessionEntry& entry, std::optional<uint64_t> after) {
   const World& world = entry.session.world();
   if (!world.scene().header.recording || (after && !RecordingSink::goes_on(world, *after))) return;
+  // The session went on unrecorded (a full disk), and no state from before leads to the next frame.
+  if (const uint64_t from = entry.session.step_index(); from > after.value_or(0)) {
+    if (const auto last = app.recordings.newest(entry.id))
+      app.recordings.end(last->id, RecordingFate::incomplete, last->frames,
+                         "frames up to step " + std::to_string(from) + " are missing" +
+                             (last->note.empty() ? "" : ": " + last->note));
+    return attach_recording(app, entry);
+  }
   begin(app, entry, after);
 }
 

@@ -209,6 +209,35 @@ class Failures(Restarted):
         self.addCleanup(subprocess.run, ["umount", "-l", folder])
         return folder
 
+    def test_frames_that_a_full_disk_swallowed_are_not_hidden_by_a_restart(self):
+        self.kill()
+        self.data = self.small_disk("8m")
+        self.start()
+        cloth = {"time": {"dt": 0.004, "duration": 1000}, "recording": {},
+                 "systems": [{"type": "mass_spring", "id": "cloth", "pinned": ["first"], "cloth_grid": {"nx": 40, "ny": 40}}]}
+        s = self.service.create(cloth)
+        self.step(s, 20)
+        filler = pathlib.Path(self.data) / "filler"
+        filler.write_bytes(bytes(5 << 20))
+        while "not_recorded_because" not in self.look(s):
+            self.step(s, 10)
+        filler.unlink()
+        # There is room again: states are saved, and those from before the last frame are removed.
+        end = time.monotonic() + patience(30)
+        full = self.look(s)["step"]
+        while (self.newest_state(s) <= full or (self.folder(s) / "log.0").exists()) and time.monotonic() < end:
+            self.step(s, 200)
+        step = self.step(s, 7)["step"]
+        self.again()
+        now = self.look(s)
+        self.assertEqual(now["step"], step)
+        first, second = self.service.get("/v1/recordings").json()["recordings"]
+        self.assertEqual(first["state"], "incomplete", first)
+        self.assertIn("are missing", first["note"])
+        self.assertEqual(second["state"], "live", second)
+        done = self.service.post(s["links"]["recording"] + "/finish").json()
+        self.assertEqual((done["id"], done["frames"]), (second["id"], step - now["restored"]["from_step"] + 1))
+
     def test_a_playing_session_pauses_when_its_recording_ends_for_want_of_room(self):
         self.kill()
         self.data = self.small_disk("3m")

@@ -87,13 +87,13 @@ class Descriptors(Case):
         process = self.service.process.pid
         before = resource.prlimit(process, resource.RLIMIT_NOFILE)
         in_use = len(list(pathlib.Path("/proc/%d/fd" % process).iterdir()))
-        for left in (0, 1, 2):
+        for left in (0, 1, 2, 3):
             resource.prlimit(process, resource.RLIMIT_NOFILE, (in_use + left, before[1]))
             status, said = post(RECORDED)
-            # The last has room for both files of a recording.
-            self.assertEqual(status, 201 if left == 2 else 503, (left, said))
+            # The last has room for both files of a recording and one of the session.
+            self.assertEqual(status, 201 if left == 3 else 503, (left, said))
             self.assertNotIn(self.service.data, said)
-            if left < 2:
+            if left < 3:
                 self.assertEqual(json.loads(said)["code"], "overloaded")
         self.assertEqual(post(OSCILLATOR)[0], 201)
         resource.prlimit(process, resource.RLIMIT_NOFILE, before)
