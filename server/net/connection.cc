@@ -151,6 +151,13 @@ Task<> Connection::run() {
       }
     }
     if (parser_->has_body()) {
+      // Who asks first whether to send a body is told the final answer where it is known without one.
+      if (parser_->expects_continue() && buffer_.size() == 0) {
+        if (auto known = answer_without_body(match)) {
+          deny(std::move(*known));
+          break;
+        }
+      }
       const size_t limit =
           match.route && match.route->max_body ? match.route->max_body : service_.options.max_body;
       if (!co_await read_body(limit)) break;
@@ -290,6 +297,18 @@ Task<Response> Connection::wait_for(const Route& route) {
     if (gone_) co_return problem(request_, "request_timeout", "the client disconnected");
     co_return problem(request_, e);
   }
+}
+
+std::optional<Response> Connection::answer_without_body(const Router::Match& match) {
+  if (!match.route) return no_route(match);
+  if (!may_change(request_))
+    return problem(request_, "precondition_failed", "If-Match names another state of this resource");
+  try {
+    if (match.route->check) match.route->check(request_);
+  } catch (const Error& e) {
+    return problem(request_, e);
+  }
+  return std::nullopt;
 }
 
 Response Connection::no_route(const Router::Match& match) {

@@ -53,6 +53,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   Task<Response> wait_for(const Route& route);
   Response answer(const Route& route);
   Response no_route(const Router::Match& match);
+  std::optional<Response> answer_without_body(const Router::Match& match);
   void deny(Response response);
   void refuse(int status, std::string_view reason);
   bool prepare(Response& response, std::string_view& large_body);

@@ -171,6 +171,7 @@ void StreamClient::command(const v1::ClientMessage& message) {
 void StreamClient::subscribe(const v1::Subscribe& wish) {
   if (wish.encoding() < v1::F32 || wish.encoding() > v1::QUAT32)
     throw Error("bad_request", "encoding must be one of F32, F64, Q16, Q16_DELTA and QUAT32");
+  if (!v1::Policy_IsValid(wish.policy())) throw Error("bad_request", "policy must be LATEST or EVERY");
   if (!(wish.rate() >= 0) || wish.rate() > 10000)
     throw Error("bad_request", "rate must be from 0 to 10000 frames per second");
   fields_ =
@@ -213,7 +214,10 @@ void StreamClient::control(const v1::Control& control) {
   const std::string& action = control.action();
   const double value = control.value();
   if (action == "play" || action == "speed") {
-    const double speed = value == 0 ? session.speed() : value;
+    // Absent, to play means as before.
+    const double speed = action == "play" && value == 0 ? session.speed() : value;
+    if (!(speed >= Session::kLeastSpeed && speed <= Session::kMostSpeed))
+      throw Error("bad_request", action + " needs a speed from 1e-18 to 1e15");
     if (action == "play" || session.playing()) {
       session.play(speed);
       if (action == "play") entry_->played(control.keep_running());

@@ -149,7 +149,14 @@ void add_description_routes(net::Router& router, const ServiceDescription& servi
       .access = net::Access::open;
   router
       .add(net::Method::get, "/docs", "This description as a page",
-           [page](const net::Request&) { return net::Response::shared(*page, "text/html; charset=utf-8"); })
+           [page](const net::Request&) {
+             net::Response r = net::Response::shared(*page, "text/html; charset=utf-8");
+             r.header("Content-Security-Policy",
+                      "default-src 'none'; style-src 'unsafe-inline'; img-src 'self' data:; base-uri 'none'; "
+                      "form-action 'none'; frame-ancestors 'self'");
+             r.header("X-Content-Type-Options", "nosniff");
+             return r;
+           })
       .access = net::Access::open;
   static const auto kProto = std::make_shared<const std::string>(stream_proto());
   router

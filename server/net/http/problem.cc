@@ -1,6 +1,8 @@
 #include "server/net/http/problem.h"
 
 #include <boost/json.hpp>
+#include <new>
+#include <system_error>
 
 #include "engine/base/interrupt.h"
 #include "engine/base/log.h"
@@ -150,7 +152,24 @@ Response problem(const Request& request, const Error& error) {
   return problem(request, error.code(), error.what(), error.issues(), extra);
 }
 
+namespace {
+
+// The machine refuses memory or a thread though the budget had room: the request may be sent again, and
+// nothing of it is kept.
+bool machine_is_full(const std::exception& error) {
+  if (dynamic_cast<const std::bad_alloc*>(&error)) return true;
+  const auto* system = dynamic_cast<const std::system_error*>(&error);
+  return system && (system->code() == std::errc::resource_unavailable_try_again ||
+                    system->code() == std::errc::not_enough_memory);
+}
+
+}  // namespace
+
 Response problem(const Request& request, const std::exception& error) {
+  if (machine_is_full(error)) {
+    log_warn("no memory: {} {}: {}", request.method_text, request.raw_path, error.what());
+    return problem(request, "overloaded", "this machine has no memory left for this request");
+  }
   log_error("internal error, trace {}: {} {}: {}", request.trace_id(), request.method_text, request.raw_path,
             error.what());
   return problem(request, "internal", {});

@@ -114,6 +114,9 @@ void RequestParser::on_field_impl(Name name, text name_text, text value, error_c
     refuse(400, "folded header lines are not accepted");
   } else if (!head_done_) {
     if (request_.ends_.size() > 2 * kMaxFields) refuse(431, "too many headers");
+    // Beast's own limit counts from what it has parsed.
+    if (request_.head_.size() + name_text.size() + value.size() > head_limit_)
+      refuse(431, "the request's head is too long");
     store(name_text);
     store(value);
     check_field(name, value);

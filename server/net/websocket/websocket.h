@@ -38,7 +38,7 @@ class WebSocketHandler {
 struct WebSocketLimits {
   size_t max_message = size_t{1} << 20;    ///< bytes of a received message
   size_t max_queue = size_t{64} << 20;     ///< bytes waiting to be sent
-  std::chrono::seconds stall{120};         ///< nothing could be written for this long: cut
+  std::chrono::seconds stall{30};          ///< nothing could be written for this long: cut
   std::chrono::seconds ping_interval{20};  ///< after silence; twice this without any byte: cut
   std::chrono::seconds close_wait{3};      ///< for the peer's close frame and the last bytes
 };
