@@ -1,6 +1,6 @@
 // First contact of two balls whose distance vector follows a cubic over a step: the Bezier form of the cubic
-// through both ends with their velocities (Hermite). A curve lies in the hull of its control points, so a part
-// whose hull stays beyond reach is done with; what is left is halved until it is straight.
+// through both ends with their velocities (Hermite). A curve lies in the hull of its control points, so a
+// part whose hull stays beyond reach is done with; what is left is halved until it is straight.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -66,7 +66,8 @@ inline double first_contact_on_cubic(const CubicPath& path, double reach) {
     const auto& p = part.path.p;
     if (!part.path.may_reach(reach)) continue;
     const Vec3 bend = p[1] * 3 - p[0] * 2 - p[3], other = p[2] * 3 - p[0] - p[3] * 2;
-    if (part.depth == kDepth || std::max(norm2(bend), norm2(other)) <= kStraight * kStraight * reach * reach) {
+    if (part.depth == kDepth ||
+        std::max(norm2(bend), norm2(other)) <= kStraight * kStraight * reach * reach) {
       const double share = first_contact_on_line(p[0], p[3], reach);
       if (share <= 1) return part.from + share * part.length;
       continue;

@@ -145,7 +145,8 @@ class Run {
 
   void correct(uint32_t i, uint64_t now) {
     const double h = seconds(b_.step[i]);
-    const Vec3 a0 = b_.a[i], j0 = b_.j[i], v0 = b_.v[i], x0 = b_.x[i], a1 = vec(b_.sums[i].a), j1 = vec(b_.sums[i].j);
+    const Vec3 a0 = b_.a[i], j0 = b_.j[i], v0 = b_.v[i], x0 = b_.x[i], a1 = vec(b_.sums[i].a),
+               j1 = vec(b_.sums[i].j);
     b_.v[i] = v0 + (a0 + a1) * (h / 2) + (j0 - j1) * (h * h / 12);
     b_.x[i] = b_.x[i] + (v0 + b_.v[i]) * (h / 2) + (a0 - a1) * (h * h / 12);
     b_.a[i] = a1, b_.j[i] = j1, b_.time[i] = now;
@@ -176,7 +177,8 @@ class Run {
       if (j == i || !(reach > 0)) continue;
       Vec3 from, from_v, to, to_v;
       at(j, before, from, from_v), at(j, now, to, to_v);
-      const CubicPath path = CubicPath::through(from - x0, (from_v - v0) * h, to - b_.x[i], (to_v - b_.v[i]) * h);
+      const CubicPath path =
+          CubicPath::through(from - x0, (from_v - v0) * h, to - b_.x[i], (to_v - b_.v[i]) * h);
       const uint32_t a = std::min(i, j), b = std::max(i, j);
       if (!path.may_reach(reach) || watch_.skip(a, b)) continue;
       const double share = first_contact_on_cubic(path, reach);

@@ -2,19 +2,22 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
+#include "engine/integrators/control/last_force.h"
 #include "engine/integrators/field_equations.h"
+#include "engine/integrators/table/integrators.h"
 #include "engine/systems/nbody/block_watch.h"
 #include "engine/systems/nbody/collisions.h"
 #include "engine/systems/nbody/pair_meeting.h"
-#include "engine/systems/nbody/resting_pairs.h"
+#include "engine/systems/nbody/supported_field.h"
 
 namespace truestep::nbody {
 
 namespace {
 
-constexpr double kTouching = 1e-9;        // of the reach: found so well, and taken as touching ten times farther
-constexpr double kShortFlight = 1.0 / 64; // of the step
+constexpr double kTouching = 1e-9;  // of the reach: found so well, and taken as touching ten times farther
+constexpr double kShortFlight = 1.0 / 64;          // of the step
 constexpr int kFewPieces = 256, kManyPieces = 32;  // of a step; with more than kEveryPair bodies
 constexpr int kSweeps = 1000;                      // of impulses at one moment
 constexpr int kNearMisses = 16;
@@ -26,8 +29,8 @@ struct Pair {
 
 /// Scratch memory of a step.
 struct Work {
-  std::vector<double> x, v, start, end, point;
-  std::vector<std::vector<double>> carried;   // the method's columns
+  std::vector<double> first, x, v, start, end, point;
+  std::vector<std::vector<double>> carried;  // the method's columns
   std::vector<Touch> touches, parts;
   std::vector<Pair> missed, near;
   std::vector<uint8_t> dead;
@@ -51,6 +54,7 @@ class Impacts final : public StepWatcher {
     const double end = in_.t + in_.h;
     double t = in_.t, h = in_.h, proposed = 0;
     w_.met.clear();
+    if (def_.response != Response::merge) w_.first.assign(x(), x() + 3 * bodies());
     const int most = bodies() <= kEveryPair ? kFewPieces : kManyPieces;
     for (int piece = 0; h > 1e-12 * in_.h; ++piece) {
       blunt_ = piece >= most;
@@ -104,6 +108,7 @@ class Impacts final : public StepWatcher {
           continue;
         }
         t1 = t0 + *theta * h;
+        hit_ = {touch.a, touch.b};
         std::copy(w_.point.begin(), w_.point.end(), y1);
         return Verdict::stop;
       }
@@ -177,8 +182,10 @@ class Impacts final : public StepWatcher {
   std::optional<double> locate(double t, double h) {
     constexpr int kEarlier = 8;
     std::optional<double> used;
+    Pair located{};
     for (int k = 0; k < kEarlier; ++k) {
       const Touch first = w_.touches.front();
+      hit_ = {first.a, first.b};
       if (first.share == 0) {
         restore();
         return 0;
@@ -194,11 +201,12 @@ class Impacts final : public StepWatcher {
       if (!found) {
         w_.missed.push_back({first.a, first.b});
         if (!used) return std::nullopt;
+        hit_ = located;
         restore();
         step(t, *used);
         return used;
       }
-      used = found;
+      used = found, located = hit_;
       const MetPair before = w_.met.of(first.a, first.b);
       w_.met.of(first.a, first.b).resting = true;  // it is not looked for again
       find(kept_piece(*used), 0, w_.touches);
@@ -211,7 +219,24 @@ class Impacts final : public StepWatcher {
   void step(double t, double h) {
     StepInput piece = in_;
     piece.t = t, piece.h = h;
-    method_.step(field_, s_, piece, options_);
+    // A part of a step does not end at a multiple of its own length.
+    if (h != in_.h) piece.step = std::numeric_limits<uint64_t>::max();
+    const bool any = std::ranges::any_of(w_.met.all(), [](const MetPair& p) { return p.resting; });
+    if (!any) return method_.step(field_, s_, piece, options_);
+    // What a method remembers of the last force belongs to other supports.
+    const auto forget = [&] { in_.workspace.object<LastForce>("integrator.last_force") = {}; };
+    forget();
+    const SupportedField field(field_, w_.met.all());
+    // The accelerations against which ias15 measures its error vanish where bodies rest.
+    static const Integrator* const kAtRest = find_integrator("dop853");
+    if (method_.name == "ias15" && kAtRest) {
+      IntegratorOptions options = options_;
+      options.tolerance = std::max(options.tolerance, 1e-10);
+      kAtRest->step(field, s_, piece, options);
+    } else {
+      method_.step(field, s_, piece, options_);
+    }
+    forget();
   }
   /// With the touches of the whole piece.
   void step_watched(double t, double h) {
@@ -285,7 +310,9 @@ class Impacts final : public StepWatcher {
   bool meet(uint32_t a, uint32_t b, double now) {
     const Vec3 d = load3(x(), b) - load3(x(), a), u = load3(v(), b) - load3(v(), a), n = normalized(d);
     const double closing = -dot(u, n), r = reach(a, b), masses = mass(a) + mass(b);
-    if (!(closing > 0)) return false;
+    // Those that lean on each other are found with no speed.
+    if (!(closing > 0) && hit_ != Pair{a, b}) return false;
+    hit_ = {};
     if (def_.response == Response::merge) {
       ++counter(s_, Counter::collisions), ++counter(s_, Counter::merged);
       const bool first = mass(a) >= mass(b);
@@ -306,15 +333,29 @@ class Impacts final : public StepWatcher {
         worst = std::max(worst, in_.h * std::sqrt(pull() * masses / (r * r * r)));
       }
     }
-    w_.met.stir(a), w_.met.stir(b);
     const Vec3 change = change_of_velocity(u, n, def_.response, rests ? 0 : def_.restitution);
+    const double to_a = share_of_first(mass(a), mass(b));
     push_apart(v(), a, b, change);
+    if (!rests) stir(a, change * -to_a, least), stir(b, change * (1 - to_a), least);
     met.when = now, met.resting = rests;
     met.parted = std::max(0.0, dot(u + change, n));
-    if (rests) met.apart = std::min(r, norm(d));
     // With no speed to part at, the next thing they do is to lean on each other.
-    if (met.parted == 0 && !rests) met.resting = true, met.apart = std::min(r, norm(d));
+    if (met.parted == 0) met.resting = true;
     return true;
+  }
+
+  /// Body i has been hit: what it leaned on is hit in turn if it is pushed at it faster than it was pulled.
+  void stir(uint32_t i, const Vec3& change, double least) {
+    for (MetPair& p : w_.met.all()) {
+      if (!p.resting || (p.a != i && p.b != i)) continue;
+      const Vec3 n = normalized(load3(x(), p.b) - load3(x(), p.a));
+      const double now = -dot(load3(v(), p.b) - load3(v(), p.a), n);
+      const double more = dot(change, n) * (p.a == i ? 1 : -1);
+      if (more > std::max(now - more, least)) p.resting = false;
+    }
+  }
+  double apart_at_start(uint32_t a, uint32_t b) const {
+    return norm(load3(w_.first.data(), b) - load3(w_.first.data(), a));
   }
 
   void push_apart(double* column, uint32_t a, uint32_t b, const Vec3& change) {
@@ -344,16 +385,16 @@ class Impacts final : public StepWatcher {
 
   /// At the end of the step.
   void hold() {
-    constexpr int kRounds = 10;
+    constexpr int kRounds = 20;
     for (int round = 0; round < kRounds; ++round) {
       bool any = false;
       for (const MetPair& p : w_.met.all()) {
-        if (!p.resting) continue;
         const Vec3 d = load3(x(), p.b) - load3(x(), p.a), n = normalized(d);
         const Vec3 u = load3(v(), p.b) - load3(v(), p.a);
-        const double missing = p.apart - norm(d);
-        if (missing > 0) push_apart(x(), p.a, p.b, n * missing), any = true;
-        if (dot(u, n) < 0) push_apart(v(), p.a, p.b, change_of_velocity(u, n, def_.response, 0)), any = true;
+        const double least = std::min(reach(p.a, p.b), apart_at_start(p.a, p.b)), missing = least - norm(d);
+        if (missing > 1e-15 * least) push_apart(x(), p.a, p.b, n * missing), any = true;
+        if (p.resting && dot(u, n) < 0)
+          push_apart(v(), p.a, p.b, change_of_velocity(u, n, def_.response, 0)), any = true;
       }
       if (!any) return;
     }
@@ -366,6 +407,7 @@ class Impacts final : public StepWatcher {
   State& s_;
   const StepInput& in_;
   Work& w_;
+  Pair hit_{};          ///< found by `advance`
   bool blunt_ = false;  ///< no more collisions in this step
 };
 

@@ -3,8 +3,8 @@
 // path of a one-step method is what it gives for every length). There the collision is resolved, and the
 // rest of the step is a step of its own.
 // Bodies that keep touching (a flight shorter than 1/64 of the step) rest against each other until the step
-// ends, where they lose what speed of approach they have gained and are put back to the distance at which
-// they came to rest. A step has a limited number of collisions; beyond it bodies that touch merely lose their
+// ends (supported_field.h), where they lose what speed of approach they have gained and are put back to where
+// they touch. A step has a limited number of collisions; beyond it bodies that touch merely lose their
 // speed of approach, which is counted (nbody.cc warns of it).
 // More than kEveryPair bodies of a fixed-step method whose mutual attraction during a step is nothing to
 // their speeds are dealt with pair by pair (collisions.h): there a repeated step of all is not paid for.

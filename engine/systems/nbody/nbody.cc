@@ -121,7 +121,8 @@ void Nbody::plan_stages(const std::string& why_this_method) {
               "advances position and velocity with " + std::string(integrator().name) +
                   ", each collision where its path touches: " + why,
               [this](State& s, const StepInput& in) {
-                step_with_collisions(force_field(), integrator(), options(), *bodies_.def().collisions, s, in);
+                step_with_collisions(force_field(), integrator(), options(), *bodies_.def().collisions, s,
+                                     in);
               });
   } else {
     add_integration_stage(why);

@@ -17,8 +17,8 @@ struct Gap {
   }
 };
 
-/// Time in [0, end] (s) at which `at(time)` is within `tolerance` (m) of touching while closing in; the last
-/// call of `at` was for it. `guess`: about where. Empty: a near miss.
+/// Time in [0, end] (s) at which `at(time)` is within `tolerance` (m) of touching and not parting (by more
+/// than that until the end); the last call of `at` was for it. `guess`: about where. Empty: a near miss.
 template <class At>
 std::optional<double> time_of_meeting(At&& at, double guess, double end, double tolerance) {
   constexpr int kTrials = 60;
@@ -26,7 +26,8 @@ std::optional<double> time_of_meeting(At&& at, double guess, double end, double 
   bool bracketed = false;
   for (int i = 0; i < kTrials; ++i) {
     const Gap g = at(t);
-    if (std::abs(g.apart) <= tolerance) return g.closing > 0 ? std::optional(t) : std::nullopt;
+    if (std::abs(g.apart) <= tolerance)
+      return -g.closing * end <= tolerance ? std::optional(t) : std::nullopt;
     if (g.apart < 0) {
       high = t, bracketed = true;
     } else {

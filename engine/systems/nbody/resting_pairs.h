@@ -10,7 +10,6 @@ namespace truestep::nbody {
 struct MetPair {
   uint32_t a, b;
   double when, parted;  ///< s, m/s
-  double apart;         ///< m between the centres when they came to rest
   bool resting;
 };
 
@@ -23,17 +22,11 @@ class MetPairs {
   }
   MetPair& of(uint32_t a, uint32_t b) {
     if (MetPair* p = find(a, b)) return *p;
-    return pairs_.emplace_back(a, b, -1.0, 0.0, 0.0, false);
+    return pairs_.emplace_back(a, b, -1.0, 0.0, false);
   }
   bool resting(uint32_t a, uint32_t b) {
     const MetPair* p = find(a, b);
     return p && p->resting;
-  }
-  /// A body has been hit: what it leans on has to be looked at again.
-  void stir(uint32_t i) {
-    for (MetPair& p : pairs_) {
-      if (p.a == i || p.b == i) p.resting = false;
-    }
   }
   std::vector<MetPair>& all() { return pairs_; }
 

@@ -12,9 +12,9 @@ void for_near_pairs(const PathPiece& piece, std::span<const double> radius, doub
   for (size_t i = 0; i < piece.n; ++i) {
     reach = std::max(reach, radius[i]);
     const auto at = [i](const double* p) { return load3(p, i); };
-    way = std::max(way, CubicPath::through(at(piece.x1), -at(piece.v1) * piece.h, at(piece.x0),
-                                           -at(piece.v0) * piece.h)
-                            .spread());
+    way = std::max(
+        way, CubicPath::through(at(piece.x1), -at(piece.v1) * piece.h, at(piece.x0), -at(piece.v0) * piece.h)
+                 .spread());
   }
   if (!(reach > 0)) return;
   auto& grid = workspace.object<PointGrid>("nbody.grid");

@@ -1,0 +1,55 @@
+// Comparisons, signs and floors of expressions of time and parameters alone: an integration has to stop where
+// they change, or it steps over what they switch on.
+#include "engine/systems/ode/compiler/ode_compiler.h"
+
+namespace truestep::ode {
+
+void OdeCompiler::stops() {
+  std::vector<Node> open = roots_, outputs;
+  std::vector<uint8_t> seen(graph_.size());
+  const auto add = [&](Node n, OdeModel::Stop kind) {
+    const std::vector<Node> root{n};
+    const auto used = graph_.variables_of(root);
+    if (used.empty() || used.front() != 0 || used.back() >= first_state_) return;
+    std::vector<ExpressionGraph::Partial> by_time;
+    graph_.differentiate(n, 0, 1, by_time);
+    const Node slope = by_time.empty() ? graph_.constant(0) : by_time[0].node;
+    const std::vector<Node> slope_root{slope};
+    const auto still = graph_.variables_of(slope_root);
+    const bool straight = still.empty() || still.front() != 0;
+    // A whole number that a curved function reaches is not looked for.
+    if (!straight && kind == OdeModel::Stop::integer) return;
+    model_.stops.push_back(straight ? kind : OdeModel::Stop::sampled);
+    outputs.push_back(n), outputs.push_back(slope);
+  };
+  while (!open.empty()) {
+    const Node n = open.back();
+    open.pop_back();
+    if (n < 0 || static_cast<size_t>(n) >= seen.size() || seen[static_cast<size_t>(n)]) continue;
+    seen[static_cast<size_t>(n)] = 1;
+    const ExpressionGraph::Entry e = graph_.at(n);
+    const int operands = arity(e.op);
+    if (operands > 0) open.push_back(e.a);
+    if (operands > 1) open.push_back(e.b);
+    if (operands > 2) open.push_back(e.c);
+    switch (e.op) {
+      case Operator::less:
+      case Operator::less_equal:
+      case Operator::equal:
+      case Operator::not_equal:
+        add(graph_.binary(Operator::subtract, e.a, e.b), OdeModel::Stop::crossing);
+        break;
+      case Operator::sign:
+        add(e.a, OdeModel::Stop::crossing);
+        break;
+      case Operator::floor:
+        add(e.a, OdeModel::Stop::integer);
+        break;
+      default:
+        break;
+    }
+  }
+  model_.stop_values = program(outputs);
+}
+
+}  // namespace truestep::ode
