@@ -70,7 +70,7 @@ class Impacts final : public StepWatcher {
       ++impact(s_, Impact::left_over);
       meet(end);
     }
-    hold();
+    if (def_.response != Response::merge) hold();
   }
 
   Verdict accepted(double t0, double& t1, double* y1, const Interpolant& between) override {
@@ -319,6 +319,7 @@ class Impacts final : public StepWatcher {
       merge(s_, first ? a : b, first ? b : a);
       w_.dead.assign(bodies(), 0), w_.dead[first ? b : a] = 1;
       remove_rows(s_, w_.dead);
+      w_.met.clear();  // it names rows
       return true;
     }
     MetPair& met = w_.met.of(a, b);
