@@ -64,12 +64,13 @@ struct OdeModel {
 
   /// Where the right-hand side jumps at times that depend on t and parameters alone (ode_stops.h).
   enum class Stop : uint8_t {
-    crossing,  ///< s0 + s1 t crosses zero
-    integer,   ///< the same reaches a whole number
-    sampled    ///< any function of time changes its sign
+    crossing,   ///< s0 + s1 t crosses zero
+    integer,    ///< the same reaches a whole number
+    piecewise,  ///< straight between stops of other kinds
+    sampled     ///< any function of time changes its sign
   };
   std::vector<Stop> stops;
-  ExpressionProgram stop_values;  ///< of each: its value, and s1 of the first two kinds
+  ExpressionProgram stop_values;  ///< of each: its value, and its slope
 
   bool second_order = false;
   bool depends_on_velocity = true;
