@@ -1,5 +1,6 @@
-// When the right-hand side jumps next, for comparisons of time (OdeModel::Stop). Those of s0 + s1 t are
-// solved for; any other function of time is sampled 64 times a step and its changes of sign are bisected.
+// When the right-hand side jumps next, for comparisons of time (OdeModel::Stop). Those of s0 + s1 t are solved
+// for, also where floors and other jumps of time shift them (each a stop of its own); any other function of
+// time is sampled 64 times a step and its changes of sign are bisected.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -25,15 +26,20 @@ class OdeStops {
     };
     evaluate(0);
     const std::vector<double> zero = at_;
+    const double now = t + 2 * slack;
+    evaluate(now);
+    const std::vector<double> here = at_;
     for (size_t k = 0; k < model_.stops.size(); ++k) {
       const double s0 = zero[2 * k], s1 = zero[2 * k + 1];
       if (model_.stops[k] == OdeModel::Stop::sampled) {
         offer(sampled(k, t + slack, end - slack));
+      } else if (model_.stops[k] == OdeModel::Stop::piecewise) {
+        if (here[2 * k + 1] != 0) offer(now - here[2 * k] / here[2 * k + 1]);
       } else if (s1 != 0) {
         double level = 0;
         if (model_.stops[k] == OdeModel::Stop::integer) {
-          const double now = s0 + s1 * (t + slack);
-          level = s1 > 0 ? std::floor(now) + 1 : std::ceil(now) - 1;
+          const double reached = s0 + s1 * (t + slack);
+          level = s1 > 0 ? std::floor(reached) + 1 : std::ceil(reached) - 1;
         }
         offer((level - s0) / s1);
       }
