@@ -1,6 +1,6 @@
-// When the right-hand side jumps next, for comparisons of time (OdeModel::Stop). Those of s0 + s1 t are solved
-// for, also where floors and other jumps of time shift them (each a stop of its own); any other function of
-// time is sampled 64 times a step and its changes of sign are bisected.
+// When the right-hand side jumps next, for comparisons of time (OdeModel::Stop). Those of s0 + s1 t are
+// solved for, also where floors and other jumps of time shift them (each a stop of its own); any other
+// function of time is sampled 64 times a step and its changes of sign are bisected.
 #pragma once
 #include <algorithm>
 #include <cmath>
