@@ -258,6 +258,14 @@ double Ode::advance(State& s, Scratch& work, Workspace& workspace, double t, dou
       e.quantity = model_.labels[static_cast<size_t>(e.index)];
       e.index = -1;  // the label names it
     }
+    if (model_.switches) {
+      throw Instability(
+          "", e.quantity, e.index,
+          e.what() + std::string("; the right-hand side switches where a state crosses a border "
+                                 "(sign, <): if both sides push back to it, no step is short "
+                                 "enough: smooth it, as tanh(v / 1e-3) for sign(v), or let an "
+                                 "event set the state there"));
+    }
     throw;
   }
   carried[0] = carry.step, carried[1] = carry.last_error;

@@ -70,6 +70,7 @@ struct OdeModel {
     sampled     ///< any function of time changes its sign
   };
   std::vector<Stop> stops;
+  bool switches = false;          ///< whether it jumps where states cross something
   ExpressionProgram stop_values;  ///< of each: its value, and its slope
 
   bool second_order = false;

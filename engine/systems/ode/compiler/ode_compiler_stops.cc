@@ -41,6 +41,7 @@ void OdeCompiler::stops() {
   const auto add = [&](Node n, OdeModel::Stop kind) {
     const std::vector<Node> root{n};
     const auto used = graph_.variables_of(root);
+    if (!used.empty() && used.back() >= first_state_) model_.switches = true;
     if (used.empty() || used.front() != 0 || used.back() >= first_state_) return;
     std::vector<ExpressionGraph::Partial> by_time;
     graph_.differentiate(n, 0, 1, by_time);
