@@ -9,7 +9,7 @@
 #include "engine/base/cache_line.h"
 #include "engine/base/errors.h"
 #include "engine/kernels/gravity/softening.h"
-#include "engine/systems/nbody/block_watch.h"
+#include "engine/systems/nbody/collisions/block_watch.h"
 #include "engine/systems/nbody/nbody_state.h"
 
 namespace truestep::nbody {

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
+#include "engine/systems/nbody/collisions/impacts.h"
 #include "engine/systems/nbody/hermite.h"
-#include "engine/systems/nbody/impacts.h"
 #include "engine/systems/nbody/mercurius.h"
 #include "engine/systems/nbody/wisdom_holman.h"
 

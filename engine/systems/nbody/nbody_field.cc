@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/math/trig.h"
-#include "engine/systems/nbody/impacts.h"
+#include "engine/systems/nbody/collisions/impacts.h"
 
 namespace truestep::nbody {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "engine/base/text/short_number.h"
-#include "engine/systems/nbody/impacts.h"
+#include "engine/systems/nbody/collisions/impacts.h"
 #include "engine/systems/nbody/nbody.h"
 
 namespace truestep::nbody {

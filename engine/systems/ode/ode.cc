@@ -242,6 +242,8 @@ double Ode::advance(State& s, Scratch& work, Workspace& workspace, double t, dou
               .memory = s.f64(C::kMemory)};
   const auto parameters = s.bytes(C::kParameters);
   run.surroundings = byte_hash(parameters.data(), parameters.size());
+  // Beyond the next jump the equations are others: nothing learnt there may be gone on with.
+  if (work.stops) run.surroundings = byte_hash(&t_end, sizeof t_end, run.surroundings);
   run.tolerance = tolerance_;
   run.newton_tolerance = options_.newton_tolerance;
   run.max_steps = static_cast<uint64_t>(options_.max_internal_steps);

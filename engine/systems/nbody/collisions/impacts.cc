@@ -1,4 +1,4 @@
-#include "engine/systems/nbody/impacts.h"
+#include "engine/systems/nbody/collisions/impacts.h"
 
 #include <array>
 #include <cmath>
@@ -7,10 +7,10 @@
 #include "engine/integrators/control/last_force.h"
 #include "engine/integrators/field_equations.h"
 #include "engine/integrators/table/integrators.h"
-#include "engine/systems/nbody/block_watch.h"
-#include "engine/systems/nbody/collisions.h"
-#include "engine/systems/nbody/pair_meeting.h"
-#include "engine/systems/nbody/supported_field.h"
+#include "engine/systems/nbody/collisions/block_watch.h"
+#include "engine/systems/nbody/collisions/collisions.h"
+#include "engine/systems/nbody/collisions/pair_meeting.h"
+#include "engine/systems/nbody/collisions/supported_field.h"
 
 namespace truestep::nbody {
 

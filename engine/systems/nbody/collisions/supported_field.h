@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "engine/core/equations/force_field.h"
-#include "engine/systems/nbody/collisions.h"
-#include "engine/systems/nbody/resting_pairs.h"
+#include "engine/systems/nbody/collisions/collisions.h"
+#include "engine/systems/nbody/collisions/resting_pairs.h"
 
 namespace truestep::nbody {
 

@@ -1,4 +1,4 @@
-#include "engine/systems/nbody/collisions.h"
+#include "engine/systems/nbody/collisions/collisions.h"
 
 #include <algorithm>
 

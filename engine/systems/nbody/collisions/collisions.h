@@ -6,9 +6,9 @@
 #pragma once
 #include <vector>
 
+#include "engine/systems/nbody/collisions/touches.h"
 #include "engine/systems/nbody/nbody_def.h"
 #include "engine/systems/nbody/nbody_state.h"
-#include "engine/systems/nbody/touches.h"
 
 namespace truestep::nbody {
 

@@ -3,7 +3,7 @@
 #pragma once
 #include <functional>
 
-#include "engine/systems/nbody/touches.h"
+#include "engine/systems/nbody/collisions/touches.h"
 
 namespace truestep::nbody {
 

@@ -1,4 +1,4 @@
-#include "engine/systems/nbody/touches.h"
+#include "engine/systems/nbody/collisions/touches.h"
 
 #include <algorithm>
 
