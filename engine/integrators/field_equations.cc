@@ -145,6 +145,8 @@ void step_equations(AdvanceFunction* method, const ForceField& field, State& sta
                   .max_steps = static_cast<uint64_t>(options.max_internal_steps),
                   .damping = options.damping,
                   .newton_tolerance = options.newton_tolerance};
+  auto& watch = in.workspace.object<FieldWatch>(kFieldWatch);
+  advance.watcher = watch.watcher;
   if (const auto memory = state.find("integrator.memory")) advance.memory = state.f64(*memory);
   if (history == MethodHistory::repeated) advance.surroundings = surroundings_of(state);
   advance.project = [](const RightHandSide& equations, double* at) {
@@ -161,6 +163,7 @@ void step_equations(AdvanceFunction* method, const ForceField& field, State& sta
     throw Instability(
         "", name, static_cast<long long>((moving ? i - nx : i) / state.info(state.at(name)).width), e.what());
   }
+  watch.reached = advance.reached;
   std::copy_n(y.begin(), nx, m.x.begin());
   std::copy_n(y.begin() + static_cast<std::ptrdiff_t>(nx), nv, m.v.begin());
   if (advance.memory.empty()) m.project();

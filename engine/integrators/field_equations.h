@@ -53,6 +53,15 @@ inline Tolerance tolerance_of(const IntegratorOptions& options) {
           .absolute = options.absolute_tolerance.value_or(options.tolerance)};
 }
 
+/// Watches the internal steps of a force field's adaptive method as long as it is set; y = (x, v). What the
+/// watcher stops ends with the state there.
+struct FieldWatch {
+  StepWatcher* watcher = nullptr;
+  double reached = 0;  ///< out: s, where the last run ended
+};
+/// Of the workspace's FieldWatch.
+inline constexpr std::string_view kFieldWatch = "integrator.watch";
+
 /// How a method's history is restored: as numbers in its memory, or by repeating the steps that made it,
 /// which requires everything else in the state to be unchanged.
 enum class MethodHistory : uint8_t { kept, repeated };

@@ -1,14 +1,13 @@
 // Observables of a crowd as a whole, and its drawing.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "engine/systems/crowd/crowd_rows.h"
 
 namespace truestep::crowd {
 namespace {
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN(), kHalfTurn = 3.141592653589793;
+constexpr double kHalfTurn = 3.141592653589793;
 }  // namespace
 
 /// Nowak, Schadschneider 2012 (Phys. Rev. E 85:066128, after Rex, Loewen 2007), with a strip around each
@@ -23,7 +22,7 @@ double Crowd::lane_order(const State& s) const {
     const auto& heading = def_.groups[group[i]].heading;
     if (heading && heading->x != 0) rows.emplace_back(x[3 * i + 1], heading->x > 0 ? 1 : -1);
   }
-  if (rows.empty()) return kNone;
+  if (rows.empty()) return 0;
   std::sort(rows.begin(), rows.end());
   double sum = 0;
   long net = 0;
@@ -67,11 +66,11 @@ void Crowd::observe(const State& s, double, Observables& out) const {
   out.add("people", count, "1");
   out.add("left", left, "1");
   out.add("arrived", left + arrived, "1");
-  out.add("speed.mean", n > 0 ? speed / count : kNone, "m/s");
-  out.add("density.mean", n > 0 ? density / (count * kHalfTurn * disc) : kNone, "1/m^2");
+  out.add("speed.mean", n > 0 ? speed / count : 0.0, "m/s");
+  out.add("density.mean", n > 0 ? density / (count * kHalfTurn * disc) : 0.0, "1/m^2");
   out.add("energy.kinetic", energy, "J");
-  // No value when nobody has a neighbour.
-  out.add("separation.smallest", smallest < HUGE_VAL ? smallest : kNone, "m");
+  // Nobody is looked for farther away.
+  out.add("separation.smallest", smallest < HUGE_VAL ? smallest : reach_, "m");
   out.add("pressure.largest", pressure, "N/m");
   out.add("lanes.order", lane_order(s), "1");
   for (size_t k = 0; k < def_.doors.size(); ++k) {
@@ -79,7 +78,7 @@ void Crowd::observe(const State& s, double, Observables& out) const {
     const std::string name = "door." + def_.doors[k].id;
     out.add(name + ".forward", row[0], "1");
     out.add(name + ".backward", row[1], "1");
-    out.add(name + ".flow", row[3] > row[2] ? (row[0] - 1) / (row[3] - row[2]) : kNone, "1/s");
+    out.add(name + ".flow", row[3] > row[2] ? (row[0] - 1) / (row[3] - row[2]) : 0.0, "1/s");
   }
 }
 

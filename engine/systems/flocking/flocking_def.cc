@@ -130,14 +130,15 @@ const Outputs& flocking_outputs() {
                  {"speed", "m/s", 1, "magnitude of the velocity"},
                  {"predators.position", "m", 3,
                   "of part predators, where there are any; velocity and speed too"}},
-      .observables = {{"polarisation", "1", "|mean of the unit headings|: 1 all aligned, 0 none"},
-                      {"speed.mean", "m/s", "without predators, like all of these"},
-                      {"velocity.mean.x", "m/s", ""},
-                      {"velocity.mean.y", "m/s", ""},
-                      {"velocity.mean.z", "m/s", ""},
-                      {"velocity.spread", "m/s", "root mean square of the differences to the mean velocity"},
-                      {"distance.nearest", "m", "between the nearest two, if within a radius"},
-                      {"groups", "1", "groups connected by distances of at most the largest radius"}}};
+      .observables = {
+          {"polarisation", "1", "|mean of the unit headings|: 1 all aligned, 0 none"},
+          {"speed.mean", "m/s", "without predators, like all of these"},
+          {"velocity.mean.x", "m/s", ""},
+          {"velocity.mean.y", "m/s", ""},
+          {"velocity.mean.z", "m/s", ""},
+          {"velocity.spread", "m/s", "root mean square of the differences to the mean velocity"},
+          {"distance.nearest", "m", "between the nearest two, or the largest radius if nobody is within it"},
+          {"groups", "1", "groups connected by distances of at most the largest radius"}}};
   return kOutputs;
 }
 

@@ -1,7 +1,6 @@
 // Observables of a flock as a whole.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 #include "engine/systems/flocking/flocking.h"
@@ -57,9 +56,8 @@ void Flocking::observe_groups(const double* x, Observables& out) const {
       });
     });
   }
-  // No value when nobody has a neighbour.
-  out.add("distance.nearest",
-          nearest < HUGE_VAL ? std::sqrt(nearest) : std::numeric_limits<double>::quiet_NaN(), "m");
+  // Nobody is looked for farther away.
+  out.add("distance.nearest", nearest < HUGE_VAL ? std::sqrt(nearest) : reach_, "m");
   out.add("groups", groups, "1");
 }
 

@@ -9,6 +9,7 @@
 #include "engine/base/cache_line.h"
 #include "engine/base/errors.h"
 #include "engine/kernels/gravity/softening.h"
+#include "engine/systems/nbody/collisions/block_watch.h"
 #include "engine/systems/nbody/nbody_state.h"
 
 namespace truestep::nbody {
@@ -57,7 +58,9 @@ class Run {
         b_(in.workspace.object<Blocks>("nbody.blocks")),
         n_(s.rows(Columns::position)),
         x_(s.f64(Columns::position)),
-        v_(s.f64(Columns::velocity)) {
+        v_(s.f64(Columns::velocity)),
+        radius_(s.f64(Columns::radius)),
+        watch_(in.workspace.object<BlockWatch>(kBlockWatch)) {
     law_ = {parameter(s, Parameter::softening), kTiny};
     const auto& all = gravity::pair_loops();
     jerk_ = (law_.eps > 0 ? all.plummer : all.newton).direct.jerk;
@@ -77,6 +80,7 @@ class Run {
     for (uint64_t now = 0; now < kTicks;) {
       now = next_time();
       advance(now);
+      if (watch_.on && !watch_.touches.empty()) return;
       if (++blocks > kMostBlocks) {
         throw Error("instability",
                     "hermite: more than 50 million blocks in one step: a pair is so close that it needs "
@@ -141,10 +145,12 @@ class Run {
 
   void correct(uint32_t i, uint64_t now) {
     const double h = seconds(b_.step[i]);
-    const Vec3 a0 = b_.a[i], j0 = b_.j[i], v0 = b_.v[i], a1 = vec(b_.sums[i].a), j1 = vec(b_.sums[i].j);
+    const Vec3 a0 = b_.a[i], j0 = b_.j[i], v0 = b_.v[i], x0 = b_.x[i], a1 = vec(b_.sums[i].a),
+               j1 = vec(b_.sums[i].j);
     b_.v[i] = v0 + (a0 + a1) * (h / 2) + (j0 - j1) * (h * h / 12);
     b_.x[i] = b_.x[i] + (v0 + b_.v[i]) * (h / 2) + (a0 - a1) * (h * h / 12);
     b_.a[i] = a1, b_.j[i] = j1, b_.time[i] = now;
+    if (watch_.on) look_for_touches(i, x0, v0, now - b_.step[i], now);
     // The cubic through both ends: its second and third derivatives at the end.
     const Vec3 crackle = ((a0 - a1) * 2 + (j0 + j1) * h) * (6 / (h * h * h));
     const Vec3 snap = ((a1 - a0) * 6 - (j0 * 4 + j1 * 2) * h) * (1 / (h * h)) + crackle * h;
@@ -157,11 +163,37 @@ class Run {
     b_.step[i] = std::max<uint64_t>(std::min(next, kTicks), 1);
   }
 
+  /// Of body i on its way from x0, v0, with all others, each along its own Taylor series.
+  void look_for_touches(uint32_t i, const Vec3& x0, const Vec3& v0, uint64_t before, uint64_t now) {
+    const double h = seconds(now - before);
+    const auto at = [&](size_t j, uint64_t when, Vec3& x, Vec3& v) {
+      const double t = in_.h * ((static_cast<double>(when) - static_cast<double>(b_.time[j])) /
+                                static_cast<double>(kTicks));
+      x = b_.x[j] + (b_.v[j] + (b_.a[j] + b_.j[j] * (t / 3)) * (t / 2)) * t;
+      v = b_.v[j] + (b_.a[j] + b_.j[j] * (t / 2)) * t;
+    };
+    for (uint32_t j = 0; j < n_; ++j) {
+      const double reach = radius_[i] + radius_[j];
+      if (j == i || !(reach > 0)) continue;
+      Vec3 from, from_v, to, to_v;
+      at(j, before, from, from_v), at(j, now, to, to_v);
+      const CubicPath path =
+          CubicPath::through(from - x0, (from_v - v0) * h, to - b_.x[i], (to_v - b_.v[i]) * h);
+      const uint32_t a = std::min(i, j), b = std::max(i, j);
+      if (!path.may_reach(reach) || watch_.skip(a, b)) continue;
+      const double share = first_contact_on_cubic(path, reach);
+      if (share > 1) continue;
+      const double ticks = static_cast<double>(before) + share * static_cast<double>(now - before);
+      watch_.touches.push_back({ticks / static_cast<double>(kTicks), a, b});
+    }
+  }
+
   const StepInput& in_;
   double eta_;
   Blocks& b_;
   size_t n_;
-  std::span<double> x_, v_;
+  std::span<double> x_, v_, radius_;
+  BlockWatch& watch_;
   gravity::LawNumbers law_;
   gravity::JerkSums (*jerk_)(const gravity::MotionColumns&, const gravity::LawNumbers&, size_t) = nullptr;
 };

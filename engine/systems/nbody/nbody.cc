@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/systems/nbody/collisions.h"
+#include "engine/systems/nbody/collisions/impacts.h"
 #include "engine/systems/nbody/hermite.h"
 #include "engine/systems/nbody/mercurius.h"
 #include "engine/systems/nbody/wisdom_holman.h"
@@ -13,7 +13,6 @@ namespace truestep::nbody {
 
 namespace {
 
-constexpr const char* kBefore = "nbody.before";
 /// m, a dot as seen from where everything is in the picture. The bulk of the bodies decides, not the
 /// farthest.
 double dot_radius(const State& s) {
@@ -53,7 +52,7 @@ void check_mercurius(const NbodyDef& def, const NbodyField& field) {
   if (def.method != Method::automatic && def.method != Method::direct)
     refuse(kMercuriusName, "it sums over all pairs: method direct or auto");
   if (def.collisions) {
-    refuse(kMercuriusName, "it does not support collisions, which need straight paths within a step");
+    refuse(kMercuriusName, "it does not stop where bodies collide: ias15 does");
   }
 }
 
@@ -116,19 +115,17 @@ std::unique_ptr<const Nbody> Nbody::make(const NbodyDef& def, const BuildContext
 void Nbody::plan_stages(const std::string& why_this_method) {
   const NbodyDef& d = bodies_.def();
   const std::string sums = bodies_.attraction().reason(main_part().max_rows);
+  const std::string why = why_this_method.empty() ? sums : why_this_method + "; " + sums;
   if (d.collisions) {
-    add_stage("remember", "collisions need the start of the step", [](State& s, const StepInput& in) {
-      const auto x = s.f64(Columns::position);
-      std::copy(x.begin(), x.end(), in.workspace.doubles(kBefore, x.size()).begin());
-    });
-  }
-  add_integration_stage(why_this_method.empty() ? sums : why_this_method + "; " + sums);
-  if (d.collisions) {
-    add_stage("collisions", "given", [this](State& s, const StepInput& in) {
-      const size_t n = 3 * s.rows(Columns::position);
-      collide(s, *bodies_.def().collisions, in.workspace.doubles(kBefore, n).first(n), in.h, in.workspace);
-    });
+    add_stage("integrate",
+              "advances position and velocity with " + std::string(integrator().name) +
+                  ", each collision where its path touches: " + why,
+              [this](State& s, const StepInput& in) {
+                step_with_collisions(force_field(), integrator(), options(), *bodies_.def().collisions, s,
+                                     in);
+              });
   } else {
+    add_integration_stage(why);
     skip_stage("collisions", "none given: bodies pass through each other");
   }
   add_stage("hands", "ends pushes whose duration is over", [](State& s, const StepInput& in) {

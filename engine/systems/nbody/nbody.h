@@ -1,5 +1,6 @@
-// The system type "nbody": bodies that attract each other (nbody_field.h), advanced by any explicit method,
-// then collisions. Commands: push, impulse, drag, release, set_parameter (gravitational_constant, softening).
+// The system type "nbody": bodies that attract each other (nbody_field.h), advanced by any explicit method
+// from collision to collision (impacts.h). Commands: push, impulse, drag, release, set_parameter
+// (gravitational_constant, softening).
 #pragma once
 #include "engine/core/equations/force_system.h"
 #include "engine/integrators/table/default_method.h"
@@ -12,8 +13,10 @@ class Nbody final : public ForceSystem {
   /// Error "scene_invalid" when the integrator is unknown or unsuitable.
   static std::unique_ptr<const Nbody> make(const NbodyDef& def, const BuildContext& context);
 
+  /// Of touches that a step had no room for, and of bodies that touch faster than fixed steps resolve.
+  void warn(const State& state, double h, std::vector<Warning>& out) const override;
   /// Besides the energies: momentum and angular_momentum .x/y/z, center .x/y/z, virial_ratio,
-  /// half_mass_radius, count, collisions.
+  /// half_mass_radius, count, collisions and what is left of them.
   void observe(const State& state, double t, Observables& out) const override;
   /// position, velocity, speed (m/s), mass (kg), id.
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/math/trig.h"
+#include "engine/systems/nbody/collisions/impacts.h"
 
 namespace truestep::nbody {
 
@@ -30,6 +31,9 @@ NbodyField::NbodyField(const NbodyDef& def, uint64_t seed)
       attraction_(def),
       start_(nbody_state(bodies_at_start(def, seed), def.gravitational_constant, def.softening)),
       orbits_(orbits_of(start_)) {
+  if (def.collisions) {
+    start_.add({std::string(kImpacts), "1", Scalar::f64, 1}, static_cast<size_t>(Impact::count));
+  }
   // Only the parameters are needed from here on.
   for (auto* list : {&def_.positions, &def_.velocities}) list->clear(), list->shrink_to_fit();
 }

@@ -8,6 +8,7 @@
 #include "engine/base/byte_hash.h"
 #include "engine/systems/ode/ode_events.h"
 #include "engine/systems/ode/ode_method.h"
+#include "engine/systems/ode/ode_stops.h"
 #include "engine/systems/ode/ode_tracers.h"
 
 namespace truestep::ode {
@@ -27,6 +28,7 @@ struct Ode::Scratch {
   std::unique_ptr<OdeContacts> contacts;
   std::unique_ptr<OdeGuards> guards;
   std::unique_ptr<EventWatcher> watcher;
+  std::unique_ptr<OdeStops> stops;  ///< null: the equations do not jump in time
   std::vector<OdeEvaluation> event_values;
   std::vector<double> values;  ///< of an event's targets
   /// Guards whose event has just led away from zero, with the side: too short a flight is a crossing as well.
@@ -41,6 +43,7 @@ struct Ode::Scratch {
     guards->set_parameters(p);
     contacts->set_parameters(p);
     plot->set_parameters(p);
+    if (stops) stops->set_parameters(p);
     for (OdeEvaluation& e : event_values) e.set_parameters(p);
   }
 };
@@ -79,7 +82,8 @@ void Ode::plan_stages() {
   if (method_) {
     add_stage("integrate",
               std::to_string(model_.size()) + " states with " + std::string(method_->name) + ": " +
-                  why_this_method_,
+                  why_this_method_ +
+                  (model_.stops.empty() ? "" : ", stopping where comparisons of time in them change"),
               [this](State& s, const StepInput& in) { integrate(s, in); });
   } else {
     skip_stage("integrate", "no states");
@@ -160,6 +164,7 @@ Ode::Scratch& Ode::scratch(State& s, Workspace& workspace) const {
     work.guards = std::make_unique<OdeGuards>(model_, *work.contacts);
     work.watcher = std::make_unique<EventWatcher>(*work.guards, work.guards->directions(), model_.size());
     work.plot = std::make_unique<OdeEvaluation>(model_.plot);
+    work.stops = model_.stops.empty() ? nullptr : std::make_unique<OdeStops>(model_);
     work.event_values.clear();
     size_t most = 0;
     for (const OdeModel::Event& e : model_.events) {
@@ -181,12 +186,23 @@ void Ode::integrate(State& s, const StepInput& in) const {
   // The next step begins exactly where this one ends. Times closer than `slack` are considered equal.
   const double t_end = static_cast<double>(in.step + 1) * in.h, slack = 1e-9 * in.h;
   double t = in.t;
+  const bool adaptive = method_->stepping == Integrator::Stepping::adaptive;
   int times = 0;
   while (t < t_end && s.f64(C::kStopped)[0] == 0) {
     const double timed = next_timed_event(t, slack);
-    const double target = timed < t_end - slack ? timed : t_end;
+    double target = timed < t_end - slack ? timed : t_end;
+    const double due_at = target;
+    if (work.stops) target = work.stops->next(t, target, slack);
+    const double jump = target < due_at ? target : HUGE_VAL;
+    if (adaptive && def_.max_step && target - t > *def_.max_step + slack) target = t + *def_.max_step;
+    if (work.stops) {
+      const double margin = std::max(1e-15 * std::abs(target), 1e-14 * in.h);
+      work.equations->stay_within(t + margin, target - margin);
+    }
     t = advance(s, work, in.workspace, t, target);
+    if (t >= jump) forget(s);
     const auto& crossed = work.watcher->fired();
+    if (crossed.empty() && target < due_at) continue;
     for (const uint32_t k : crossed) cross(s, work, k, t);
     const bool on_time = crossed.empty() && timed <= t_end + slack;
     for (size_t k = 0; on_time && k < model_.events.size(); ++k) {
@@ -226,6 +242,8 @@ double Ode::advance(State& s, Scratch& work, Workspace& workspace, double t, dou
               .memory = s.f64(C::kMemory)};
   const auto parameters = s.bytes(C::kParameters);
   run.surroundings = byte_hash(parameters.data(), parameters.size());
+  // Beyond the next jump the equations are others: nothing learnt there may be gone on with.
+  if (work.stops) run.surroundings = byte_hash(&t_end, sizeof t_end, run.surroundings);
   run.tolerance = tolerance_;
   run.newton_tolerance = options_.newton_tolerance;
   run.max_steps = static_cast<uint64_t>(options_.max_internal_steps);
@@ -241,6 +259,14 @@ double Ode::advance(State& s, Scratch& work, Workspace& workspace, double t, dou
     if (e.index >= 0 && static_cast<size_t>(e.index) < model_.size()) {
       e.quantity = model_.labels[static_cast<size_t>(e.index)];
       e.index = -1;  // the label names it
+    }
+    if (model_.switches) {
+      throw Instability(
+          "", e.quantity, e.index,
+          e.what() + std::string("; the right-hand side switches where a state crosses a border "
+                                 "(sign, <): if both sides push back to it, no step is short "
+                                 "enough: smooth it, as tanh(v / 1e-3) for sign(v), or let an "
+                                 "event set the state there"));
     }
     throw;
   }

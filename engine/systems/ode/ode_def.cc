@@ -100,6 +100,9 @@ const DefTable& ode_table() {
         .number("draw_radius", &D::draw_radius, "m", at_least(0), "of the drawn points")
         .vector("color", &D::color, "1", between(0, 1), "red, green, blue of the points");
     add_integrator_rows(t);
+    t.number("max_step", &D::max_step, "s", above(0),
+             "adaptive methods: longest internal step, where something short could be stepped over; absent: "
+             "any");
     t.check([](const D& d, const DefTable::Report& report) {
       if (d.states.empty() && !d.tracers) report("/states", "a system needs states or tracers");
     });

@@ -41,6 +41,7 @@ struct OdeDef : IntegratorParams {
   std::optional<TracersDef> tracers;
   std::vector<NamedNumbers> absolute_tolerances;
   std::vector<std::string> plot;
+  std::optional<double> max_step;
   std::optional<int> trail;
   double draw_radius = 0.02;
   std::optional<Vec3> color;

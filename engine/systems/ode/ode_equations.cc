@@ -25,7 +25,7 @@ void OdeEquations::support_accelerations(double t, const double* x, const double
 }
 
 void OdeEquations::jacobian(double t, const double* x, const double* v, double* dadx, double* dadv) const {
-  acceleration_jacobian_(t, x, v, model_.size() / 2, parameters_, both_.data());
+  acceleration_jacobian_(inside(t), x, v, model_.size() / 2, parameters_, both_.data());
   const size_t half = both_.size() / 2;
   std::copy_n(both_.data(), half, dadx);
   std::copy_n(both_.data() + half, half, dadv);

@@ -1,5 +1,6 @@
 // A compiled model as the right-hand side for integrators, together with the scratch memory of one thread.
 #pragma once
+#include <cmath>
 #include <vector>
 
 #include "engine/base/cache_line.h"
@@ -47,11 +48,13 @@ class OdeEquations final : public RightHandSide, public SecondOrder {
   const OdeModel& model() const { return model_; }
   /// States at rest are held there; null: nothing rests. Valid until the next call.
   void rest_on(OdeContacts* contacts) { contacts_ = contacts; }
+  /// Times are taken as within these (s): on the inner side of jumps at both ends of an integration.
+  void stay_within(double low, double high) { low_ = low, high_ = high; }
 
   size_t size() const override { return model_.size(); }
   void rate(double t, const double* y, double* dydt) const override {
     interruption_point();
-    rate_(t, y, model_.size(), parameters_, dydt);
+    rate_(inside(t), y, model_.size(), parameters_, dydt);
     if (contacts_) support_rates(t, y, dydt);
   }
   MatrixShape jacobian_shape() const override { return model_.jacobian.shape(); }
@@ -62,14 +65,14 @@ class OdeEquations final : public RightHandSide, public SecondOrder {
            (!model_.second_order || model_.acceleration_jacobian.program.outputs() > 0);
   }
   void jacobian(double t, const double* y, double* values) const override {
-    jacobian_(t, y, model_.size(), parameters_, values);
+    jacobian_(inside(t), y, model_.size(), parameters_, values);
   }
   std::string name_of(size_t i) const override { return '"' + model_.labels[i] + '"'; }
   bool autonomous() const override { return model_.autonomous; }
   const SecondOrder* second_order() const override { return model_.second_order ? this : nullptr; }
 
   void acceleration(double t, const double* x, const double* v, double* a) const override {
-    acceleration_(t, x, v, model_.size() / 2, parameters_, a);
+    acceleration_(inside(t), x, v, model_.size() / 2, parameters_, a);
     if (contacts_) support_accelerations(t, x, v, a);
   }
   bool depends_on_velocity() const override { return model_.depends_on_velocity; }
@@ -77,11 +80,13 @@ class OdeEquations final : public RightHandSide, public SecondOrder {
   void jacobian(double t, const double* x, const double* v, double* dadx, double* dadv) const override;
 
  private:
+  double inside(double t) const { return t < low_ ? low_ : t > high_ ? high_ : t; }
   void support_rates(double t, const double* y, double* dydt) const;
   void support_accelerations(double t, const double* x, const double* v, double* a) const;
 
   const OdeModel& model_;
   size_t parameters_;
+  double low_ = -HUGE_VAL, high_ = HUGE_VAL;  // s
   OdeContacts* contacts_ = nullptr;
   mutable OdeEvaluation rate_, jacobian_, acceleration_, acceleration_jacobian_;
   mutable std::vector<double> both_;  ///< da/dx and da/dv together

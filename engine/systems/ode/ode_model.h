@@ -62,6 +62,17 @@ struct OdeModel {
   OdeMatrix jacobian;
   bool autonomous = false;
 
+  /// Where the right-hand side jumps at times that depend on t and parameters alone (ode_stops.h).
+  enum class Stop : uint8_t {
+    crossing,   ///< s0 + s1 t crosses zero
+    integer,    ///< the same reaches a whole number
+    piecewise,  ///< straight between stops of other kinds
+    sampled     ///< any function of time changes its sign
+  };
+  std::vector<Stop> stops;
+  bool switches = false;          ///< whether it jumps where states cross something
+  ExpressionProgram stop_values;  ///< of each: its value, and its slope
+
   bool second_order = false;
   bool depends_on_velocity = true;
   ExpressionProgram acceleration;

@@ -89,6 +89,10 @@ class OdeCompiler {
   Node rate_of(Node n);
   /// Derives from each event's guard and its first two rates the contact with the states that the event sets.
   void contacts();
+  /// Finds the comparisons of time in the equations.
+  void stops();
+  /// How the changes of sign of an expression of time are found; see OdeModel::Stop.
+  OdeModel::Stop kind_of_stop(Node n, Node slope) const;
   /// Finds P and V such that x' = v for x in P, v in V, one to one, and P and V together are all states.
   void pair_up();
   /// Derivatives of the roots with respect to `blocks` groups of n states, all of the same shape.

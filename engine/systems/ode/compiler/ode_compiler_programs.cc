@@ -39,6 +39,7 @@ void OdeCompiler::programs() {
   }
   differentiate(roots_, n, 1, m.jacobian);
   contacts();
+  stops();
 }
 
 // dn/dt along the solution: dn/dt + dn/dy f.
