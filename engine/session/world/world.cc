@@ -68,6 +68,20 @@ void World::reject(size_t i, const State& state, const State::BadValue& bad) con
              : column.name + " became non-finite");
 }
 
+namespace {
+
+/// What systems joined by couplings may gain together, as a share of the energy at work in them: none of
+/// their methods adds more to what it is given, and what impulses from one side to the other make of nothing
+/// soon is many times what there was.
+constexpr double kJointGain = 0.01;
+/// Share of the potential at the start that may be at work: its zero is arbitrary, and what rests does
+/// nothing.
+constexpr double kStored = 0.01;
+/// Steps in which what overlaps at the start is pushed apart.
+constexpr uint64_t kParted = 16;
+
+}  // namespace
+
 bool World::watched(uint64_t step) {
   constexpr uint64_t kEvery = 16;
   return step % kEvery == 0 || (step < kEvery && std::has_single_bit(step));
@@ -91,7 +105,13 @@ void World::watch_energy(WorldState& state, size_t i, double t, Workspace& works
   const double reference = watch.reference;
   // The limit takes as long as several steps: it is asked for only where the answer depends on it. What a
   // coupling ties to a system moves its limit.
-  if (all->swing > Energy::kSwing && couplings_.empty()) {
+  const bool joint = std::ranges::count(joined_to_, i) > 1;
+  if (joint) {
+    all->swing = kJointGain;
+    if (state.step < kParted && watch.phase == EnergyWatch::Phase::watching)
+      watch.reference += std::clamp(all->kinetic + all->potential - reference, 0.0, all->slack);
+    all->slack = 0;
+  } else if (all->swing > Energy::kSwing && all->swing < kSwingUnknown && couplings_.empty()) {
     Energy narrow = *all;
     narrow.swing = Energy::kSwing;
     EnergyWatch tried = watch;
@@ -100,7 +120,11 @@ void World::watch_energy(WorldState& state, size_t i, double t, Workspace& works
       if (limit && *limit > 0) all->swing = swing_at(scene_.substep() / *limit);
     }
   }
-  if (!watch.holds(*all)) {
+  const EnergyWatch before = watch;
+  const bool holds = watch.holds(*all);
+  if (joint && before.phase != EnergyWatch::Phase::watching)
+    watch.available = std::max(before.available, all->kinetic + kStored * std::abs(all->potential));
+  if (!holds) {
     throw unstable("energy rose from " + joules(reference) + " to " + joules(all->kinetic + all->potential) +
                    " without a source (" + joules(watch.available) + " were available)");
   }

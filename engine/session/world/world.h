@@ -151,11 +151,16 @@ class World {
   /// The same, subdivided where systems tied together would gain energy from nothing.
   void substeps_of_tied(WorldState& state, const Pace& pace, Workspace& workspace, const ThreadArena& arena,
                         std::span<Profile> profiles) const;
-  /// Energy gained by tied systems since `before`, as a multiple of what a step may add; 0: no more than
-  /// that.
-  double gained(const WorldState& state, std::span<const std::optional<Energy>> before, double t,
-                Workspace& workspace, const ThreadArena& arena) const;
+  /// Energy gained by tied systems in a step.
+  struct Gain {
+    double times = 0;  ///< what a step may add; 0: no more than that
+    enum class Total : uint8_t { within, above_start } total = Total::within;  ///< of all systems that gained
+  };
+  Gain gained(const WorldState& state, std::span<const std::optional<Energy>> before, double t,
+              Workspace& workspace, const ThreadArena& arena) const;
   void find_tied();
+  /// Watches the energy of tied systems after every step: what comes from nothing soon is many times that.
+  void watch_tied(WorldState& state, Workspace& workspace, const ThreadArena& arena) const;
   /// Checks everything in all systems at the end of a step.
   void look(WorldState& state, uint64_t step, Workspace& workspace, const ThreadArena& arena) const;
   /// Throws Instability when the energy of system i is not finite, or when it and the systems joined to it by
@@ -179,9 +184,15 @@ class World {
   /// made of (step doubling over the whole run: Hairer, Norsett, Wanner 1993, section II.4). Null otherwise.
   std::unique_ptr<const World> finer_;
   PartTable parts_;
-  std::vector<size_t> joined_to_;     ///< per system, the first of the systems joined to it by couplings
-  std::vector<size_t> tied_;          ///< the first of each group of systems with points that respond
-                                      ///< together
+  std::vector<size_t> joined_to_;  ///< per system, the first of the systems joined to it by couplings
+  /// Systems that couplings join and that know their energies.
+  struct Tied {
+    size_t first;  ///< of the group
+    /// Whether the points of one of them do not move by the sum of the forces on each: they are solved
+    /// together, or put where constraints hold. Otherwise energy may swing within a method's own accuracy.
+    enum class Points : uint8_t { by_forces, solved } points;
+  };
+  std::vector<Tied> tied_;
   std::vector<double> speed_limits_;  ///< per system, infinity if there is none
   std::vector<PlanEntry> plan_;
 };

@@ -22,15 +22,21 @@ namespace {
 /// Rounds of every coupling's guard per substep, at most: guards that undo each other must end.
 constexpr size_t kGuardRounds = 4;
 /// What a step may add, as shares of the moving energy and of all that has been available: implicit methods
-/// only lose.
-constexpr double kOfMotion = 1e-3, kOfAll = 1e-5;
+/// only lose. And the share of the latter by which the total may exceed that of the start before steps may
+/// add the second only.
+constexpr double kOfMotion = 1e-3, kOfAll = 1e-5, kTogether = 2e-3;
+/// The same where forces move all points, whose energy swings within their method's accuracy.
+constexpr double kSwung = 5e-3;
 /// Numbers of parts tried, one after the other; each with a workspace of its own, which may depend on h.
 struct Parts {
   uint64_t count;
   const char* memory;
 };
-constexpr std::array<Parts, 3> kParts{{{4, "in 4 parts"}, {16, "in 16 parts"}, {64, "in 64 parts"}}};
-/// Subdividing that reduces the gain by less than this does not pay.
+constexpr std::array<Parts, 5> kParts{
+    {{1, ""}, {4, "in 4 parts"}, {16, "in 16 parts"}, {64, "in 64 parts"}, {256, "in 256 parts"}}};
+constexpr double kFailed = std::numeric_limits<double>::infinity();
+/// Subdividing that reduces the gain by less than this does not pay, unless it must: the total is above that
+/// of the start.
 constexpr double kWorthwhile = 0.5;
 
 struct StepStart {
@@ -40,13 +46,27 @@ struct StepStart {
 
 }  // namespace
 
+namespace {
+
+/// Whether the points of a system do not move by the sum of the forces on each: they are solved together, or
+/// put where constraints hold. What others do to them is not part of that.
+bool solves_alone(const System& system) {
+  return answers_together(system) || (system.ports().points && !system.integration().method);
+}
+
+}  // namespace
+
 void World::find_tied() {
   for (const SceneCoupling& c : scene_.couplings) {
-    const size_t first = joined_to_[c.a];
-    if (answers_together(*systems_[c.a]) || answers_together(*systems_[c.b])) {
-      if (std::ranges::find(tied_, first) == tied_.end()) tied_.push_back(first);
-    }
+    if (c.a == c.b) continue;
+    const bool solved = solves_alone(*systems_[c.a]) || solves_alone(*systems_[c.b]);
+    auto group = std::ranges::find(tied_, joined_to_[c.a], &Tied::first);
+    if (group == tied_.end()) group = tied_.insert(group, {joined_to_[c.a], Tied::Points::by_forces});
+    if (solved) group->points = Tied::Points::solved;
   }
+  if (tied_.empty()) return;
+  const WorldState start = initial_state();
+  std::erase_if(tied_, [&](const Tied& t) { return !energy(start, t.first); });
 }
 
 void World::substeps(WorldState& state, const Pace& pace, Workspace& workspace, const ThreadArena& arena,
@@ -100,22 +120,29 @@ void World::substeps(WorldState& state, const Pace& pace, Workspace& workspace, 
   for (size_t i = 0; i < systems_.size(); ++i) named(i, [] {});
 }
 
-double World::gained(const WorldState& state, std::span<const std::optional<Energy>> before, double t,
-                     Workspace& workspace, const ThreadArena& arena) const {
-  double most = 0;
+World::Gain World::gained(const WorldState& state, std::span<const std::optional<Energy>> before, double t,
+                          Workspace& workspace, const ThreadArena& arena) const {
+  Gain out;
   for (size_t g = 0; g < tied_.size(); ++g) {
     if (!before[g]) continue;
-    const size_t i = tied_[g];
+    const size_t i = tied_[g].first;
     const auto now = energy_together(state, i, t, workspace, arena);
     if (!now || now->exchange == Energy::Exchange::open) continue;
     const Energy& then = *before[g];
     const double rise = (now->kinetic + now->potential) - (then.kinetic + then.potential);
-    const double allowed = kOfMotion * std::max(then.kinetic, now->kinetic) +
-                           kOfAll * std::max(state.watch[i].available, now->slack);
-    if (!std::isfinite(rise)) return std::numeric_limits<double>::infinity();
-    if (rise > allowed) most = std::max(most, rise / allowed);
+    const EnergyWatch& watch = state.watch[i];
+    const bool by_forces = tied_[g].points == Tied::Points::by_forces;
+    const double more = (by_forces ? kSwung : kTogether) * watch.available;
+    const bool above = now->kinetic + now->potential > watch.reference + more;
+    if (!above && by_forces) continue;
+    const double allowed = (above ? 0 : kOfMotion * std::max(then.kinetic, now->kinetic)) +
+                           kOfAll * std::max(watch.available, now->slack);
+    if (!std::isfinite(rise)) return {.times = kFailed};
+    if (!(rise > allowed)) continue;
+    out.times = std::max(out.times, rise / allowed);
+    if (above) out.total = Gain::Total::above_start;
   }
-  return most;
+  return out;
 }
 
 void World::substeps_of_tied(WorldState& state, const Pace& pace, Workspace& workspace,
@@ -124,42 +151,54 @@ void World::substeps_of_tied(WorldState& state, const Pace& pace, Workspace& wor
   const double t = static_cast<double>(state.step) * dt();
   start.energy.clear();
   bool closed = false;
-  for (const size_t i : tied_) {
-    auto e = energy_together(state, i, t, workspace, arena);
+  for (const Tied& tied : tied_) {
+    auto e = energy_together(state, tied.first, t, workspace, arena);
     if (e && e->exchange == Energy::Exchange::open) e.reset();
     closed |= e.has_value();
     start.energy.push_back(e);
   }
   if (!closed) return substeps(state, pace, workspace, arena, profiles);
   start.systems = state.systems, start.couplings = state.couplings;
-  const auto restart = [&] { state.systems = start.systems, state.couplings = start.couplings; };
-  const auto take = [&](const Pace& p, Workspace& memory) {
-    substeps(state, p, memory, arena, profiles);
-    return gained(state, start.energy, t + dt(), workspace, arena);
-  };
-  constexpr double kFailed = std::numeric_limits<double>::infinity();
-  double gain = kFailed;
   std::exception_ptr failure;
-  try {
-    gain = take(pace, workspace);
-  } catch (const Instability&) {
-    failure = std::current_exception();
-  }
-  for (const Parts& parts : kParts) {
-    if (gain == 0) return;
+  const auto attempt = [&](const Parts& parts) -> Gain {
+    const bool whole = parts.count == 1;
     const Pace finer{pace.h / static_cast<double>(parts.count), pace.first * parts.count,
                      pace.count * parts.count};
-    restart();
-    double less = kFailed;
     try {
-      less = take(finer, workspace.object<Workspace>(parts.memory));
+      substeps(state, finer, whole ? workspace : workspace.object<Workspace>(parts.memory), arena, profiles);
+      return gained(state, start.energy, t + dt(), workspace, arena);
     } catch (const Instability&) {
       if (!failure) failure = std::current_exception();
+      return {.times = kFailed};
     }
-    if (gain < kFailed && less > kWorthwhile * gain) break;
-    gain = less;
+  };
+  const auto restart = [&] { state.systems = start.systems, state.couplings = start.couplings; };
+  const Parts *best = nullptr, *last = nullptr;
+  double least = kFailed;
+  for (const Parts& parts : kParts) {
+    if (last) restart();
+    last = &parts;
+    const Gain gain = attempt(parts);
+    if (gain.times == 0) return;
+    const double before = least;
+    if (gain.times < least) least = gain.times, best = &parts;
+    if (before < kFailed && gain.times > kWorthwhile * before && gain.total == Gain::Total::within) break;
   }
-  if (gain == kFailed && failure) std::rethrow_exception(failure);
+  if (!best && failure) std::rethrow_exception(failure);
+  if (!best) return;  // not finite, which the checks after the step say
+  if (best != last) restart(), attempt(*best);
+}
+
+void World::watch_tied(WorldState& state, Workspace& workspace, const ThreadArena& arena) const {
+  for (const Tied& tied : tied_) {
+    if (state.watch[tied.first].phase != EnergyWatch::Phase::watching) continue;
+    try {
+      watch_energy(state, tied.first, static_cast<double>(state.step + 1) * dt(), workspace, arena);
+    } catch (Instability& e) {
+      e.step = static_cast<long long>(state.step);
+      throw;
+    }
+  }
 }
 
 void World::step(WorldState& state, Workspace& workspace, const ThreadArena& arena,
@@ -175,7 +214,11 @@ void World::step(WorldState& state, Workspace& workspace, const ThreadArena& are
   } else {
     substeps_of_tied(state, pace, workspace, arena, profiles);
   }
-  if (watched(state.step + 1)) look(state, state.step + 1, workspace, arena);
+  if (watched(state.step + 1)) {
+    look(state, state.step + 1, workspace, arena);
+  } else {
+    watch_tied(state, workspace, arena);
+  }
   if (finer_) finer_->step(state.finer.at(0), workspace.object<Workspace>("finer"), arena, {});
   ++state.step;
 }

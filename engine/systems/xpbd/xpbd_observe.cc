@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/core/energy_swing.h"
 #include "engine/kernels/xpbd/dihedral.h"
 #include "engine/kernels/xpbd/membrane.h"
 #include "engine/kernels/xpbd/neo_hookean.h"
@@ -127,10 +128,11 @@ Energy Xpbd::energies(const State& s) const {
   }
   // Only single chains store exactly the energy they were given: where sweeps do not converge in a substep,
   // stiff links are stretched by the residual, and that energy is not the motion's.
-  const bool alone = !cosserat_ && matches_.empty() && !elastic_ && tethers_.empty() &&
-                     schedule_.chains.colours.size() == 1 && body_.rods.empty() &&
-                     options_.scheme == Scheme::xpbd;
-  const bool driven = Columns::kHands.any(s) || !colliders_.empty() || folds_ || air_ || !alone;
+  const bool exact = !cosserat_ && !elastic_ && tethers_.empty() && body_.rods.empty() &&
+                     schedule_.chains.colours.size() == 1;
+  if (!exact) e.swing = kSwingUnknown;
+  const bool stored = matches_.empty() && options_.scheme == Scheme::xpbd;
+  const bool driven = Columns::kHands.any(s) || !colliders_.empty() || folds_ || air_ || !stored;
   e.exchange = driven ? Energy::Exchange::open : Energy::Exchange::closed;
   return e;
 }

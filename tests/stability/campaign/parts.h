@@ -87,5 +87,7 @@ void pendulum(Dice&, Trial&);
 void cloth_and_bodies(Dice&, Trial&);
 void crowd_and_bodies(Dice&, Trial&);
 void bodies_on_ropes(Dice&, Trial&);
+/// Soft things with rigid bodies, a family for each kind of both.
+std::span<const Family> coupled_families();
 
 }  // namespace truestep::campaign
