@@ -87,5 +87,14 @@ void pendulum(Dice&, Trial&);
 void cloth_and_bodies(Dice&, Trial&);
 void crowd_and_bodies(Dice&, Trial&);
 void bodies_on_ropes(Dice&, Trial&);
+void shield_2d(Dice&, Trial&);
+void shield_3d(Dice&, Trial&);
+void bar_2d(Dice&, Trial&);
+void bar_3d(Dice&, Trial&);
+void seam_3d(Dice&, Trial&);
+void turntable_3d(Dice&, Trial&);
+void rolling_table_3d(Dice&, Trial&);
+void motor_disc_3d(Dice&, Trial&);
+void drum_2d(Dice&, Trial&);
 
 }  // namespace truestep::campaign

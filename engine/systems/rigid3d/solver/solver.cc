@@ -301,7 +301,43 @@ bool ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
 }
 
 template <class T>
+void ContactSolver<T>::find_driven(const State& s, const JointList& joints) {
+  driven_.clear();
+  const auto bodies = s.span<uint32_t>(columns::joint_bodies);
+  for (const uint32_t k : joints_.listed()) {
+    const Joint& joint = joints.joints[k];
+    const auto turns = [](const Drive& d) { return (d.laws & Drive::kMotor) && d.row > 2; };
+    const Drive* first = joints.drives.data() + joint.first_drive;
+    if (std::none_of(first, first + joint.drives, turns)) continue;
+    driven_.resize(body_.size());
+    for (const uint32_t i : {bodies[2 * k], bodies[2 * k + 1]}) {
+      if (i != kNoBody && slot_[i] != kNoBody) driven_[slot_[i]] = 1;
+    }
+  }
+}
+
+// Impulses act about the axes of the start of the step, and a spin goes round with its body from there to the
+// end: that of a ball, which does not go round, would be turned aside by the half of what friction gave it,
+// and what rolls on a turntable would leave its circle.
+template <class T>
+void ContactSolver<T>::find_carried() {
+  carried_.clear();
+  if (!(flags_ & ContactGroup<T>::kTurns)) return;
+  carried_.assign(body_.size() + 1, 0);
+  for (size_t g = 0; g < contact_lanes_.count; ++g) {
+    if (!(groups_[g].flags & ContactGroup<T>::kTurns)) continue;
+    for (int lane = 0; lane < W::kLanes; ++lane)
+      carried_[groups_[g].a[lane]] = carried_[groups_[g].b[lane]] = 1;
+  }
+  for (size_t k = 0; k < body_.size(); ++k) {
+    const Vec3& m = moments_[k];
+    carried_[k] = carried_[k] && m.x == m.y && m.y == m.z;
+  }
+}
+
+template <class T>
 void ContactSolver<T>::store_bodies(State& s) {
+  find_carried();
   double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
   each_body([&](size_t k) {
@@ -316,7 +352,8 @@ void ContactSolver<T>::store_bodies(State& s) {
     const Vec3 turn = apply_transposed(b.turn, {double(d[3]), double(d[4]), double(d[5])});
     const Quat to = normalized(free_rotation::turn(turn) * from);
     const Vec3 own = R.apply_inverse(apply_transposed(b.turn, {double(r[3]), double(r[4]), double(r[5])}));
-    store_quat(q, i, to), store3(w, i, rotation(to).apply(own));
+    const bool stays = !carried_.empty() && carried_[k];
+    store_quat(q, i, to), store3(w, i, (stays ? R : rotation(to)).apply(own));
   });
 }
 
@@ -326,6 +363,11 @@ void ContactSolver<T>::fill_rows(const State& s, std::span<const BodyKind> kinds
                                  const ForceChange& change, const SolverSettings& settings,
                                  const StepInput& in) {
   load_bodies(s, kinds, now, change, settings, in.h);
+  if (jointed_) {
+    find_driven(s, joints);
+  } else {
+    driven_.clear();
+  }
   ends_.clear(), many_.clear();
   for (const uint32_t k : listed_) {
     ends_.push_back({slot_[contacts[k]->a], slot_[contacts[k]->b]});
@@ -335,7 +377,7 @@ void ContactSolver<T>::fill_rows(const State& s, std::span<const BodyKind> kinds
   make_lanes(listed_, ends_, many_, body_.size(), W::kLanes, colouring_, contact_lanes_);
   if (groups_.size() < contact_lanes_.count) groups_.resize(contact_lanes_.count + contact_lanes_.count / 4);
   team_.for_blocks(contact_lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {
-    for (size_t g = begin; g < end; ++g) fill(g, contacts, s, kinds, now);
+    for (size_t g = begin; g < end; ++g) fill(g, contacts, s, kinds, now, in.h);
   });
   choose_sprung(s, joints, contacts);
   const typename JointSolver<T>::Bodies bodies{now, slot_, scaled_, body_.size()};
