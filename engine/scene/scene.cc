@@ -201,8 +201,15 @@ void check_accuracy(const Scene& scene, std::vector<Issue>& errors) {
   for (const SceneSystem& s : scene.systems) {
     if (scene.integrated_system(s.id)) fit.push_back(s.id);
   }
-  errors.push_back({"/accuracy/system", "unknown_system", "accuracy needs a system that takes an integrator",
-                    '"' + id.substr(0, 64) + '"', join_names(fit), nearest_name(id, fit), ""});
+  std::vector<std::string> types;
+  for (const CatalogueRow& row : catalogue()) {
+    if (row.table->find("integrator")) types.emplace_back(row.type);
+  }
+  errors.push_back(
+      {"/accuracy/system", "unknown_system",
+       "accuracy chooses an integrator and its step: it needs a system of type " + join_names(types),
+       '"' + id.substr(0, 64) + '"', fit.empty() ? "a system of such a type" : join_names(fit),
+       nearest_name(id, fit), ""});
 }
 
 // Ids of probes, and of the systems that they refer to.
@@ -231,6 +238,15 @@ void check_probes(const Scene& scene, SceneReport& report) {
                         '"' + p.id.substr(0, 64) + '"', "", "", ""});
       break;
     }
+  }
+}
+
+void warn_of_empty_systems(const Scene& scene, std::vector<Issue>& warnings) {
+  for (const SceneSystem& s : scene.systems) {
+    if (s.row->cost(s.def.get()).elements > 0) continue;
+    warnings.push_back({"/systems/" + std::to_string(s.place), "empty",
+                        "the system \"" + s.id + "\" has nothing in it: it only has what commands spawn", "",
+                        "", "", ""});
   }
 }
 
@@ -306,6 +322,7 @@ SceneReport read_scene(const json::value& document) {
     report.warnings.push_back({"/expect", "no_expectation",
                                "a scene with \"teaches\" should also have \"expect\"", "", "", "", ""});
   }
+  if (report.errors.empty()) warn_of_empty_systems(scene, report.warnings);
   (report.errors.empty() ? report.scene : report.draft) = std::move(scene);
   return report;
 }
