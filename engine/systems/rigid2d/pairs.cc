@@ -6,7 +6,7 @@
 #include "engine/base/random.h"
 #include "engine/rigid/one_way.h"
 #include "engine/rigid/toi_clamp.h"
-#include "engine/systems/rigid2d/meetings.h"
+#include "engine/systems/rigid2d/solver/meetings.h"
 #include "engine/systems/rigid2d/solver/seams.h"
 
 namespace truestep::rigid2d {

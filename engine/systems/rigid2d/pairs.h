@@ -22,7 +22,7 @@ struct Hit {
   uint64_t key() const { return uint64_t{a} << 32 | b; }
 };
 
-/// A pair that is apart at the start of the step and meets within it (meetings.h).
+/// A pair that is apart at the start of the step and meets within it (solver/meetings.h).
 struct Met {
   uint64_t key = 0;  ///< of its hit
   Vec2 apart;        ///< m, from the centre of a to that of b when they meet

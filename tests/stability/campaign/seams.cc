@@ -24,7 +24,7 @@ json::object piece(Dice& d, const std::string& kind, double x0, double x1, doubl
   }
   if (kind == "height_field") {
     // Square cells: as many as fit.
-    const double spacing = std::min(2 * hx, 2 * hz) / d.whole(1, 3);
+    const double spacing = std::min(2 * hx, 2 * hz) / (hx == hz ? d.whole(1, 3) : 1);
     const int nx = static_cast<int>(std::lround(2 * hx / spacing)) + 1,
               nz = static_cast<int>(std::lround(2 * hz / spacing)) + 1;
     return {{"type", "height_field"},
@@ -87,8 +87,8 @@ void seam_3d(Dice& d, Trial& t) {
   if (d.chance(0.3)) {
     add(0, 8, -8, 0), add(0, 8, 0, 8);
   } else {
-    add(0, d.chance(0.5) ? 0.5 : 8, -8, 8);
-    if (bodies.size() == 2) add(bodies.back().as_object().contains("vertices") ? 8 : 8, 16, -8, 8);
+    const double next = d.chance(0.5) ? 0.5 : 8;
+    add(0, next, -8, 8), add(next, 16, -8, 8);
   }
   bodies.push_back(body);
   const double seconds = std::min(6.0 / speed, 3.0);

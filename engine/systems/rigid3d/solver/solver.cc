@@ -301,41 +301,6 @@ bool ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
 }
 
 template <class T>
-void ContactSolver<T>::find_driven(const State& s, const JointList& joints) {
-  driven_.clear();
-  const auto bodies = s.span<uint32_t>(columns::joint_bodies);
-  for (const uint32_t k : joints_.listed()) {
-    const Joint& joint = joints.joints[k];
-    const auto turns = [](const Drive& d) { return (d.laws & Drive::kMotor) && d.row > 2; };
-    const Drive* first = joints.drives.data() + joint.first_drive;
-    if (std::none_of(first, first + joint.drives, turns)) continue;
-    driven_.resize(body_.size());
-    for (const uint32_t i : {bodies[2 * k], bodies[2 * k + 1]}) {
-      if (i != kNoBody && slot_[i] != kNoBody) driven_[slot_[i]] = 1;
-    }
-  }
-}
-
-// Impulses act about the axes of the start of the step, and a spin goes round with its body from there to the
-// end: that of a ball, which does not go round, would be turned aside by the half of what friction gave it,
-// and what rolls on a turntable would leave its circle.
-template <class T>
-void ContactSolver<T>::find_carried() {
-  carried_.clear();
-  if (!(flags_ & ContactGroup<T>::kTurns)) return;
-  carried_.assign(body_.size() + 1, 0);
-  for (size_t g = 0; g < contact_lanes_.count; ++g) {
-    if (!(groups_[g].flags & ContactGroup<T>::kTurns)) continue;
-    for (int lane = 0; lane < W::kLanes; ++lane)
-      carried_[groups_[g].a[lane]] = carried_[groups_[g].b[lane]] = 1;
-  }
-  for (size_t k = 0; k < body_.size(); ++k) {
-    const Vec3& m = moments_[k];
-    carried_[k] = carried_[k] && m.x == m.y && m.y == m.z;
-  }
-}
-
-template <class T>
 void ContactSolver<T>::store_bodies(State& s) {
   find_carried();
   double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();

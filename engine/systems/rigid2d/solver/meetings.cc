@@ -1,4 +1,4 @@
-#include "engine/systems/rigid2d/meetings.h"
+#include "engine/systems/rigid2d/solver/meetings.h"
 
 #include <algorithm>
 #include <cmath>
