@@ -53,7 +53,8 @@ fs::path AssetStore::path_of(const std::string& sha256, Kind kind) const {
 }
 
 bool AssetStore::put(const std::string& sha256, std::string_view bytes, Kind kind) {
-  if (folder_.empty()) throw Error("not_found", "this server has no data folder for assets");
+  if (folder_.empty())
+    throw Error("folder_io", "this server's data folder could not be used when it started");
   const std::string actual = net::sha256_hex(bytes);
   if (actual != sha256) {
     throw Error("invalid", "the body has another SHA-256",
@@ -67,10 +68,10 @@ bool AssetStore::put(const std::string& sha256, std::string_view bytes, Kind kin
   }
   const fs::path path = path_of(sha256, kind);
   const std::lock_guard lock(mutex_);
-  if (fs::exists(path)) return false;
+  if (is_regular(path)) return false;
   std::error_code failed;
   fs::create_directories(folder_, failed);
-  if (failed) throw Error("folder_io", "the assets' folder cannot be created: " + failed.message());
+  if (failed) throw_file_error("make the folder of assets", failed.value());
   if (folder_bytes(folder_) + static_cast<double>(bytes.size()) > most_bytes_)
     throw Error("quota_exceeded", "this server has no room for more assets: DELETE /v1/assets/{sha256} some");
   write_file(path, bytes_of(bytes), Durability::process);
@@ -81,7 +82,7 @@ AssetStore::Asset AssetStore::get(const std::string& sha256) const {
   const std::lock_guard lock(mutex_);
   for (const Kind kind : {Kind::json, Kind::file}) {
     const fs::path path = path_of(sha256, kind);
-    if (fs::exists(path)) return {kind, std::string(text_of(read_file(path, kMostBytes)))};
+    if (is_regular(path)) return {kind, std::string(text_of(read_file(path, kMostBytes)))};
   }
   throw no_asset();
 }
@@ -92,6 +93,7 @@ void AssetStore::remove(const std::string& sha256) {
   for (const Kind kind : {Kind::json, Kind::file}) {
     std::error_code failed;
     any = fs::remove(path_of(sha256, kind), failed) || any;
+    if (failed) throw_file_error("remove the asset", failed.value());
   }
   if (!any) throw no_asset();
 }

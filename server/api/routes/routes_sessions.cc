@@ -1,5 +1,6 @@
 // /v1/sessions: create, list, describe, command, end.
 #include "engine/base/hash.h"
+#include "engine/base/log.h"
 #include "engine/scene/gallery.h"
 #include "engine/scene/json/json.h"
 #include "engine/scene/json/json_write.h"
@@ -64,7 +65,7 @@ void start_making(App& app, const CreationPtr& creation, SceneDraft draft) {
   const auto shared = std::make_shared<SceneDraft>(std::move(draft));
   std::function<void()> make = [&app, creation, shared] {
     app.store.make(creation, std::move(*shared), SessionStore::Accuracy::choose,
-                   [&app](SessionEntry& e) { attach_recording(app, e); });
+                   [&app](SessionEntry& e) { begin_keeping(app, e); });
   };
   if (heavy)
     app.runner.start_long_work(make);
@@ -180,7 +181,12 @@ Task<Response> end(App& app, const Request& request) {
     e.session.say_bye("unknown_session", "the session has been deleted");
     app.runner.interrupt(e);
     e.session.pause();
-    if (e.recording) finish_recording(app, e);
+    try {
+      if (e.recording) finish_recording(app, e);
+    } catch (const Error& error) {
+      // Its file has been removed, for example; the session has ended all the same.
+      log_warn("recording {}: {}", e.recording_id, error.what());
+    }
     return Response(204);
   });
 }
