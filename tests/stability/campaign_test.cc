@@ -3,6 +3,10 @@
 // kept below tests/scenes.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <iterator>
+#include <vector>
+
 #include "tests/stability/campaign/campaign.h"
 
 namespace truestep::campaign {
@@ -20,7 +24,13 @@ TEST_P(Campaign, HasNoFindings) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Families, Campaign, ::testing::ValuesIn(families().begin(), families().end()),
+std::vector<Family> judged() {
+  std::vector<Family> out;
+  std::ranges::copy_if(families(), std::back_inserter(out), [](const Family& f) { return !f.open; });
+  return out;
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, Campaign, ::testing::ValuesIn(judged()),
                          [](const auto& info) { return std::string(info.param.name); });
 
 // A judge that finds nothing in a wrong scene would be worthless.

@@ -41,7 +41,7 @@ struct alignas(64) ContactGroup {
 
   uint32_t a[W::kLanes], b[W::kLanes];  ///< record indices; `end` for bodies that contacts do not move
   int points = 0;                       ///< largest number of points of any lane
-  enum : uint32_t { kBounces = 1, kRolls = 2, kDrifts = 4, kSpins = 8 };
+  enum : uint32_t { kBounces = 1, kRolls = 2, kDrifts = 4, kSpins = 8, kTurns = 16 };
   uint32_t flags = 0;
 
   W normal[3], tangent[2][3], root_a, root_b;  ///< axes; 1/sqrt(m)
@@ -62,6 +62,7 @@ struct alignas(64) ContactGroup {
   W struck;                           ///< 1 where an impact is being shared by the points
   // Read only if the flags require it.
   W restitution;
+  W slide_rate[2];  ///< m/s^2, change of slide_drift in the step
   W roll_k[3], roll[2], rolling;
   // Written only in substeps with deep penetration.
   struct Before {
@@ -79,9 +80,9 @@ struct ContactLanes {
   W kept[4];  ///< m/s along n: velocity of b's surface minus that of its material, less the same for a
   W root_a, root_b, turn_a[9], turn_b[9];  ///< 1/sqrt(m); S by rows
   W friction, spinning, rolling, restitution;
-  W slide[3], twist, roll[3];  ///< impulses of the last step, in the world
-  W turn;                      ///< rad/s about n, of b relative to a
-  W surface[3],
+  W slide[3], twist, roll[3];                 ///< impulses of the last step, in the world
+  W turn;                                     ///< rad/s about n, of b relative to a
+  W surface[3], carried[3], carried_rate[3],  ///< m/s, m/s^2 (carried_contact.h), at the start of the step
       surface_turn[3];  ///< velocity at a's centre and angular velocity of b's moving surface relative to a's
 };
 
@@ -206,7 +207,10 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
   g.friction = in.friction;
   for (int t = 0; t < 2; ++t) {
     g.slide[t] = r::dot(in.slide, g.tangent[t]);
-    g.slide_drift[t] = drifts ? drift(center, g.tangent[t]) : zero;
+    g.slide_drift[t] = drifts ? drift(center, g.tangent[t]) + r::dot(in.carried, g.tangent[t]) : zero;
+  }
+  if (g.flags & ContactGroup<T>::kTurns) {
+    for (int t = 0; t < 2; ++t) g.slide_rate[t] = r::dot(in.carried_rate, g.tangent[t]);
   }
   g.twist = in.twist, g.twist_drift = drifts ? r::dot(in.surface_turn, in.normal) : zero;
   g.restitution = in.restitution, g.rolling = in.rolling;

@@ -80,9 +80,10 @@ Wide<T> grip(const ContactGroup<T>& g, const Wide<T> v[6], const Wide<T>& torque
   return where_positive(most, one / (one + held), one);
 }
 
-/// Rolling, torsional and sliding friction of a group for the current normal impulses.
+/// Rolling, torsional and sliding friction of a group for the current normal impulses; `time`: s since the
+/// start of the step.
 template <class T>
-void solve_friction(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6]) {
+void solve_friction(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], T time) {
   using W = Wide<T>;
   namespace r = contact_rows;
   W pressure(0), torque(0);
@@ -107,6 +108,9 @@ void solve_friction(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6]) {
   {
     W slip[2], change[2], added[2];
     for (int t = 0; t < 2; ++t) slip[t] = v[1 + t] + g.slide_drift[t];
+    if (g.flags & ContactGroup<T>::kTurns) {
+      for (int t = 0; t < 2; ++t) slip[t] = madd(g.slide_rate[t], W(time), slip[t]);
+    }
     change[0] = -madd(g.slide_inverse[1], slip[1], g.slide_inverse[0] * slip[0]);
     change[1] = -madd(g.slide_inverse[2], slip[1], g.slide_inverse[1] * slip[0]);
     const W most = g.friction * pressure;
@@ -269,10 +273,13 @@ void solve_contacts(ContactGroup<T>& g, Record8<T>* records, const Record8<T>* d
   W push_out(pass.push_out);
   if (kind == ContactSolve::bias && pass.start) push_out = detail::push_left(g, a, b, pass);
   // Friction is bounded by the normal impulses of the last relaxation, never by those of a push.
-  if constexpr (kind == ContactSolve::bias) detail::solve_friction(g, v, f);
+  if constexpr (kind == ContactSolve::bias) {
+    // The mean of the substep.
+    detail::solve_friction(g, v, f, pass.elapsed + T(0.5) / pass.inverse_h);
+  }
   detail::share_blow<kind>(g, v, f, pass, push_out);
   detail::solve_points<kind>(g, v, f, pass, push_out);
-  if constexpr (kind == ContactSolve::relax) detail::solve_friction(g, v, f);
+  if constexpr (kind == ContactSolve::relax) detail::solve_friction(g, v, f, pass.elapsed);
   detail::push_apart(g, f, a, b);
   scatter6(records, g.a, end, a), scatter6(records, g.b, end, b);
 }

@@ -380,6 +380,9 @@ Model build_model(const Rigid2dDef& def) {
   m.size = typical_size(m);
   m.margin = def.contact_margin.value_or(0.02 * m.size);
   gather_hot_parts(m);
+  for (const Light& b : m.light) {
+    if (b.motion == Motion::dynamic && !b.sensor && b.inner > 0) m.thinnest = std::min(m.thinnest, b.inner);
+  }
   m.seams = has_seams(m);
   return std::move(build.model);
 }

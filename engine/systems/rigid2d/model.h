@@ -2,6 +2,7 @@
 // mass, inverse masses, local anchors. Built once and constant afterwards.
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -124,6 +125,7 @@ struct Model {
   std::vector<uint64_t> not_touching;  ///< (a << 32 | b), a < b, ascending: joined bodies that do not collide
   double margin = 0.02;                ///< m, distance at which contacts become speculative
   double size = 1;                     ///< m, typical size of a body
+  double thinnest = HUGE_VAL;          ///< m, least inner radius of a dynamic body that touches others
   bool seams = false;                  ///< fixed polygons may be one surface (solver/seams.h)
 
   uint32_t world() const { return static_cast<uint32_t>(bodies.size() - 1); }

@@ -5,6 +5,8 @@
 
 #include "engine/base/random.h"
 #include "engine/rigid/one_way.h"
+#include "engine/rigid/toi_clamp.h"
+#include "engine/systems/rigid2d/solver/meetings.h"
 #include "engine/systems/rigid2d/solver/seams.h"
 
 namespace truestep::rigid2d {
@@ -40,8 +42,10 @@ void place(const Model& model, const State& s, double h, Pairs& p, const ThreadA
       p.pose[i] = pose_of(s, i);
       p.ahead[i] = foreseen({h * v[3 * i], h * v[3 * i + 1]}, model.light[i].inner);
       const Light& b = model.light[i];
-      p.active[i] = is_moved(b, status[i]) ||
-                    (b.motion == Motion::kinematic && status[i] == kAwake && moves(v + 3 * i, w[i]));
+      const bool moved = is_moved(b, status[i]) ||
+                         (b.motion == Motion::kinematic && status[i] == kAwake && moves(v + 3 * i, w[i]));
+      const double way = h * (flat::norm(Vec2{v[3 * i], v[3 * i + 1]}) + std::abs(w[i]) * b.reach);
+      p.active[i] = !moved ? kStill : may_pass_through(way, model.thinnest) ? kMovesFar : kMoves;
     }
   });
   p.pose[n] = {}, p.ahead[n] = {};
@@ -79,23 +83,6 @@ void match(const Model& model, const State& s, Pairs& p, std::span<const BodyPai
   if (p.contacts.size() < count) p.contacts.resize(count);
 }
 
-/// True where the contact passes a one-way platform: it holds a body that comes from outside and moves
-/// towards it, and keeps holding that body.
-bool passes(const Model& model, const State& s, const Hit& h, const flat::Contact& contact) {
-  if (!(model.light[h.body_a].one_way || model.light[h.body_b].one_way) || h.old != kNoPoint) return false;
-  const Body &a = model.bodies[h.body_a], &b = model.bodies[h.body_b];
-  const auto through = [&](const Body& platform, uint32_t at, uint32_t other, Vec2 n, const Pose& pose) {
-    const Vec2 up = pose.q * platform.one_way_direction;
-    const double* v = s.f64(columns::velocity).data();
-    const Vec2 relative{v[3 * other] - v[3 * at], v[3 * other + 1] - v[3 * at + 1]};
-    double deepest = 0;
-    for (uint32_t k = 0; k < contact.points; ++k) deepest = std::min(deepest, contact.point[k].separation);
-    return !one_way_holds(flat::dot(n, up), flat::dot(relative, up)) || deepest < -model.margin;
-  };
-  if (a.one_way && through(a, h.body_a, h.body_b, contact.normal, pose_of(s, h.body_a))) return true;
-  return b.one_way && through(b, h.body_b, h.body_a, -contact.normal, pose_of(s, h.body_b));
-}
-
 /// Pose of b in the frame of a for the narrow phase, `apart2` m^2 from it. Shapes at exactly one place have
 /// no direction to separate in: they are taken a millionth of their size apart, in a direction of the pair's
 /// own. With one direction for all, many bodies would form a line that hardly separates.
@@ -117,7 +104,7 @@ void touch_pair(const Model& model, const State& s, const Pairs& p, Hit& h, flat
   if (!flat::touch(of_a, of_b, seen, margin, contact)) return;
   contact.normal = a.q * contact.normal;
   for (uint32_t k = 0; k < contact.points; ++k) contact.point[k].at = a.q * contact.point[k].at;
-  if (!passes(model, s, h, contact)) h.what = Hit::What::touching;
+  if (!passes_one_way(model, s, h, contact)) h.what = Hit::What::touching;
 }
 
 /// Whether a hit wakes the body that sleeps. Bodies just farther apart than the margin fall asleep
@@ -131,6 +118,23 @@ bool wakes(const Model& model, const Pairs& p, size_t i) {
 }
 
 }  // namespace
+
+/// True where the contact passes a one-way platform: it holds a body that comes from outside and moves
+/// towards it, and keeps holding that body.
+bool passes_one_way(const Model& model, const State& s, const Hit& h, const flat::Contact& contact) {
+  if (!(model.light[h.body_a].one_way || model.light[h.body_b].one_way) || h.old != kNoPoint) return false;
+  const Body &a = model.bodies[h.body_a], &b = model.bodies[h.body_b];
+  const auto through = [&](const Body& platform, uint32_t at, uint32_t other, Vec2 n, const Pose& pose) {
+    const Vec2 up = pose.q * platform.one_way_direction;
+    const double* v = s.f64(columns::velocity).data();
+    const Vec2 relative{v[3 * other] - v[3 * at], v[3 * other + 1] - v[3 * at + 1]};
+    double deepest = 0;
+    for (uint32_t k = 0; k < contact.points; ++k) deepest = std::min(deepest, contact.point[k].separation);
+    return !one_way_holds(flat::dot(n, up), flat::dot(relative, up)) || deepest < -model.margin;
+  };
+  if (a.one_way && through(a, h.body_a, h.body_b, contact.normal, pose_of(s, h.body_a))) return true;
+  return b.one_way && through(b, h.body_b, h.body_a, -contact.normal, pose_of(s, h.body_b));
+}
 
 bool may_touch(const Model& model, uint32_t body_a, uint32_t body_b) {
   if (body_a == body_b) return false;
@@ -152,6 +156,8 @@ void find_contacts(const Model& model, State& s, double h, Pairs& p, const Threa
   const size_t n = model.count();
   std::vector<uint8_t>& seeds = p.seeds;
   seeds.assign(n, 0);
+  p.met.clear();
+  bool looked = std::find(p.active.begin(), p.active.end(), kMovesFar) == p.active.end();
   // A body that is touched wakes together with its island, and may touch others in turn.
   for (;;) {
     arena.for_blocks(p.hits.size(), kBlock, [&](size_t begin, size_t end) {
@@ -162,7 +168,8 @@ void find_contacts(const Model& model, State& s, double h, Pairs& p, const Threa
         touch_pair(model, s, p, h, p.contacts[i]);
       }
     });
-    bool any = false;
+    bool any = !looked && find_meetings(model, s, h, p);
+    looked = true;
     const auto status = s.span<uint32_t>(columns::status);
     for (size_t i = 0; i < p.hits.size(); ++i) {
       const Hit& h = p.hits[i];

@@ -270,10 +270,13 @@ BodyList build_bodies(const Rigid3dDef& def, uint64_t seed) {
       continue;
     }
     if (!issues.empty()) continue;
-    add_copies(list.kinds.back(), common(def.bodies[i]), static_cast<uint32_t>(i), seed, list.starts);
+    const BodyKind& k = list.kinds.back();
+    if (k.moved_by_forces() && !k.sensor) list.thinnest = std::min(list.thinnest, k.inner);
+    add_copies(k, common(def.bodies[i]), static_cast<uint32_t>(i), seed, list.starts);
   }
   if (issues.empty()) refuse_surfaces_that_meet(list, issues);
   if (!issues.empty()) throw Error("scene_invalid", "a body's shape is no valid solid", std::move(issues));
+  list.seams = has_seams(list);
   return list;
 }
 

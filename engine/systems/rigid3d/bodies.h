@@ -76,7 +76,12 @@ struct BodyStart {
 struct BodyList {
   std::vector<BodyKind> kinds;
   std::vector<BodyStart> starts;
+  bool seams = false;          ///< fixed bodies may be one surface (contacts_seams.cc)
+  double thinnest = HUGE_VAL;  ///< m, least inner radius of what forces move and is touched
 };
+
+/// Whether fixed bodies, or parts of one, may be one surface.
+bool has_seams(const BodyList& bodies);
 
 /// All bodies of the scene. Throws Error "scene_invalid" with the pointer of a body whose shape has no valid
 /// solid.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/base/random.h"
+#include "engine/rigid/toi_clamp.h"
 
 namespace truestep::rigid3d {
 
@@ -41,7 +42,7 @@ void part_anywhere(const Vec3& place, Contact& c) {
 }  // namespace
 
 void ContactList::update_bounds(const State& s, std::span<const BodyKind> kinds, const StepInput& in,
-                                double ahead) {
+                                double ahead, double thinnest) {
   const double h = in.h;
   const size_t n = s.rows(columns::position);
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
@@ -67,6 +68,7 @@ void ContactList::update_bounds(const State& s, std::span<const BodyKind> kinds,
     b.turn_speed = turn == Vec3{} ? 0 : std::min(norm(turn) * k.reach, k.reach / h);
     b.moves = norm2(velocity) > seen2 * k.reach * k.reach || norm2(turn) > seen2;
     moves_ |= b.moves;
+    b.far = moves && may_pass_through(h * (norm(velocity) + b.turn_speed), thinnest);
     mobility_[i] = k.motion == BodyDef::Motion::fixed ? Mobility::fixed : Mobility::moving;
     if ((k.mask == 0 || k.category == 0) && k.group <= 0) {
       boxes_[i] = Box::nothing();
@@ -120,10 +122,15 @@ void ContactList::narrow_phase(const State& s, std::span<const BodyKind> kinds, 
           ka.moved_by_forces() ? (kb.moved_by_forces() ? std::min(ka.reach, kb.reach) : ka.reach) : kb.reach;
       margin += std::min(in.h * (norm(load3(v, b) - load3(v, a)) + na.turn_speed + nb.turn_speed), size);
       if (ka.sensor || kb.sensor) margin = 0;
+      const bool far = na.far || nb.far;
+      const double still =
+          std::min(ka.moved_by_forces() ? na.margin : HUGE_VAL, kb.moved_by_forces() ? nb.margin : HUGE_VAL);
       if (is_convex_or_plane(ka.solid.kind) && is_convex_or_plane(kb.solid.kind)) {
         Contact& c = out.emplace_back();
         c.a = a, c.b = b;
-        if (!collide(ka.solid, at_a, kb.solid, at_b, margin, c.manifold)) {
+        if (!collide(ka.solid, at_a, kb.solid, at_b, margin, c.manifold) &&
+            !(far && meet(s, kinds, pairs_[p], in.h, later) &&
+              collide(ka.solid, later.a, kb.solid, later.b, still, c.manifold))) {
           out.pop_back();
           continue;
         }
@@ -131,7 +138,10 @@ void ContactList::narrow_phase(const State& s, std::span<const BodyKind> kinds, 
         if (later.ahead > 0) bring_back(c, later);
       } else {
         several.clear();
-        collide(ka.solid, at_a, kb.solid, at_b, margin, several);
+        if (collide(ka.solid, at_a, kb.solid, at_b, margin, several) == 0 && far &&
+            meet(s, kinds, pairs_[p], in.h, later)) {
+          collide(ka.solid, later.a, kb.solid, later.b, still, several);
+        }
         for (const Manifold& m : several) {
           Contact& c = out.emplace_back();
           c.a = a, c.b = b, c.manifold = m;
@@ -179,15 +189,17 @@ void ContactList::find_joined(const State& s, std::span<const Joint> joints) {
   std::sort(joined_.begin(), joined_.end());
 }
 
-void ContactList::find(State& s, std::span<const BodyKind> kinds, std::span<const Joint> joints,
-                       const StepInput& in, double ahead) {
+void ContactList::find(State& s, const BodyList& list, std::span<const Joint> joints, const StepInput& in,
+                       double ahead) {
+  const std::span<const BodyKind> kinds = list.kinds;
   find_joined(s, joints);
-  update_bounds(s, kinds, in, ahead);
+  update_bounds(s, kinds, in, ahead, list.thinnest);
   narrow_phase(s, kinds, in, ahead);
   if (wake(s, kinds)) {
-    update_bounds(s, kinds, in, ahead);
+    update_bounds(s, kinds, in, ahead, list.thinnest);
     narrow_phase(s, kinds, in, ahead);
   }
+  if (list.seams) leave_out_seams(s, kinds);
   match(s);
 }
 

@@ -32,6 +32,7 @@ struct BodyNow {
   double margin = 0;      ///< m, distance at which contacts of a slow body begin
   double turn_speed = 0;  ///< m/s of its outermost point due to rotation
   bool moves = false;     ///< by more than single precision leaves of rest
+  bool far = false;       ///< farther in the step than half of the thinnest body
   enum class Part : uint8_t { fixed, kinematic, resting, active } part = Part::fixed;
 };
 
@@ -40,14 +41,18 @@ class ContactList {
   /// Finds all contacts of moving bodies and wakes what they touch. Points count if they are at most a step's
   /// motion apart. Bodies held together by a joint do not touch unless the joint says so. Loaded contacts are
   /// found as they will be `ahead` (s) later.
-  void find(State& s, std::span<const BodyKind> kinds, std::span<const Joint> joints, const StepInput& in,
-            double ahead);
+  void find(State& s, const BodyList& list, std::span<const Joint> joints, const StepInput& in, double ahead);
   /// Ascending by bodies.
   std::span<Contact* const> all() const { return contacts_; }
   std::span<const BodyNow> bodies() const { return bodies_; }
   /// Writes the rows that the next step starts from: these contacts, and the unchanged contacts of resting
   /// bodies.
   void store(State& s);
+  /// True if the two bodies touch at a seam of the ground only, or also there.
+  bool at_seam(uint32_t a, uint32_t b) const {
+    const auto [low, high] = std::minmax(a, b);
+    return std::binary_search(seams_.begin(), seams_.end(), uint64_t{low} << 32 | high);
+  }
   const BroadPhase& broad_phase() const { return broad_; }
   /// True if a joint keeps the two bodies from touching.
   bool joined(uint32_t a, uint32_t b) const {
@@ -57,12 +62,15 @@ class ContactList {
 
  private:
   void find_joined(const State& s, std::span<const Joint> joints);
-  void update_bounds(const State& s, std::span<const BodyKind> kinds, const StepInput& in, double ahead);
+  void update_bounds(const State& s, std::span<const BodyKind> kinds, const StepInput& in, double ahead,
+                     double thinnest);
   void narrow_phase(const State& s, std::span<const BodyKind> kinds, const StepInput& in, double ahead);
   /// True where the contact passes a one-way platform: it holds a body that comes from outside and moves
   /// towards it, and keeps holding that body. `margin`: m, of bodies that do not move.
   bool passes(const State& s, std::span<const BodyKind> kinds, const BodyPair& pair, const Manifold& found,
               double margin) const;
+  /// Removes the contacts with edges that are covered by the piece of ground beside them.
+  void leave_out_seams(const State& s, std::span<const BodyKind> kinds);
   /// Marks the pairs that move and bore a load in the last step.
   void find_bearing(const State& s);
   /// Two bodies as they will be `ahead` (s) later; 0: they hardly move relative to one another.
@@ -73,6 +81,9 @@ class ContactList {
   };
   void look_ahead(const State& s, std::span<const BodyKind> kinds, const BodyPair& pair, double ahead,
                   Outlook& out) const;
+  /// The same for two bodies that meet within h (s); false if they do not, or need not be looked at.
+  bool meet(const State& s, std::span<const BodyKind> kinds, const BodyPair& pair, double h,
+            Outlook& out) const;
   static void bring_back(Contact& c, const Outlook& o);
   bool wake(State& s, std::span<const BodyKind> kinds);
   /// Columns of the last step's contacts.
@@ -104,6 +115,8 @@ class ContactList {
   std::vector<std::vector<Manifold>> manifolds_;
   std::vector<Contact*> contacts_;
   std::vector<Row> rows_;
+  std::vector<std::pair<uint32_t, uint32_t>> on_ground_;  // bodies that touch fixed ones, and the contacts
+  std::vector<uint64_t> seams_;                           // pairs of bodies, ascending
   std::vector<uint8_t> claimed_;  // rows of the previous step that a contact continues
 };
 

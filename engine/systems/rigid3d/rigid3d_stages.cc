@@ -71,7 +71,7 @@ void Rigid3d::find_contacts(State& s, const StepInput& in) const {
     if (asleep[b] && moves(a)) wake_body(s, b, bodies_.kinds);
   }
   const int n = substeps(s, in.h);
-  scratch.contacts.find(s, bodies_.kinds, joints_.joints, in, 0.5 * (n - 1) / n * in.h);
+  scratch.contacts.find(s, bodies_, joints_.joints, in, 0.5 * (n - 1) / n * in.h);
 }
 
 void Rigid3d::solve(State& s, const StepInput& in) const {
@@ -190,7 +190,7 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
       std::optional<Impact> hit;
       const Sweep other = sweep(j);
       const Contact* c = contact_of(i, j);
-      if (!c) {
+      if (!c && !scratch.contacts.at_seam(i, j)) {
         hit = time_of_impact(k.solid, own, o.solid, other, 0.25 * now[i].margin);
         // A body inside a one-way body already passes it, as does one that comes from its open side.
         const Vec3 up = o.one_way ? now[j].at.direction(o.one_way_direction) : Vec3{};

@@ -41,6 +41,15 @@ std::span<const Family> families() {
         {"cloth_and_bodies", cloth_and_bodies},
         {"crowd_and_bodies", crowd_and_bodies},
         {"bodies_on_ropes", bodies_on_ropes},
+        {"shield_2d", shield_2d, true},
+        {"shield_3d", shield_3d, true},
+        {"bar_2d", bar_2d, true},
+        {"bar_3d", bar_3d, true},
+        {"seam_3d", seam_3d, true},
+        {"turntable_3d", turntable_3d, true},
+        {"rolling_table_3d", rolling_table_3d},
+        {"motor_disc_3d", motor_disc_3d},
+        {"drum_2d", drum_2d, true},
     };
     const auto coupled = coupled_families();
     all.insert(all.end(), coupled.begin(), coupled.end());

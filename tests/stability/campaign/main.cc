@@ -33,8 +33,9 @@ int main(int count, char** arguments) {
   std::map<std::string, Row> table;
   int found = 0;
   for (uint64_t k = 0; k < seeds * families().size(); ++k) {
-    Trial trial = make_trial(families()[k % families().size()], first + k / families().size());
-    if (!trial.family.starts_with(wanted)) continue;
+    const Family& family = families()[k % families().size()];
+    if (wanted.empty() ? family.open : !std::string_view(family.name).starts_with(wanted)) continue;
+    Trial trial = make_trial(family, first + k / families().size());
     if (!integrator.empty()) set_integrator(trial, integrator);
     if (!precision.empty()) set_precision(trial, precision);
     if (print_scenes) {

@@ -87,6 +87,15 @@ void pendulum(Dice&, Trial&);
 void cloth_and_bodies(Dice&, Trial&);
 void crowd_and_bodies(Dice&, Trial&);
 void bodies_on_ropes(Dice&, Trial&);
+void shield_2d(Dice&, Trial&);
+void shield_3d(Dice&, Trial&);
+void bar_2d(Dice&, Trial&);
+void bar_3d(Dice&, Trial&);
+void seam_3d(Dice&, Trial&);
+void turntable_3d(Dice&, Trial&);
+void rolling_table_3d(Dice&, Trial&);
+void motor_disc_3d(Dice&, Trial&);
+void drum_2d(Dice&, Trial&);
 /// Soft things with rigid bodies, a family for each kind of both.
 std::span<const Family> coupled_families();
 

@@ -89,7 +89,9 @@ double first_stop(const Model& model, const State& s, const Pairs& pairs, const 
       }
       // A body in contact from the start may go on moving, but its core must not pass through.
       const Pose seen = theirs.from.to(mine.from);
-      const bool separate = !slides_along(wall, theirs, shape, mine, flat::inner_radius(shape)) &&
+      const bool meets =
+          !pairs.met.empty() && meeting(pairs, uint64_t{std::min(i, other)} << 32 | std::max(i, other));
+      const bool separate = !meets && !slides_along(wall, theirs, shape, mine, flat::inner_radius(shape)) &&
                             flat::distance(wall, shape, seen).distance > 2 * gap;
       // A body inside a one-way body already passes it; one that touches it is left to the solver.
       if (obstacle.one_way && !separate) return;

@@ -54,8 +54,10 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
     c.a[k] = slot_[hit.body_a], c.b[k] = slot_[hit.body_b];
     Vec2 apart = pairs.pose[hit.body_b].p - pairs.pose[hit.body_a].p;
     const float* old = hit.old == kNoPoint ? nullptr : impulses.data() + 5 * static_cast<size_t>(hit.old);
+    const Met* met = pairs.met.empty() ? nullptr : meeting(pairs, hit.key());
+    if (met) apart = met->apart;
     // A loaded contact stays loaded: its load acts where it will be, averaged over the substeps.
-    if (old && old[0] + old[1] > 0) {
+    if (!met && old && old[0] + old[1] > 0) {
       const auto motion = [&](uint32_t row) {
         const T* r = rows_.data() + 8 * static_cast<size_t>(row);
         return flat::PlaneMotion{{r[0], r[1]}, r[2]};

@@ -302,6 +302,7 @@ bool ContactSolver<T>::hit(const ImpactPass<T>& pass, int substeps_left) {
 
 template <class T>
 void ContactSolver<T>::store_bodies(State& s) {
+  find_carried();
   double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
   double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
   each_body([&](size_t k) {
@@ -316,7 +317,8 @@ void ContactSolver<T>::store_bodies(State& s) {
     const Vec3 turn = apply_transposed(b.turn, {double(d[3]), double(d[4]), double(d[5])});
     const Quat to = normalized(free_rotation::turn(turn) * from);
     const Vec3 own = R.apply_inverse(apply_transposed(b.turn, {double(r[3]), double(r[4]), double(r[5])}));
-    store_quat(q, i, to), store3(w, i, rotation(to).apply(own));
+    const bool stays = !carried_.empty() && carried_[k];
+    store_quat(q, i, to), store3(w, i, (stays ? R : rotation(to)).apply(own));
   });
 }
 
@@ -326,6 +328,11 @@ void ContactSolver<T>::fill_rows(const State& s, std::span<const BodyKind> kinds
                                  const ForceChange& change, const SolverSettings& settings,
                                  const StepInput& in) {
   load_bodies(s, kinds, now, change, settings, in.h);
+  if (jointed_) {
+    find_driven(s, joints);
+  } else {
+    driven_.clear();
+  }
   ends_.clear(), many_.clear();
   for (const uint32_t k : listed_) {
     ends_.push_back({slot_[contacts[k]->a], slot_[contacts[k]->b]});
@@ -335,7 +342,7 @@ void ContactSolver<T>::fill_rows(const State& s, std::span<const BodyKind> kinds
   make_lanes(listed_, ends_, many_, body_.size(), W::kLanes, colouring_, contact_lanes_);
   if (groups_.size() < contact_lanes_.count) groups_.resize(contact_lanes_.count + contact_lanes_.count / 4);
   team_.for_blocks(contact_lanes_.count, kGroupsPerBlock, [&](size_t begin, size_t end) {
-    for (size_t g = begin; g < end; ++g) fill(g, contacts, s, kinds, now);
+    for (size_t g = begin; g < end; ++g) fill(g, contacts, s, kinds, now, in.h);
   });
   choose_sprung(s, joints, contacts);
   const typename JointSolver<T>::Bodies bodies{now, slot_, scaled_, body_.size()};

@@ -49,7 +49,7 @@ class ContactSolver {
                  std::span<Contact* const> contacts, std::span<const BodyNow> now, const ForceChange& change,
                  const SolverSettings& settings, const StepInput& in);
   void fill(size_t group, std::span<Contact* const> contacts, const State& s, std::span<const BodyKind> kinds,
-            std::span<const BodyNow> now);
+            std::span<const BodyNow> now, double h);
   void substeps(const State& s, const JointList& joints, const SolverSettings& settings, const StepInput& in);
   void set_turned(size_t body, const Vec3& gyroscopic);
   /// What forces and damping make of a velocity of body i in a substep.
@@ -88,6 +88,10 @@ class ContactSolver {
   void weigh_bodies(Masses masses);
   void weigh_contacts(Masses masses);
   void store_impulses(std::span<Contact* const> contacts, const PenetrationOffsetRule& rule);
+  /// Marks the bodies that motors turn.
+  void find_driven(const State& s, const JointList& joints);
+  /// Lists the balls on surfaces that turn.
+  void find_carried();
   void store_bodies(State& s);
   template <class Body>
   void each_body(Body&& body) {
@@ -135,6 +139,8 @@ class ContactSolver {
   std::vector<uint8_t> many_;  // contacts with more than two points
   std::vector<Bearing> bearings_;
   uint32_t flags_ = 0;                  // of any group
+  std::vector<uint8_t> driven_;         // per index, empty without motors: a motor turns the body
+  std::vector<uint8_t> carried_;        // per index, empty without surfaces that turn
   std::vector<uint8_t> held_, sprung_;  // per index: something else acts on the body; only springs act on it
   bool damped_ = false, springs_ = false, jointed_ = false;
 };

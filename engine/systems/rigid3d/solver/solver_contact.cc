@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/systems/rigid3d/solver/carried.h"
 #include "engine/systems/rigid3d/solver/solver.h"
 #include "engine/systems/rigid3d/turned_surface.h"
 
@@ -20,11 +21,22 @@ Transform turned(const BodyKind& kind, const Rotation& now, const Vec3& spin, do
   return place_after({now, x}, {{}, seen_spin(kind, now, spin)}, ahead);
 }
 
+/// Where the load of the last step acts, or the middle of the points.
+Vec3 pressed_center(const Contact& c) {
+  Vec3 sum;
+  double weight = 0;
+  for (int p = 0; p < c.manifold.count; ++p) {
+    const double w = c.impulse[p] + 1e-12;
+    sum += c.manifold.points[p].position * w, weight += w;
+  }
+  return sum / weight;
+}
+
 }  // namespace
 
 template <class T>
 void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, const State& s,
-                            std::span<const BodyKind> kinds, std::span<const BodyNow> now) {
+                            std::span<const BodyKind> kinds, std::span<const BodyNow> now, double h) {
   const auto kind = s.span<uint32_t>(columns::kind);
   const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
   const auto end = static_cast<uint32_t>(body_.size());
@@ -88,6 +100,16 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
           now[c.b].at.direction(kb.surface_velocity) - now[c.a].at.direction(ka.surface_velocity);
       surface += belt - n * dot(belt, n);
     }
+    // What a motor turns carries other bodies as what is moved from outside.
+    const bool carries = turn != Vec3{} || (!driven_.empty() && g.a[lane] != end && g.b[lane] != end &&
+                                            (driven_[g.a[lane]] || driven_[g.b[lane]]));
+    if (carries) {
+      g.flags |= ContactGroup<T>::kDrifts | ContactGroup<T>::kTurns;
+      const CarriedPair pair{&ka, &kb, &now[c.a], &now[c.b], load3(v, c.a), load3(v, c.b), turn_a, turn_b};
+      const carried::Carried carried = carried_velocity(c, pair, pressed_center(c) - xa, h);
+      set3(in.carried, lane, carried.mean - carried.rate * (0.5 * h)),
+          set3(in.carried_rate, lane, carried.rate);
+    }
     if (surface != Vec3{} || turn != Vec3{}) {
       g.flags |= ContactGroup<T>::kDrifts;
       set3(in.surface, lane, surface), set3(in.surface_turn, lane, turn);
@@ -128,9 +150,9 @@ void ContactSolver<T>::store_impulses(std::span<Contact* const> contacts, const 
 }
 
 template void ContactSolver<float>::fill(size_t, std::span<Contact* const>, const State&,
-                                         std::span<const BodyKind>, std::span<const BodyNow>);
+                                         std::span<const BodyKind>, std::span<const BodyNow>, double);
 template void ContactSolver<double>::fill(size_t, std::span<Contact* const>, const State&,
-                                          std::span<const BodyKind>, std::span<const BodyNow>);
+                                          std::span<const BodyKind>, std::span<const BodyNow>, double);
 template void ContactSolver<float>::store_impulses(std::span<Contact* const>, const PenetrationOffsetRule&);
 template void ContactSolver<double>::store_impulses(std::span<Contact* const>, const PenetrationOffsetRule&);
 

@@ -1,0 +1,50 @@
+// Where a turning body carries a contact within a step. Contacts are found once a step (s) and the solver's
+// rows are linear: a body with the velocity v and the spin w carries what touches it at the arm r along
+// v + w x r, straight on, and what should go round in a circle leaves it by w^2 h r / 2 a second. The mean
+// over a step h of the velocity at the place of the contact is
+//   v + w x (C r + h d / 2),    C = 1/h int_0^h exp(t [W]) dt = 1 + (1 - cos a) / a [n] + (1 - sin a / a)
+//   [n]^2
+// with the spin W = a n / h at which the place itself goes round, and the velocity d by which it moves beyond
+// that. What rests on a turntable goes round with it, W = w and d = 0, and stays for ever: v + w x C r is the
+// chord. Substeps follow the velocity as it changes: friction that had to turn it at once, in the first of
+// them, would slip. The place where a ball touches does not go round with the ball: W = 0.
+#pragma once
+#include <cmath>
+
+#include "engine/math/trig.h"
+#include "engine/math/vec3.h"
+
+namespace truestep::carried {
+
+/// The mean of r over a step in which it turns by `turn` (rad), minus r.
+inline Vec3 mean_turn(const Vec3& turn, const Vec3& r) {
+  const double a2 = norm2(turn);
+  double once, twice;  // (1 - cos a) / a^2, (a - sin a) / a^3
+  if (a2 < 1e-2) {
+    once = 0.5 - a2 * (1.0 / 24 - a2 * (1.0 / 720 - a2 / 40320));
+    twice = 1.0 / 6 - a2 * (1.0 / 120 - a2 * (1.0 / 5040 - a2 / 362880));
+  } else {
+    const double a = std::sqrt(a2);
+    const trig::SinCos turned = trig::sincos(a);
+    once = (1 - turned.cos) / a2, twice = (a - turned.sin) / (a2 * a);
+  }
+  const Vec3 c = cross(turn, r);
+  return c * once + cross(turn, c) * twice;
+}
+
+/// What the velocity of a surface exceeds that of the solver's rows by.
+struct Carried {
+  Vec3 mean;  ///< m/s, in the middle of the step: so that the sum over its substeps is exact
+  Vec3 rate;  ///< m/s^2
+};
+
+/// Of a body with this spin at the place of a contact, beyond spin x solved. `arm` (m) leads there at the
+/// start of the step of h (s), `solved` is the arm of the solver's rows; the place goes round at the rate
+/// `turns` (rad/s) and moves at `drift` (m/s) relative to that and to the body's centre.
+inline Carried excess(const Vec3& spin, const Vec3& arm, const Vec3& solved, const Vec3& turns,
+                      const Vec3& drift, double h) {
+  return {cross(spin, arm + mean_turn(turns * h, arm) + drift * (0.5 * h) - solved),
+          cross(spin, cross(turns, arm) + drift)};
+}
+
+}  // namespace truestep::carried
