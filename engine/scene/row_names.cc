@@ -63,4 +63,20 @@ RowNames row_names(const SceneSystem& system, size_t joints) {
   return {};
 }
 
+std::vector<FirstRow> first_rows(const SceneSystem& system) {
+  std::vector<FirstRow> out;
+  if (system.row->table == &rigid3d::rigid3d_table()) {
+    size_t row = 0;
+    for (const rigid3d::AnyBodyDef& b : static_cast<const rigid3d::Rigid3dDef*>(system.def.get())->bodies) {
+      const rigid3d::BodyDef& body = rigid3d::common(b);
+      const auto n = static_cast<size_t>(rigid3d::body_count(body));
+      if (!body.id.empty()) out.push_back({body.id, row, n});
+      row += n;
+    }
+    return out;
+  }
+  for (NamedRow& n : row_names(system, 0).bodies) out.push_back({std::move(n.id), n.row, 1});
+  return out;
+}
+
 }  // namespace truestep

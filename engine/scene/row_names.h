@@ -19,6 +19,14 @@ struct RowNames {
   } bodies_are = BodiesAre::rows;
 };
 
+/// Where the rows of an entry of "bodies" begin at t = 0, and how many it has.
+struct FirstRow {
+  std::string id;
+  size_t row, count;
+};
+/// Of the bodies that have an id; of the joints of a skeleton.
+std::vector<FirstRow> first_rows(const SceneSystem& system);
+
 /// `joints`: rows of the system's part "joints".
 RowNames row_names(const SceneSystem& system, size_t joints);
 

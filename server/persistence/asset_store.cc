@@ -59,8 +59,7 @@ fs::path AssetStore::owners_path(const std::string& sha256) const {
 std::vector<std::string> AssetStore::owners(const std::string& sha256) const {
   constexpr size_t kMostOwners = size_t{1} << 20;  // bytes
   std::vector<std::string> names;
-  std::error_code failed;
-  if (!fs::exists(owners_path(sha256), failed)) return names;
+  if (!is_regular(owners_path(sha256))) return names;
   const std::string text(text_of(read_file(owners_path(sha256), kMostOwners)));
   for (size_t at = 0; at < text.size();) {
     const size_t end = std::min(text.find('\n', at), text.size());
@@ -77,7 +76,8 @@ void AssetStore::set_owners(const std::string& sha256, const std::vector<std::st
 }
 
 bool AssetStore::put(const std::string& sha256, std::string_view bytes, Kind kind, const net::Caller& owner) {
-  if (folder_.empty()) throw Error("not_found", "this server has no data folder for assets");
+  if (folder_.empty())
+    throw Error("folder_io", "this server's data folder could not be used when it started");
   const std::string actual = net::sha256_hex(bytes);
   if (actual != sha256) {
     throw Error("invalid", "the body has another SHA-256",
@@ -91,7 +91,7 @@ bool AssetStore::put(const std::string& sha256, std::string_view bytes, Kind kin
   }
   const fs::path path = path_of(sha256, kind);
   const std::lock_guard lock(mutex_);
-  if (fs::exists(path)) {
+  if (is_regular(path)) {
     std::vector<std::string> names = owners(sha256);
     // One of an older server belongs to everybody, as it did.
     if (!names.empty() && std::find(names.begin(), names.end(), owner.name) == names.end()) {
@@ -102,7 +102,7 @@ bool AssetStore::put(const std::string& sha256, std::string_view bytes, Kind kin
   }
   std::error_code failed;
   fs::create_directories(folder_, failed);
-  if (failed) throw Error("folder_io", "the assets' folder cannot be created: " + failed.message());
+  if (failed) throw_file_error("make the folder of assets", failed.value());
   if (folder_bytes(folder_) + static_cast<double>(bytes.size()) > most_bytes_)
     throw Error("quota_exceeded", "this server has no room for more assets: DELETE /v1/assets/{sha256} some");
   set_owners(sha256, {owner.name});
@@ -114,7 +114,7 @@ AssetStore::Asset AssetStore::get(const std::string& sha256) const {
   const std::lock_guard lock(mutex_);
   for (const Kind kind : {Kind::json, Kind::file}) {
     const fs::path path = path_of(sha256, kind);
-    if (fs::exists(path)) return {kind, std::string(text_of(read_file(path, kMostBytes)))};
+    if (is_regular(path)) return {kind, std::string(text_of(read_file(path, kMostBytes)))};
   }
   throw no_asset();
 }
@@ -122,7 +122,7 @@ AssetStore::Asset AssetStore::get(const std::string& sha256) const {
 void AssetStore::remove(const std::string& sha256, const net::Caller& caller) {
   const std::lock_guard lock(mutex_);
   bool any = false;
-  for (const Kind kind : {Kind::json, Kind::file}) any = any || fs::exists(path_of(sha256, kind));
+  for (const Kind kind : {Kind::json, Kind::file}) any = any || is_regular(path_of(sha256, kind));
   if (!any) throw no_asset();
   if (std::vector<std::string> names = owners(sha256); !names.empty()) {
     const bool own = std::erase(names, caller.name) > 0;
@@ -136,6 +136,7 @@ void AssetStore::remove(const std::string& sha256, const net::Caller& caller) {
   for (const Kind kind : {Kind::json, Kind::file}) {
     std::error_code failed;
     any = fs::remove(path_of(sha256, kind), failed) || any;
+    if (failed) throw_file_error("remove the asset", failed.value());
   }
   if (!any) throw no_asset();
 }

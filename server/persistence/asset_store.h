@@ -27,8 +27,7 @@ class AssetStore {
   };
 
   /// Keeps the bytes; false: already there. Error "invalid" when their hash differs, "bad_json" or
-  /// "bad_request" when no scene could use them, "quota_exceeded", "disk_full", "folder_io", or "not_found"
-  /// when nothing can be kept.
+  /// "bad_request" when no scene could use them, "quota_exceeded", "disk_full" or "folder_io".
   bool put(const std::string& sha256, std::string_view bytes, Kind kind, const net::Caller& owner);
   /// Error "not_found".
   Asset get(const std::string& sha256) const;

@@ -94,18 +94,14 @@ SessionStore::Begun SessionStore::load(std::string_view id, const net::Caller& c
   return begin_loading(about->id, about->owner, about->scene_hash);
 }
 
-// A session that cannot be kept on disk runs all the same, and says so.
 void SessionStore::keep(SessionEntry& entry) {
+  if (!archive_) return;
   const SceneHeader& header = entry.session.world().scene().header;
   const SessionAbout about{entry.id, entry.owner, header.title.empty() ? header.name : header.title,
                            entry.scene_hash, static_cast<int64_t>(std::time(nullptr))};
-  try {
-    entry.keeper = archive_->keep(about, entry.session, entry.accuracy);
-    entry.keeper->keep_for(entry.recording);
-    entry.session.add_sink(entry.keeper);
-  } catch (const std::exception& e) {
-    log_warn("session {} is not kept: {}", entry.id, e.what());
-  }
+  entry.keeper = archive_->keep(about, entry.session, entry.accuracy);
+  entry.keeper->keep_for(entry.recording);
+  entry.session.add_sink(entry.keeper);
 }
 
 EntryPtr SessionStore::build(Creation& creation, SceneDraft draft, Accuracy accuracy,
@@ -140,7 +136,6 @@ EntryPtr SessionStore::build(Creation& creation, SceneDraft draft, Accuracy accu
   entry->accuracy = std::move(settled.report);
   entry->estimated_step = draft.cost.seconds_per_step;
   prepare(*entry);
-  if (archive_ && creation.kind == Creation::Kind::create) keep(*entry);
   return entry;
 }
 

@@ -80,10 +80,13 @@ class SessionStore {
   void unloaded(const EntryPtr& entry);
   const StoreLimits& limits() const { return limits_; }
 
+  /// Creates the folder of a new session. Error "disk_full" or "folder_io"; it would be lost with the
+  /// process.
+  void keep(SessionEntry& entry);
+
  private:
   void check_room() const;
   Begun begin_loading(const std::string& id, const std::string& owner, uint64_t scene_hash);
-  void keep(SessionEntry& entry);
   EntryPtr build(Creation& creation, SceneDraft draft, Accuracy accuracy,
                  const std::function<void(SessionEntry&)>& prepare);
   StoreLimits limits_;

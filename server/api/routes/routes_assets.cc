@@ -19,6 +19,7 @@ Task<Response> put(App& app, const Request& request) {
   const std::string sha256(request.param("sha256"));
   const auto lease = app.memory.lease(3.5 * static_cast<double>(request.body.size()), "reading the body");
   auto keep = [&app, &request, sha256, kind] {
+    app.require_folder();
     const bool fresh = app.assets.put(sha256, request.body, kind, request.caller);
     const std::string self = "/v1/assets/" + sha256;
     Response r = json_response(

@@ -1,4 +1,5 @@
 // /v1/sessions: create, list, describe, command, end.
+#include "engine/base/log.h"
 #include "engine/scene/gallery.h"
 #include "engine/scene/json/json.h"
 #include "engine/scene/json/json_write.h"
@@ -56,7 +57,7 @@ void start_making(App& app, const CreationPtr& creation, SceneDraft draft) {
   const auto shared = std::make_shared<SceneDraft>(std::move(draft));
   std::function<void()> make = [&app, creation, shared] {
     app.store.make(creation, std::move(*shared), SessionStore::Accuracy::choose,
-                   [&app](SessionEntry& e) { attach_recording(app, e); });
+                   [&app](SessionEntry& e) { begin_keeping(app, e); });
   };
   if (heavy)
     app.runner.start_long_work(make);
@@ -155,7 +156,12 @@ Task<Response> end(App& app, const Request& request) {
     entry->session.say_bye("unknown_session", "the session has been deleted");
     app.runner.interrupt(*entry);
     entry->session.pause();
-    if (entry->recording) finish_recording(app, *entry);
+    try {
+      if (entry->recording) finish_recording(app, *entry);
+    } catch (const Error& error) {
+      // Its file has been removed, for example; the session has ended all the same.
+      log_warn("recording {}: {}", entry->recording_id, error.what());
+    }
     return Response(204);
   };
   co_return co_await offload(app.runner.pool(), std::move(finish));

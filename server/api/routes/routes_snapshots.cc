@@ -5,6 +5,7 @@
 #include "engine/session/snapshot/snapshot.h"
 #include "server/api/recordings.h"
 #include "server/api/requests.h"
+#include "server/api/restoring.h"
 #include "server/api/session_answers.h"
 #include "server/persistence/sessions/session_keeper.h"
 
@@ -49,6 +50,7 @@ Task<Response> keep_snapshot(App& app, const Request& request) {
     const std::string hash = hex64(state.hash());
     const std::string sid = uploaded ? "upload-" + hash : "step-" + std::to_string(state.step);
     if (e.keeper) {
+      app.require_folder();
       const Bytes made = uploaded ? Bytes() : write_snapshot(e.session.world(), state);
       const auto file = uploaded ? bytes_of(request) : std::span<const std::byte>(made);
       app.archive->require_room(static_cast<double>(file.size()));
@@ -104,7 +106,7 @@ Task<Response> branch(App& app, const Request& request) {
                                            SessionStore::Accuracy::chosen, [&](SessionEntry& e) {
                                              e.accuracy = std::move(accuracy);
                                              e.session.restore(std::move(state));
-                                             attach_recording(app, e);
+                                             begin_keeping(app, e);
                                            });
     const std::lock_guard lock(made->mutex);
     Response r = json_response(describe_session(*made), 201);

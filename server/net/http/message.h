@@ -88,7 +88,7 @@ class Request {
 /// Bytes of an open file; the descriptor closes with the last copy.
 class FileBody {
  public:
-  /// Opens for reading. Throws Error("not_found") when that fails or it is no regular file.
+  /// Opens for reading. Throws Error("not_found") when that fails or it is no regular file; a link is none.
   static FileBody open(const std::string& path);
   int fd() const { return *fd_; }
   uint64_t size() const { return size_; }
