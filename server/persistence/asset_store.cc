@@ -122,7 +122,7 @@ AssetStore::Asset AssetStore::get(const std::string& sha256) const {
 void AssetStore::remove(const std::string& sha256, const net::Caller& caller) {
   const std::lock_guard lock(mutex_);
   bool any = false;
-  for (const Kind kind : {Kind::json, Kind::file}) any = any || fs::exists(path_of(sha256, kind));
+  for (const Kind kind : {Kind::json, Kind::file}) any = any || is_regular(path_of(sha256, kind));
   if (!any) throw no_asset();
   if (std::vector<std::string> names = owners(sha256); !names.empty()) {
     const bool own = std::erase(names, caller.name) > 0;

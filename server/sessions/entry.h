@@ -110,9 +110,6 @@ struct SessionEntry {
     profiled_until = Clock::now() + time;
     if (!session.computing_aside()) session.start_profiling();
   }
-  /// After a batch of steps, under the lock: reports memory use to the budget, stops profiling that nobody
-  /// reads, and says so when the recording has ended for want of room.
-  void settle();
   /// f(entry) under the lock. Error "unknown_session" when a client deletes the session before or meanwhile.
   template <class F>
   auto use(const F& f) {
@@ -128,6 +125,9 @@ struct SessionEntry {
   void require_there() const {
     if (deleted) throw Error("unknown_session", "there is no session with this id");
   }
+  /// After a batch of steps, under the lock: reports memory use to the budget, stops profiling that nobody
+  /// reads, and says so when the recording has ended for want of room.
+  void settle();
   /// Before a client is told of the present step: makes it survive the process. Under the lock.
   void acknowledge();
   /// Whether that would do nothing.
