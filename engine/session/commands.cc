@@ -68,6 +68,8 @@ DefTable parameter_table() {
       .required()
       .text("name", &C::name, "the parameter")
       .required()
+      .integer("index", &C::index, kIndex,
+               "row of the body or joint, where the parameter is one of such; -1: none")
       .number("value", &C::value, "", any(), "new value in SI")
       .vector("vector", &C::vector, "", any(), "new value of a vector parameter in SI")
       .build();
