@@ -261,6 +261,10 @@ void SceneCheck::compare(size_t of_case, std::optional<size_t> control,
     const auto axis = std::find_if(test_.vary.begin(), test_.vary.end(),
                                    [&](const TestAxis& x) { return x.name == a.over; });
     for (const auto& group : groups(static_cast<size_t>(axis - test_.vary.begin()), of_case, control)) {
+      if (a.order) {
+        compare_order(a, group, out);
+        continue;
+      }
       double least = INFINITY, most = -INFINITY;
       for (const Run* run : group) {
         const double v = measured(run->result, a.quantity).value_or(NAN);
@@ -271,6 +275,25 @@ void SceneCheck::compare(size_t of_case, std::optional<size_t> control,
         out.push_back({group[0]->label, kAgree, most - least, "at most " + number(a.tolerance),
                        a.quantity + " differs over " + a.over});
     }
+  }
+}
+
+// From each run to the next of a group.
+void SceneCheck::compare_order(const TestAgreement& a, const std::vector<const Run*>& group,
+                               std::vector<CheckFinding>& out) const {
+  const auto axis =
+      std::find_if(test_.vary.begin(), test_.vary.end(), [&](const TestAxis& x) { return x.name == a.over; });
+  const auto at = static_cast<size_t>(axis - test_.vary.begin());
+  const auto over = [&](const Run& run) {
+    const json::value& v = axis->steps[run.at[at]].value;
+    return v.is_number() ? v.to_number<double>() : NAN;
+  };
+  for (size_t k = 1; k < group.size(); ++k) {
+    const auto of = [&](size_t i) { return measured(group[i]->result, a.quantity).value_or(NAN); };
+    const double order = std::log(of(k) / of(k - 1)) / std::log(over(*group[k]) / over(*group[k - 1]));
+    if (std::abs(order - *a.order) <= a.tolerance) continue;
+    out.push_back({group[k]->label, kAgree, order, number(*a.order) + " +- " + number(a.tolerance),
+                   a.quantity + " grows as another power of " + a.over});
   }
 }
 
