@@ -1,5 +1,5 @@
-// The energy of a chain of rods on springs is in error by the square of the step; a prescribed step that it
-// cannot sustain is reported. (That it conserves its energy at any step is in tests/scenes/chains.)
+// A step prescribed for a chain of rods that it cannot sustain is reported. (Its energies are in
+// tests/scenes/chains.)
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
