@@ -6,7 +6,7 @@
 namespace truestep {
 
 void advance_dop853(Advance& in) {
-  advance_pair<kDop853Tableau, Sums::compensated, 12>(
+  advance_pair<kDop853Tableau, Sums::compensated, 4, 8, 12>(
       in, {.q = 8, .beta = 0, .safety = 0.9, .shrink = 1.0 / 3, .grow = 6});
 }
 

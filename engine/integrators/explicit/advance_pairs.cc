@@ -13,7 +13,7 @@ namespace {
 template <const Tableau& T>
 void advance_fixed(Advance& in) {
   if (in.f.size() > 4) {
-    TableauMethod method(T, in);
+    ExplicitPair<T, 0, Sums::plain> method(in);
     return drive_fixed(in, method);
   }
   ExplicitPair<T, 4, Sums::plain> method(in);
@@ -43,14 +43,14 @@ void advance_rk4(Advance& in) {
   advance_fixed<kRk4Tableau>(in);
 }
 void advance_step_doubling(Advance& in) {
-  TableauMethod pair(kStepDoublingTableau, in);
-  drive<AdaptiveMethod>(in, pair, {.q = 5, .beta = 0});
+  ExplicitPair<kStepDoublingTableau, 0, Sums::plain> pair(in);
+  drive(in, pair, {.q = 5, .beta = 0});
 }
 void advance_bs32(Advance& in) {
-  advance_few<kBs32Tableau, 4, 12>(in, {.q = 3});
+  advance_pair<kBs32Tableau, Sums::plain, 4, 8, 12>(in, {.q = 3});
 }
 void advance_rkf45(Advance& in) {
-  advance_few<kRkf45Tableau, 4>(in, {.q = 5});
+  advance_pair<kRkf45Tableau, Sums::plain, 4, 8>(in, {.q = 5});
 }
 
 }  // namespace truestep

@@ -5,7 +5,7 @@
 namespace truestep {
 
 void advance_tsit5(Advance& in) {
-  advance_pair<kTsit5Tableau, Sums::plain, 2, 4, 12>(in, {.q = 5});
+  advance_pair<kTsit5Tableau, Sums::plain, 4, 8, 12>(in, {.q = 5});
 }
 
 }  // namespace truestep

@@ -16,9 +16,11 @@ namespace truestep {
 /// The order in which `sum` adds: eight lanes, or halves upon halves, the first with the last.
 enum class SumOrder : uint8_t { lanes, halves };
 
+/// The most elements that are added in halves.
+inline constexpr size_t kMostHalved = 12;
 /// In which explicit pairs add the squares of n errors.
 inline SumOrder order_of_sums(size_t n) {
-  return n <= 4 || n == 6 || n == 8 || n == 12 ? SumOrder::halves : SumOrder::lanes;
+  return n <= 4 || n == 6 || n == 8 || n == kMostHalved ? SumOrder::halves : SumOrder::lanes;
 }
 
 /// Elements of n in whole vector registers.
@@ -35,6 +37,8 @@ double halved(std::array<double, N>& terms, size_t n) {
   }
   return terms[0];
 }
+/// The same of the n <= 12 first, which come with whatever stands behind them.
+double halved_few(std::array<double, kMostHalved>& terms, size_t n);
 }  // namespace detail
 
 /// N: the number of elements where the method knows it as well.
@@ -77,17 +81,24 @@ class Arrays {
   alignas(32) std::array<std::array<double, W>, Count> data_{};
 };
 
+/// The zeros behind the last up to a whole vector register are looped over as well, so that loops have no
+/// rest.
 template <size_t Count>
 class Arrays<0, Count, 0> {
  public:
-  /// `count`: those that are used of Count.
-  Arrays(const Advance& in, std::string_view key, size_t n, SumOrder order = SumOrder::lanes,
-         size_t count = Count)
-      : n_(n), order_(order), arena_(n > kBlock ? in.arena : nullptr), workspace_(in.workspace) {
+  Arrays(const Advance& in, std::string_view key, size_t n, SumOrder order = SumOrder::lanes)
+      : n_(n),
+        width_((n + 3) / 4 * 4),
+        order_(order),
+        arena_(n > kBlock ? in.arena : nullptr),
+        workspace_(in.workspace) {
     // Whole cache lines each, so that loops over different arrays are equally aligned.
     const size_t stride = (n + 7) / 8 * 8;
-    double* data = in.workspace.doubles(key, stride * count).data();
-    for (size_t i = 0; i < count; ++i) data_[i] = data + i * stride;
+    double* data = in.workspace.doubles(key, stride * Count).data();
+    for (size_t i = 0; i < Count; ++i) {
+      data_[i] = data + i * stride;
+      std::fill(data_[i] + n, data_[i] + width_, 0.0);
+    }
   }
   double* operator[](size_t i) { return data_[i]; }
   const double* operator[](size_t i) const { return data_[i]; }
@@ -97,9 +108,9 @@ class Arrays<0, Count, 0> {
   template <class Body>
   void loop(Body body) const {
     if (arena_) {
-      arena_->for_blocks(n_, kBlock, [body](size_t begin, size_t end) { run(begin, end, body); });
+      arena_->for_blocks(width_, kBlock, [body](size_t begin, size_t end) { run(begin, end, body); });
     } else {
-      run(0, n_, body);
+      run(0, width_, body);
     }
   }
   /// In lanes with an arena for each block: the same on every machine and for any number of threads.
@@ -124,8 +135,9 @@ class Arrays<0, Count, 0> {
   // loop that calls is not vectorised. By value: what a copy refers to is read once, not in each iteration.
   template <class Body>
   [[gnu::flatten]] static void run(size_t begin, size_t end, Body body) {
+    const size_t quarters = (end - begin) / 4;
 #pragma GCC ivdep
-    for (size_t i = begin; i < end; ++i) body(i);
+    for (size_t i = 0; i < 4 * quarters; ++i) body(begin + i);
   }
   template <class Term>
   [[gnu::flatten]] static double sum_of(size_t begin, size_t end, Term term) {
@@ -139,13 +151,14 @@ class Arrays<0, Count, 0> {
   }
 
   template <class Term>
-  [[gnu::noinline, gnu::cold]] static double sum_of_few(size_t n, Term term) {
-    std::array<double, 12> terms{};
-    for (size_t i = 0; i < n; ++i) terms[i] = term(i);
-    return detail::halved(terms, width_of(n));
+  [[gnu::flatten]] static double sum_of_few(size_t n, Term term) {
+    std::array<double, kMostHalved> terms;
+    const size_t quarters = (n + 3) / 4;
+    for (size_t i = 0; i < 4 * quarters; ++i) terms[i] = term(i);
+    return detail::halved_few(terms, n);
   }
 
-  size_t n_;
+  size_t n_, width_;
   SumOrder order_;
   const ThreadArena* arena_;
   Workspace& workspace_;

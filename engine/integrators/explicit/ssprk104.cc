@@ -122,7 +122,7 @@ void advance_ssprk104(Advance& in) {
   // When stability limits the step, a stronger proportional part settles it at the limit without rejections,
   // and extrapolating would only disturb it.
   constexpr step_control::Law kLaw{.q = 4, .beta = 0.1, .foresight = 0};
-  if (in.f.size() <= 64) return advance_few<kSsprk104Tableau, 4, 12>(in, kLaw);
+  if (in.f.size() <= 64) return advance_pair<kSsprk104Tableau, Sums::plain, 4, 8>(in, kLaw);
   LowStorage method(in);
   drive<AdaptiveMethod>(in, method, kLaw);
 }

@@ -1,6 +1,5 @@
 // Explicit Runge-Kutta methods as data, one per named method and the only place for their coefficients: fixed
-// steps of force fields (runge_kutta.h) and everything else (explicit_pair.h, tableau_method.h) read the
-// same.
+// steps of force fields (runge_kutta.h) and everything else (explicit_pair.h) read the same.
 //   K_i = f(t + c_i h, y + h sum_j a_ij K_j),   y' = y + h sum_i b_i K_i,   error = h sum_i e_i K_i.
 // Low orders: Hairer, Norsett, Wanner 1993, tables II.1.1 and II.1.2. Pairs: Bogacki, Shampine 1989, "A 3(2)
 // pair of Runge-Kutta formulas"; Fehlberg 1969, table III (formula 2, propagating order 5 as Shampine and
