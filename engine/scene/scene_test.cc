@@ -72,8 +72,12 @@ const DefTable& agreement_table() {
           .required()
           .text("over", &TestAgreement::over, "name in `vary`: runs are compared that differ only in it")
           .required()
+          .number(
+              "order", &TestAgreement::order, "1", any(),
+              "the quantity grows as this power of the numbers in `over`, from each to the next; absent: it "
+              "is the same")
           .number("tolerance", &TestAgreement::tolerance, "", at_least(0),
-                  "allowed difference of the largest and the least, in the quantity's unit")
+                  "allowed difference of the largest and the least, in the quantity's unit, or of the order")
           .build();
   return t;
 }

@@ -75,10 +75,11 @@ struct TestControl {
   std::string of;  ///< the case that it changes; empty: the first
 };
 
-/// A quantity that runs share which differ only in `over`.
+/// A quantity that runs share which differ only in `over`, or that grows as a power of it.
 struct TestAgreement {
   std::string quantity, over;
-  double tolerance = 0;  ///< largest minus least, in the quantity's unit
+  std::optional<double> order;  ///< of the power; empty: they share it
+  double tolerance = 0;         ///< largest minus least, in the quantity's unit; or of the order
 };
 
 struct SceneTest {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the house rules: order of includes and calls, one definition a type, file and folder sizes, head comments, flags, names of one file, choices of the build, libm imports, README's folder table.
+"""Checks the house rules: order of includes and calls, one definition a type, file and folder sizes, head comments, flags, names of one file, choices of the build, controls of scene tests, libm imports, README's folder table.
 
 check.py [--build DIR] [--in PATH...] [RULE...]     prints one line per finding, exit code 1 when one is no warning.
 Without a build folder the rules that read object files are left out (the pre-commit hook does that).
@@ -10,6 +10,7 @@ from pathlib import Path
 
 import anonymous
 import choices
+import controls
 import files
 import includes
 import names
@@ -27,6 +28,7 @@ RULES = {
     "flags": files.check_flags,
     "anonymous": anonymous.check,
     "choices": choices.check,
+    "controls": controls.check,
     "libm": symbols.check,
     "calls": symbols.check_calls,
 }

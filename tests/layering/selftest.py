@@ -55,6 +55,8 @@ FAULTS = [
     ("flags", "cmake/options.cmake", "add_compile_options(-march=native)\n", "one machine's instructions"),
     ("anonymous", "engine/systems/sph/state.cc", HEAD + "namespace truestep::sph {\nnamespace {\nconstexpr int kRest{1}, kOwn = 2;\n}\n}\n", "a name of a file beside it"),
     ("anonymous", "engine/systems/sph/step.cc", "#define SPH_ROWS 3\n", "a macro that goes on in the next file"),
+    ("controls", "tests/scenes/rigid/drop.json", '{"test": {"vary": {"dt": [0.1]}}}\n', "a scene test without a control"),
+    ("controls", "tests/scenes/refused/drop.json", '{"test": {"cases": [{"refused": {}}]}}\n', "refusals without a sound scene"),
     ("choices", "engine/systems/sph/step.cc", "#ifdef TRUESTEP_KLU\n#endif\n", "a library where it was installed"),
     ("choices", "engine/systems/sph/step.cc", "#if __has_include(<klu.h>)\n#endif\n", "a header where it was installed"),
     ("choices", "cmake/dependencies.cmake", 'option(TRUESTEP_KLU "Sparse" ${klu_is_present})\n', "an option by what is installed"),

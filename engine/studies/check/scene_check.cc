@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
-#include "engine/base/hash.h"
 #include "engine/scene/json/json_write.h"
+#include "engine/studies/check/comparisons.h"
 #include "engine/studies/check/refusals.h"
 #include "engine/studies/scene_variant.h"
 
@@ -14,13 +14,6 @@ namespace truestep {
 namespace json = boost::json;
 
 namespace {
-
-constexpr const char* kSame = "same";
-constexpr const char* kAgree = "agree";
-
-bool keeps_bits(const std::string& axis) {
-  return axis == "threads" || axis == "resumed";
-}
 
 [[noreturn]] void refuse(const std::string& what, const std::string& value) {
   throw Error("scene_invalid", what, {{"/test", "bad_change", what, value, "", "", ""}});
@@ -79,23 +72,12 @@ std::string joined(const std::string& a, const std::string& b) {
   return a.empty() || b.empty() ? a + b : a + ", " + b;
 }
 
-std::string number(double x) {
-  return write_json(json::value(x));
-}
-
 std::string bounds(const ExpectParams& e) {
   std::string out;
   if (e.min) out = joined(out, "at least " + number(*e.min));
   if (e.max) out = joined(out, "at most " + number(*e.max));
   if (e.equals) out = joined(out, "equal to " + number(*e.equals) + " +- " + number(e.tolerance));
   return out;
-}
-
-std::optional<double> measured(const TrialResult& r, const std::string& quantity) {
-  for (const Verdict& v : r.verdicts) {
-    if (v.expected.quantity == quantity) return v.measured;
-  }
-  return std::nullopt;
 }
 
 }  // namespace
@@ -221,59 +203,6 @@ void SceneCheck::judge(const Run& run, std::vector<CheckFinding>& out) const {
   }
 }
 
-// Runs of a case (and control) that differ only in one axis, in groups.
-std::vector<std::vector<const SceneCheck::Run*>> SceneCheck::groups(size_t axis, size_t of_case,
-                                                                    std::optional<size_t> control) const {
-  std::vector<std::vector<const Run*>> out;
-  const auto alike = [axis](const Run& a, const Run& b) {
-    for (size_t k = 0; k < a.at.size(); ++k) {
-      if (k != axis && a.at[k] != b.at[k]) return false;
-    }
-    return true;
-  };
-  for (const Run& run : runs_) {
-    if (run.of_case != of_case || run.control != control || run.result.refusal) continue;
-    const auto group = std::find_if(out.begin(), out.end(), [&](const auto& g) { return alike(*g[0], run); });
-    if (group == out.end()) {
-      out.push_back({&run});
-    } else {
-      group->push_back(&run);
-    }
-  }
-  return out;
-}
-
-void SceneCheck::compare(size_t of_case, std::optional<size_t> control,
-                         std::vector<CheckFinding>& out) const {
-  for (size_t axis = 0; axis < test_.vary.size(); ++axis) {
-    const std::string& name = test_.vary[axis].name;
-    if (!keeps_bits(name) && std::find(test_.same.begin(), test_.same.end(), name) == test_.same.end())
-      continue;
-    for (const auto& group : groups(axis, of_case, control)) {
-      for (const Run* run : group) {
-        if (run->result.hash == group[0]->result.hash) continue;
-        out.push_back({run->label, kSame, std::nullopt, "the same bits for every " + name,
-                       hex64(run->result.hash) + ", not " + hex64(group[0]->result.hash)});
-      }
-    }
-  }
-  for (const TestAgreement& a : test_.agree) {
-    const auto axis = std::find_if(test_.vary.begin(), test_.vary.end(),
-                                   [&](const TestAxis& x) { return x.name == a.over; });
-    for (const auto& group : groups(static_cast<size_t>(axis - test_.vary.begin()), of_case, control)) {
-      double least = INFINITY, most = -INFINITY;
-      for (const Run* run : group) {
-        const double v = measured(run->result, a.quantity).value_or(NAN);
-        if (!(std::abs(v) < INFINITY)) least = -INFINITY;
-        least = std::min(least, v), most = std::max(most, v);
-      }
-      if (!(most - least <= a.tolerance))
-        out.push_back({group[0]->label, kAgree, most - least, "at most " + number(a.tolerance),
-                       a.quantity + " differs over " + a.over});
-    }
-  }
-}
-
 // What a control makes fail must be what it names.
 void SceneCheck::judge_control(size_t control, std::vector<CheckFinding>& out) const {
   std::vector<CheckFinding> missed;
@@ -282,9 +211,12 @@ void SceneCheck::judge_control(size_t control, std::vector<CheckFinding>& out) c
     if (run.control != control) continue;
     judge(run, missed);
     label = run.label;
-    if (missed.empty()) compare(run.of_case, control, missed);
   }
   const TestControl& k = test_.controls[control];
+  const auto named = [&](const TestCase& c) { return c.name == k.of; };
+  const auto of = std::find_if(test_.cases.begin(), test_.cases.end(), named);
+  compare(k.of.empty() || of == test_.cases.end() ? 0 : static_cast<size_t>(of - test_.cases.begin()),
+          control, missed);
   const auto misses = [&](const std::string& quantity) {
     return std::any_of(missed.begin(), missed.end(),
                        [&](const CheckFinding& f) { return f.quantity == quantity; });

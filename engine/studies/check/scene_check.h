@@ -50,6 +50,8 @@ class SceneCheck {
   bool varies(size_t axis, std::optional<size_t> control) const;
   void judge(const Run& run, std::vector<CheckFinding>& out) const;
   void compare(size_t of_case, std::optional<size_t> control, std::vector<CheckFinding>& out) const;
+  void compare_order(const TestAgreement& a, const std::vector<const Run*>& group,
+                     std::vector<CheckFinding>& out) const;
   void judge_control(size_t control, std::vector<CheckFinding>& out) const;
   std::vector<std::vector<const Run*>> groups(size_t axis, size_t of_case,
                                               std::optional<size_t> control) const;

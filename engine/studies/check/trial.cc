@@ -102,7 +102,7 @@ class Run {
     const TestCommand& c = trial_.commands[index];
     const std::string name = "command " + std::to_string(index) + ' ';
     try {
-      session_->command(read_command(c.command));
+      session_->command(read_command_for(session_->world(), session_->state(), c.command));
     } catch (const Error& e) {
       if (!c.refused) throw;
       const std::vector<Issue> faults = faults_of(e);

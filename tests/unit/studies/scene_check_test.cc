@@ -70,6 +70,20 @@ TEST(SceneCheck, ComparesBitsAndValues) {
       1u);
 }
 
+// g t^2 / 2 grows with the square of the duration.
+TEST(SceneCheck, QuantitiesGrowAsPowers) {
+  const auto order = [](const char* n) {
+    return findings(
+               R"({"cases": [{"expect": [{"quantity": "ball.position.y", "max": 0}]}], "vary": {"/time/duration": [0.5, 1, 2]},
+      "agree": [{"quantity": "ball.position.y", "over": "/time/duration", "tolerance": 0.05, "order": )" +
+                   std::string(n) + "}]}",
+               3)
+        .size();
+  };
+  EXPECT_EQ(order("2"), 0u);
+  EXPECT_EQ(order("1.8"), 2u);
+}
+
 TEST(SceneCheck, ScenesThatMustBeRefusedAndCases) {
   const std::string refused = R"({"cases": [{}, {"name": "no size", "set": {"/systems/0/bodies/0/radius": -1},
     "refused": {"code": "out_of_range", "pointer": "/systems/0/bodies/0/radius"}},

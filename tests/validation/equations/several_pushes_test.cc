@@ -1,5 +1,5 @@
-// Several pushes at once on systems of joints and on the oscillator: their forces add up, each ends at its
-// own time, and what these systems do not have, a drag or a pin, is refused by name.
+// Several pushes at once on different masses of a chain, and states with pushes on rows that there are not.
+// (What several pushes on one row do is in tests/scenes/chains.)
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -37,34 +37,8 @@ const std::string kRod = R"({"type": "articulation", "id": "a", "links": [{"join
     "axis": [0, 0, 1], "mass": 3, "center": [0.5, 0, 0], "inertia": [0.01, 0.25, 0.25]}]})";
 const Case kCases[] = {{kOscillator, 0, 0}, {kPendulum, 2, 1}, {kRod, 0, 0}};
 
-// Forces are summed in another order: a few roundings.
-TEST(SeveralPushes, AddUpToTheSumOfTheirForces) {
-  const Vec3 first{1, 2, 0}, second{2, -1, 0};
-  for (const Case& c : kCases) {
-    Pushed both(c.system), sum(c.system), last(c.system);
-    both.push(c.row, first, 1), both.push(c.row, second, 1);
-    sum.push(c.row, first + second, 1);
-    last.push(c.row, second, 1);
-    for (Pushed* p : {&both, &sum, &last}) p->steps(10);
-    EXPECT_NEAR(both.rate(c.rate), sum.rate(c.rate), 1e-12) << c.system;
-    EXPECT_GT(std::abs(last.rate(c.rate) - sum.rate(c.rate)), 1e-3) << "the control: " << c.system;
-  }
-}
-
-// Without a spring, momentum is the sum of the forces times their durations.
-TEST(SeveralPushes, EndEachAtItsTime) {
-  Pushed o(kOscillator);
-  o.push(0, {3, 0, 0}, 5 * kPushStep), o.push(0, {1, 0, 0}, 10 * kPushStep), o.push(0, {7, 0, 0}, 0);
-  o.steps(1);
-  EXPECT_NEAR(2 * o.rate(0), (3 + 1 + 7) * kPushStep, 1e-14);
-  o.steps(4);
-  EXPECT_NEAR(2 * o.rate(0), (3 * 5 + 1 * 5 + 7) * kPushStep, 1e-14);
-  o.steps(10);
-  EXPECT_NEAR(2 * o.rate(0), (3 * 5 + 1 * 10 + 7) * kPushStep, 1e-14);
-}
-
-// On different masses of a chain that hangs straight, and at different points of a rod: the rates are the sum
-// of those by each alone, but for the turning within a step (angles of 1e-4, squared).
+// On different masses of a chain that hangs straight: the rates are the sum of those by each alone, but for
+// the turning within a step (angles of 1e-4, squared).
 TEST(SeveralPushes, ActWhereEachOfThemIs) {
   const std::string chain = R"({"type": "pendulum", "id": "p", "links": 3, "angle": 0, "mass": 1})";
   Pushed both(chain), one(chain), other(chain);
@@ -73,28 +47,6 @@ TEST(SeveralPushes, ActWhereEachOfThemIs) {
   for (Pushed* p : {&both, &one, &other}) p->steps(1);
   for (size_t k = 0; k < 3; ++k) EXPECT_NEAR(both.rate(k), one.rate(k) + other.rate(k), 1e-7) << k;
   EXPECT_GT(std::abs(one.rate(0)), 1e-3);
-
-  Pushed rod(kRod);
-  rod.push(0, {0, 2, 0}, kPushStep, Vec3{0.25, 0, 0}), rod.push(0, {0, 4, 0}, kPushStep, Vec3{1, 0, 0});
-  rod.steps(1);
-  EXPECT_NEAR(rod.rate(0), kPushStep * (2 * 0.25 + 4 * 1) / (0.25 + 3 * 0.25), 1e-6);
-}
-
-TEST(SeveralPushes, WhatASystemDoesNotHaveIsRefusedByName) {
-  for (const Case& c : kCases) {
-    for (const CommandKind kind : {CommandKind::drag, CommandKind::release, CommandKind::pin}) {
-      Pushed p(c.system);
-      Command command;
-      command.kind = kind, command.index = c.row;
-      try {
-        p.world.system(0).apply(p.state.systems[0], command);
-        ADD_FAILURE() << c.system;
-      } catch (const Error& e) {
-        EXPECT_EQ(e.issues().at(0).pointer, "/type") << c.system;
-        EXPECT_EQ(e.issues().at(0).allowed, "push, impulse, set_parameter") << c.system;
-      }
-    }
-  }
 }
 
 // From outside: a push on a row that does not exist, or without a force, must not reach a step.
