@@ -109,9 +109,10 @@ void read_system(const json::value& v, size_t index, Scene& scene, SceneReport& 
   constexpr std::string_view kOwn[] = {"type", "id"};
   const size_t known = errors.size();
   const auto with_rows = with_own_rows(v.as_object(), *row, where, errors);
+  const bool unknown_rows = errors.size() > known;
   system.reading =
       read_params(*row->table, system.def.get(), with_rows ? *with_rows : v.as_object(), where, kOwn, errors);
-  if (errors.size() > known) system.reading = Reading::faulty;
+  if (unknown_rows) system.reading = Reading::faulty;
   // A sound system is built and reports its methods itself, except for methods that serve only this type.
   const bool asked_here = system.reading == Reading::faulty || !row->own_integrators.empty();
   if (asked_here && unknown_method(v.as_object(), *row, where, errors)) system.reading = Reading::faulty;
@@ -155,8 +156,9 @@ void read_coupling(const json::value& v, size_t index, Scene& scene, SceneReport
   const size_t known = errors.size();
   const json::object with_rows =
       sides ? with_rows_of_sides(o, *row, scene.systems[c.a], scene.systems[c.b], where, errors) : o;
+  const bool unknown_rows = errors.size() > known;
   c.reading = read_params(*row->table, c.def.get(), with_rows, where, kOwn, errors);
-  if (!sides || errors.size() > known) c.reading = Reading::faulty;
+  if (!sides || unknown_rows) c.reading = Reading::faulty;
   scene.couplings.push_back(std::move(c));
 }
 

@@ -10,7 +10,11 @@
 namespace truestep {
 namespace {
 
-using namespace fem;
+using fem::Cell;
+using fem::FemColumns;
+using fem::FemDef;
+using fem::Law;
+using fem::Meeting;
 using testing_rig::FemRun;
 
 FemDef block(const Vec3& size, Cell cell) {

@@ -69,7 +69,7 @@ Energies reflected(const Law& law) {
 
 /// Energies of the scene after kDuration, in steps of its dt / parts.
 Energies simulated(int parts) {
-  std::ifstream file(std::string(TRUESTEP_SOURCE_DIR) + "/scenes/box_of_particles.json");
+  std::ifstream file(TRUESTEP_SOURCE_DIR "/scenes/box_of_particles.json");
   std::stringstream text;
   text << file.rdbuf();
   boost::json::value document = parse_json(text.str());
