@@ -1,10 +1,13 @@
-// What a shared address contains: the session while it lives, and after # how to recreate it: the scene (a gallery name
-// or its packed text), the time, the camera.
+// Addresses of the viewer. `?gallery=NAME` or `#s=` with a packed scene says how to make a run, `?session=ID` shares the
+// control of a session, `?watch=ID` only follows it; after # stand the time and the camera, too.
 import type { Scene } from "../client/rest";
 
-export interface Shared {
+export interface Asked {
+  watch?: string;
+  session?: string;
   gallery?: string;
-  scene?: Scene;
+  /** A scene as packScene writes it. */
+  packed?: string;
   time?: number;
   eye?: number[];
   target?: number[];
@@ -28,36 +31,48 @@ export async function packScene(scene: Scene): Promise<string | undefined> {
   return text.length <= kLongest ? text : undefined;
 }
 
-async function unpackScene(text: string): Promise<Scene> {
+/** The scene of such characters; throws where they are not one, for example cut off. */
+export async function unpackScene(text: string): Promise<Scene> {
   const bytes = Uint8Array.from(atob(text.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
   return JSON.parse(new TextDecoder().decode(await through(bytes, new DecompressionStream("deflate-raw") as never))) as Scene;
 }
 
-/** Parses the part of the address after #; empty if it says nothing. */
-export async function readShared(hash: string): Promise<Shared> {
+/** Parses an address's parts after ? and #. */
+export function readAddress(search: string, hash: string): Asked {
+  const query = new URLSearchParams(search);
   const said = new URLSearchParams(hash.replace(/^#/, ""));
-  const shared: Shared = {};
-  const gallery = said.get("scene");
+  const asked: Asked = {};
+  const watch = query.get("watch");
+  const session = query.get("session");
+  const gallery = query.get("gallery") ?? said.get("scene");
   const packed = said.get("s");
-  if (gallery) shared.gallery = gallery;
-  else if (packed) shared.scene = await unpackScene(packed).catch(() => undefined);
+  if (watch) asked.watch = watch;
+  else if (session) asked.session = session;
+  if (gallery) asked.gallery = gallery;
+  else if (packed) asked.packed = packed;
   const time = Number(said.get("t") ?? Number.NaN);
-  if (time > 0 && Number.isFinite(time)) shared.time = time;
+  if (time > 0 && Number.isFinite(time)) asked.time = time;
   const eye = vector(said.get("eye"));
   const target = vector(said.get("target"));
-  if (eye && target) Object.assign(shared, { eye, target });
-  return shared;
+  if (eye && target) Object.assign(asked, { eye, target });
+  return asked;
 }
 
 const short = (numbers: number[]): string => numbers.map((x) => String(+x.toPrecision(5))).join(",");
 
-/** The part after # for what is on the screen; `packed` is the scene's text, unless a gallery name suffices. */
-export function writeShared({ gallery, packed, time, eye, target }: { gallery?: string | undefined; packed?: string | undefined; time: number; eye?: number[]; target?: number[] }): string {
+type Shown = { [K in keyof Asked]?: Asked[K] | undefined };
+
+/** The address of what is on the screen; "/" where nothing says how to make it. */
+export function writeAddress({ watch, session, gallery, packed, time = 0, eye, target }: Shown): string {
+  const open = watch ?? session;
+  const query = open !== undefined ? `?${watch !== undefined ? "watch" : "session"}=${encodeURIComponent(open)}` : gallery ? `?gallery=${encodeURIComponent(gallery)}` : "";
   const parts: string[] = [];
-  if (gallery) parts.push(`scene=${encodeURIComponent(gallery)}`);
-  else if (packed) parts.push(`s=${packed}`);
-  if (parts.length === 0) return "";
-  if (time > 0) parts.push(`t=${+time.toPrecision(7)}`);
+  if (watch === undefined) {
+    if (gallery && session !== undefined) parts.push(`scene=${encodeURIComponent(gallery)}`);
+    else if (!gallery && packed) parts.push(`s=${packed}`);
+    else if (!gallery) return `/${query}`;
+    if (time > 0) parts.push(`t=${+time.toPrecision(7)}`);
+  }
   if (eye && target) parts.push(`eye=${short(eye)}`, `target=${short(target)}`);
-  return `#${parts.join("&")}`;
+  return `/${query}${parts.length > 0 ? `#${parts.join("&")}` : ""}`;
 }

@@ -35,6 +35,13 @@ export class Page {
     }
   }
 
+  /** A run that is only watched has no controls of its time. */
+  watching(on: boolean): void {
+    document.body.classList.toggle("watching", on);
+    byId<HTMLInputElement>("seek").disabled = on;
+    byId("watching").hidden = !on;
+  }
+
   title(text: string): void {
     byId("title").textContent = text;
     document.title = text ? `${text} · Truestep` : "Truestep";
