@@ -142,6 +142,7 @@ test("the names of axes are read in full on a phone", async () => {
   await page.setViewportSize({ width: 390, height: 844 });
   await page.goto(`${url}/?gallery=robertson`);
   await until(page, async () => (await page.$$('.labels [data-kind="axis"]')).length > 1, "axes have names");
+  await page.click("#play"); // beside the picture stand numbers that change while it plays
   await settled(page, { x: 0, y: 100, width: 390, height: 560 });
   const ends = await page.$$eval('.labels [data-kind="axis"]', (names) => names.map((name) => [name.textContent, name.getBoundingClientRect().left, name.getBoundingClientRect().right]));
   for (const [name, left, right] of ends) assert.ok(left >= 0 && right <= 390, `${name} goes from ${left} to ${right}`);

@@ -184,7 +184,7 @@ test("a link that was cut off says so", async () => {
 test("the editor opens with a scene that runs, and it stops at its end, once", async () => {
   const id = await own(undefined);
   const { time: { duration } } = await (await fetch(`${url}/v1/sessions/${id}/scene`)).json();
-  await page.selectOption("#speed", "4");
+  await page.selectOption("#speed", "5");
   await until(page, async () => (await shownTime(page)) > duration - 0.01, "it is at the end");
   await paused(page);
   assert.match(await page.textContent("#hint"), /the end of the scene, after 10 s/);
