@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "engine/base/errors.h"
+#include "engine/base/interrupt.h"
 #include "engine/scene/file_value.h"
 #include "engine/scene/json/json.h"
 
@@ -58,6 +59,7 @@ struct Resolving {
   }
 
   void replace(json::value& v, const std::string& pointer) {
+    interruption_point();
     const json::object& o = v.get_object();
     const std::string name(o.at(key).get_string());
     const std::string at = pointer + "/" + std::string(key);

@@ -184,6 +184,8 @@ class Session {
   /// Frames built so far; a frame that nobody asked for is not built.
   uint64_t frames_built() const { return frames_.built(); }
   Observables observe(const WantedObservables& wanted = {}) const { return world_->observe(state_, wanted); }
+  /// Tells the sinks of something that happened around the session.
+  void announce(std::string_view kind, const std::string& detail) { notify(kind, detail); }
   /// Tells the sinks that the session ends.
   void say_bye(std::string_view code, const std::string& reason) {
     for (const auto& sink : sinks_) sink->bye(code, reason);

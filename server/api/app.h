@@ -35,7 +35,12 @@ struct AppOptions {
 /// The sessions kept in the data folder; null when nothing is kept.
 std::unique_ptr<SessionArchive> open_archive(const AppOptions& options, MemoryBudget& memory);
 
+class FolderLock;
+
 struct App {
+  /// Error "folder_io" when the data folder is not there any more.
+  void require_folder() const;
+
   explicit App(AppOptions o)
       : options(std::move(o)),
         memory(options.limits.max_memory_bytes),
@@ -59,6 +64,7 @@ struct App {
                                         ///< meanwhile
   Runner runner;                        ///< last, so that its threads end before anything they use
   const net::Server* server = nullptr;  ///< for the metrics page; set before the server starts
+  const FolderLock* folder = nullptr;   ///< on the data folder; likewise
 };
 
 /// The complete table of routes. `app` must outlive the router.

@@ -29,7 +29,8 @@ void ended(App& app, const std::string& session, const std::string& id, const Re
 
 void begin(App& app, SessionEntry& entry, std::optional<uint64_t> after) {
   if (!app.recordings.on())
-    throw Error("bad_request", "this server has no data directory, so it cannot record");
+    throw Error("folder_io",
+                "this server's data folder could not be used when it started, so it cannot record");
   // Whatever is written now must not look like a file left by an earlier run.
   if (app.repairing) throw Error("starting", "recordings of an earlier run are being repaired");
   const SceneHeader& header = entry.session.world().scene().header;

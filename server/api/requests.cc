@@ -5,6 +5,7 @@
 #include <cmath>
 #include <mutex>
 
+#include "engine/base/hash.h"
 #include "engine/scene/json/json.h"
 #include "engine/scene/json/json_write.h"
 #include "engine/scene/params/params.h"
@@ -14,6 +15,10 @@ namespace truestep {
 namespace json = boost::json;
 
 namespace {
+
+constexpr size_t kShortBody = 32 << 10;
+// A value takes about 25 bytes and is copied once while its array grows.
+constexpr double kMemoryPerByte = 3.5;
 
 [[noreturn]] void bad_query(std::string_view name, std::string_view value, const std::string& allowed) {
   throw Error("bad_request", "the query parameter " + std::string(name) + " is out of range",
@@ -71,16 +76,24 @@ json::value json_body(const net::Request& request) {
   return parse_json(request.body, {.max_values = kMostValues});
 }
 
+bool is_short(const net::Request& request) {
+  return request.body.size() <= kShortBody && request.body.find("\"asset\"") == std::string::npos;
+}
+
+MemoryBudget::Lease body_lease(App& app, const net::Request& request) {
+  return app.memory.lease(kMemoryPerByte * static_cast<double>(request.body.size()), "reading the body");
+}
+
 Task<json::value> long_json_body(App& app, const net::Request& request) {
-  constexpr size_t kShort = 32 << 10;
-  if (request.body.size() <= kShort) co_return json_body(request);
-  // A value takes about 25 bytes and is copied once while its array grows.
-  const auto lease = app.memory.lease(3.5 * static_cast<double>(request.body.size()), "reading the body");
+  if (request.body.size() <= kShortBody) co_return json_body(request);
+  const auto lease = body_lease(app, request);
   auto parse = [&request] { return json_body(request); };
-  co_return co_await app.runner.long_work(std::move(parse));
+  co_return co_await app.runner.long_work(std::move(parse), kReadingTime);
 }
 
 json::object json_object_body(const net::Request& request) {
+  if (request.body.size() > kShortBody)
+    throw Error("too_large", "this request takes a body of at most " + std::to_string(kShortBody) + " bytes");
   return object_of(json_body(request));
 }
 
@@ -106,6 +119,46 @@ std::string idempotency_key(const net::Request& request) {
     throw Error("bad_request",
                 "an Idempotency-Key must have 1 to 255 visible ASCII characters and be given once");
   return request.caller.name + '\n' + std::string(key);
+}
+
+namespace {
+std::string location_of(const net::Response& r) {
+  constexpr std::string_view kName = "Location: ";
+  const std::string& all = r.header_block();
+  const size_t at = all.find(kName);
+  if (at == std::string::npos) return {};
+  const size_t begin = at + kName.size();
+  return all.substr(begin, all.find('\r', begin) - begin);
+}
+}  // namespace
+
+Task<net::Response> once(App& app, const net::Request& request,
+                         std::function<Task<net::Response>()> carry_out) {
+  const std::string key = idempotency_key(request);
+  if (key.empty()) co_return co_await carry_out();
+  auto hash = [&request] {
+    Hasher hasher;
+    hasher.text(request.method_text);
+    hasher.text(request.raw_path);
+    hasher.text(request.body);
+    return hasher.value();
+  };
+  // A gigabyte takes about a second.
+  const uint64_t known = is_short(request) ? hash() : co_await offload(app.runner.pool(), hash);
+  if (const auto before = app.idempotency.begin(key, known)) {
+    net::Response r = net::Response::json(before->body, before->status);
+    if (!before->location.empty()) r.header("Location", before->location);
+    if (before->status == 202) r.header("Retry-After", "1");
+    co_return r;
+  }
+  try {
+    net::Response made = co_await carry_out();
+    app.idempotency.remember(key, {known, made.status, std::string(made.body_bytes()), location_of(made)});
+    co_return made;
+  } catch (...) {
+    app.idempotency.forget(key);
+    throw;
+  }
 }
 
 json::object object_body_of(const net::Request& request, std::initializer_list<std::string_view> members) {
@@ -183,7 +236,7 @@ bool boolean_member(const json::object& o, const char* name) {
 Task<net::Response> with_session(App& app, EntryPtr entry, AnswerOfSession f) {
   // A step that is not logged yet is logged on a worker, because the network threads never wait for a disk.
   if (std::unique_lock lock(entry->mutex, std::try_to_lock); lock.owns_lock() && entry->acknowledged())
-    co_return f(*entry);
+    co_return entry->use(f);
   co_return co_await with_session_on_worker(app, std::move(entry), std::move(f));
 }
 
@@ -195,9 +248,11 @@ Task<net::Response> with_session(App& app, const net::Request& request, AnswerOf
 Task<net::Response> with_session_on_worker(App& app, EntryPtr entry, AnswerOfSession f) {
   auto work = [&] {
     const std::lock_guard lock(entry->mutex);
-    net::Response response = f(*entry);
-    entry->acknowledge();
-    return response;
+    return entry->use([&f](SessionEntry& e) {
+      net::Response response = f(e);
+      e.acknowledge();
+      return response;
+    });
   };
   co_return co_await offload(app.runner.pool(), std::move(work));
 }

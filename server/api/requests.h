@@ -11,11 +11,23 @@
 
 namespace truestep {
 
+/// How long a request may take to be read.
+inline constexpr std::chrono::seconds kReadingTime{120};
+
 /// The body as strict JSON. Error unsupported_media unless it says application/json (or is empty, which
 /// counts as {}).
 boost::json::value json_body(const net::Request& request);
-/// The same, on a worker when the body is long.
+/// The same, elsewhere when the body is long.
 Task<boost::json::value> long_json_body(App& app, const net::Request& request);
+/// f(body) where neither reading the body nor what f does with it makes anybody wait: on a worker when the
+/// body is short and names no assets, otherwise on the threads for long work, within a budget of bytes and
+/// seconds (Error "quota_exceeded", "too_large"). The body ends there too.
+template <class F>
+auto with_json_body(App& app, const net::Request& request, F f) -> Task<decltype(f(boost::json::value()))>;
+/// A body that takes no time worth speaking of, wherever it is read.
+bool is_short(const net::Request& request);
+/// The lease of what reading the request's body takes.
+MemoryBudget::Lease body_lease(App& app, const net::Request& request);
 /// An object; Error bad_request otherwise.
 boost::json::object json_object_body(const net::Request& request);
 boost::json::object object_of(boost::json::value body);
@@ -28,6 +40,11 @@ OperationPtr operation_of(const App& app, const net::Request& request);
 /// The Idempotency-Key, made unique per caller; empty when there is none. Error "bad_request" unless it has 1
 /// to 255 visible ASCII characters.
 std::string idempotency_key(const net::Request& request);
+
+/// Carries out the request once for each of its Idempotency-Keys: a repeated one gets the answer of the
+/// first. Without a key it is carried out at once. Errors "idempotency_key_reused", "conflict".
+Task<net::Response> once(App& app, const net::Request& request,
+                         std::function<Task<net::Response>()> carry_out);
 
 /// An object with only these members ("step, time"); Error "bad_request" with a pointer to every other one. A
 /// route that takes no members refuses any.
@@ -68,5 +85,13 @@ Task<net::Response> with_session(App& app, const net::Request& request, AnswerOf
 Task<net::Response> with_session_on_worker(App& app, EntryPtr entry, AnswerOfSession f);
 /// f(entry) after cancelling everything that was requested of the session.
 Task<> interrupt_and_call(App& app, EntryPtr entry, std::function<void(SessionEntry&)> f);
+
+template <class F>
+auto with_json_body(App& app, const net::Request& request, F f) -> Task<decltype(f(boost::json::value()))> {
+  auto work = [&request, f = std::move(f)]() mutable { return f(json_body(request)); };
+  if (is_short(request)) co_return co_await offload(app.runner.pool(), std::move(work));
+  const auto lease = body_lease(app, request);
+  co_return co_await app.runner.long_work(std::move(work), kReadingTime);
+}
 
 }  // namespace truestep

@@ -3,6 +3,7 @@
 #include "engine/base/log.h"
 #include "server/api/recordings.h"
 #include "server/api/requests.h"
+#include "server/data/folder_lock.h"
 #include "server/persistence/files.h"
 #include "server/persistence/sessions/restorer.h"
 #include "server/persistence/sessions/session_keeper.h"
@@ -92,6 +93,17 @@ Task<EntryPtr> session_of(App& app, const net::Request& request) {
   }
 }
 
+void begin_keeping(App& app, SessionEntry& entry) {
+  app.require_folder();
+  attach_recording(app, entry);
+  try {
+    app.store.keep(entry);
+  } catch (...) {
+    discard_recording(app, entry);
+    throw;
+  }
+}
+
 void unload(App& app, const EntryPtr& entry) {
   {
     const std::lock_guard lock(entry->mutex);
@@ -110,8 +122,17 @@ void save_sessions(App& app) {
     const std::lock_guard lock(e->mutex);
     if (e->keeper) e->keeper->save();
   }
-  // Once for all sessions.
-  sync_disk_of(app.options.data_dir);
+  try {
+    // Once for all sessions.
+    sync_disk_of(app.options.data_dir);
+  } catch (const Error& e) {
+    log_warn("what was kept may not survive a power cut: {}", e.what());
+  }
+}
+
+void App::require_folder() const {
+  const std::string problem = folder ? folder->problem() : "";
+  if (!problem.empty()) throw Error("folder_io", problem);
 }
 
 std::unique_ptr<SessionArchive> open_archive(const AppOptions& options, MemoryBudget& memory) {

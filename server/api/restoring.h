@@ -9,6 +9,9 @@ inline constexpr auto kPatience = std::chrono::seconds(5);
 
 /// Starts restoring a session that SessionStore::load or begin reported as stored.
 void start_restoring(App& app, const CreationPtr& creation);
+/// Begins what makes a new session outlive the process: its recording and its folder. Error "disk_full",
+/// "folder_io" or "recording_io"; nothing of it is then left.
+void begin_keeping(App& app, SessionEntry& entry);
 /// Writes to disk what SessionStore::expire removed.
 void unload(App& app, const EntryPtr& entry);
 /// Saves the state of all sessions at shutdown. The process may also be killed without it: the logs hold the

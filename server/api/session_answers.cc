@@ -3,6 +3,7 @@
 #include "engine/base/hash.h"
 #include "engine/scene/params/params.h"
 #include "engine/session/describe.h"
+#include "engine/sinks/recording/recording_sink.h"
 #include "server/net/http/problem.h"
 #include "server/persistence/sessions/session_keeper.h"
 
@@ -77,6 +78,7 @@ json::object describe_session(SessionEntry& e) {
     o["kept"] = e.keeper->problem().empty();
     if (!e.keeper->problem().empty()) o["not_kept_because"] = e.keeper->problem();
   }
+  if (e.recording && e.recording->failed()) o["not_recorded_because"] = e.recording->status().message;
   if (e.restored) {
     o["restored"] = json::object{
         {"from_step", e.restored->from_step}, {"step", e.restored->step}, {"complete", e.restored->complete}};

@@ -179,6 +179,7 @@ int serve(const ServeOptions& options) {
   App app(settings);
   net::Server server(settings.net, make_router(app));
   app.server = &server;
+  app.folder = &folder;
   // Large blocks are mapped individually, so that freeing one returns it to the system, whatever surrounds
   // it.
   mallopt(M_MMAP_THRESHOLD, 1 << 20);

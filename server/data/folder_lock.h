@@ -1,5 +1,6 @@
 // The lock on a data folder: only one server at a time writes, repairs and removes its contents. It uses
-// flock(2) on a file there, so it ends with its process however that dies; the file says who holds it.
+// flock(2) on the folder and on a file there, so it ends with its process however that dies. The file says
+// who holds it, and locks where folders cannot be locked (NFS); without it the folder is locked all the same.
 #pragma once
 #include <string>
 
@@ -16,8 +17,14 @@ class FolderLock {
   FolderLock& operator=(FolderLock&& other) noexcept;
   ~FolderLock();
 
+  /// Why nothing that is written below the folder's path is kept: it was removed, or is another one by now.
+  /// Empty: all is well.
+  std::string problem() const;
+
  private:
-  int fd_ = -1;
+  void let_go();
+  std::string folder_;
+  int folder_fd_ = -1, fd_ = -1;
 };
 
 }  // namespace truestep

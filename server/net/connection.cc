@@ -5,6 +5,7 @@
 #include <cerrno>
 
 #include "engine/base/errors.h"
+#include "engine/base/interrupt.h"
 #include "engine/base/log.h"
 #include "server/net/http/problem.h"
 #include "server/net/websocket/handshake.h"
@@ -157,6 +158,8 @@ Task<> Connection::run() {
     Response response;
     if (!match.route) {
       response = no_route(match);
+    } else if (!may_change(request_)) {
+      response = problem(request_, "precondition_failed", "If-Match names another state of this resource");
     } else if (match.route->handler) {
       response = answer(*match.route);
     } else if (match.route->async_handler) {
@@ -275,6 +278,10 @@ Task<Response> Connection::wait_for(const Route& route) {
     handler_context_.reset();
     handler.run_in(handler_context_);
     co_return co_await handler;
+  } catch (const Interrupted& e) {
+    if (service_.draining) co_return problem(request_, e);
+    co_return problem(request_, "interrupted",
+                      "another request ended this work: what it was for was deleted");
   } catch (const Error& e) {
     co_return problem(request_, e);
   } catch (const std::exception& e) {

@@ -97,7 +97,7 @@ Task<bool> Connection::send_stream(const StreamBody& stream) {
 // Serialises a response. True when it is complete in out_, which leaves with the next flush; false when
 // finish_response has to send a large body or too much has been collected.
 bool Connection::prepare(Response& r, std::string_view& large_body) {
-  if (!r.etag.empty()) apply_conditions(request_, r);
+  if (!r.etag.empty() || request_.has_header("if-match")) apply_conditions(request_, r);
   if (r.status >= 500) {
     service_.stats.errors_5xx++;
   } else if (r.status >= 400) {

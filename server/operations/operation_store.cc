@@ -38,13 +38,19 @@ OperationPtr OperationStore::start(StudyRequest request, const std::string& requ
   operation->owner = owner.name;
   {
     const std::lock_guard lock(mutex_);
-    const auto waiting = std::count_if(operations_.begin(), operations_.end(),
-                                       [](const auto& o) { return !o.second->view().ended(); });
-    if (static_cast<size_t>(waiting) >= limits_.waiting)
-      throw Error("quota_exceeded", std::to_string(waiting) + " operations are waiting already");
+    size_t own = 0, all = 0;
+    for (const auto& [id, o] : operations_) {
+      if (o->view().ended()) continue;
+      ++all;
+      own += o->owner == owner.name;
+    }
+    if (own >= limits_.waiting || all >= limits_.all_waiting)
+      throw Error("quota_exceeded", own >= limits_.waiting
+                                        ? std::to_string(own) + " operations of this key are waiting already"
+                                        : std::to_string(all) + " operations are waiting already");
     operations_[operation->id] = operation;
     order_.push_back(operation->id);
-    forget_oldest();
+    forget_oldest(owner.name);
   }
   const auto held = std::make_shared<MemoryBudget::Lease>(std::move(lease));
   thread_.post([this, operation, held, earlier = std::move(earlier)]() mutable {
@@ -59,15 +65,18 @@ OperationPtr OperationStore::start(StudyRequest request, const std::string& requ
   return operation;
 }
 
-void OperationStore::forget_oldest() {
-  for (auto it = order_.begin(); it != order_.end() && operations_.size() > limits_.kept;) {
+void OperationStore::forget_oldest(const std::string& owner) {
+  auto kept = static_cast<size_t>(std::count_if(operations_.begin(), operations_.end(),
+                                                [&](const auto& o) { return o.second->owner == owner; }));
+  for (auto it = order_.begin(); it != order_.end() && kept > limits_.kept;) {
     const auto found = operations_.find(*it);
-    if (found != operations_.end() && !found->second->view().ended()) {
+    if (found->second->owner != owner || !found->second->view().ended()) {
       ++it;
       continue;
     }
-    if (found != operations_.end()) operations_.erase(found);
+    operations_.erase(found);
     it = order_.erase(it);
+    --kept;
   }
 }
 

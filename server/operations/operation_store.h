@@ -14,9 +14,10 @@
 namespace truestep {
 
 struct OperationLimits {
-  size_t waiting = 32;      ///< that have not ended
-  size_t kept = 256;        ///< in total; beyond this the oldest ended ones are forgotten
-  AdmissionLimits per_run;  ///< what one run of the scene may cost
+  size_t waiting = 32;       ///< of one key, that have not ended
+  size_t all_waiting = 512;  ///< of all keys
+  size_t kept = 256;         ///< of one key; beyond this its oldest ended ones are forgotten
+  AdmissionLimits per_run;   ///< what one run of the scene may cost
 };
 
 class OperationStore {
@@ -40,7 +41,7 @@ class OperationStore {
   void stop();
 
  private:
-  void forget_oldest();
+  void forget_oldest(const std::string& owner);
   OperationLimits limits_;
   MemoryBudget& budget_;
   ThreadArena arena_;

@@ -52,8 +52,32 @@ fs::path AssetStore::path_of(const std::string& sha256, Kind kind) const {
   return folder_ / (sha256 + (kind == Kind::json ? ".json" : ".bin"));
 }
 
-bool AssetStore::put(const std::string& sha256, std::string_view bytes, Kind kind) {
-  if (folder_.empty()) throw Error("not_found", "this server has no data folder for assets");
+fs::path AssetStore::owners_path(const std::string& sha256) const {
+  return folder_ / (sha256 + ".owners");
+}
+
+std::vector<std::string> AssetStore::owners(const std::string& sha256) const {
+  constexpr size_t kMostOwners = size_t{1} << 20;  // bytes
+  std::vector<std::string> names;
+  if (!is_regular(owners_path(sha256))) return names;
+  const std::string text(text_of(read_file(owners_path(sha256), kMostOwners)));
+  for (size_t at = 0; at < text.size();) {
+    const size_t end = std::min(text.find('\n', at), text.size());
+    names.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  return names;
+}
+
+void AssetStore::set_owners(const std::string& sha256, const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += name + '\n';
+  write_file(owners_path(sha256), bytes_of(text), Durability::process);
+}
+
+bool AssetStore::put(const std::string& sha256, std::string_view bytes, Kind kind, const net::Caller& owner) {
+  if (folder_.empty())
+    throw Error("folder_io", "this server's data folder could not be used when it started");
   const std::string actual = net::sha256_hex(bytes);
   if (actual != sha256) {
     throw Error("invalid", "the body has another SHA-256",
@@ -67,12 +91,21 @@ bool AssetStore::put(const std::string& sha256, std::string_view bytes, Kind kin
   }
   const fs::path path = path_of(sha256, kind);
   const std::lock_guard lock(mutex_);
-  if (fs::exists(path)) return false;
+  if (is_regular(path)) {
+    std::vector<std::string> names = owners(sha256);
+    // One of an older server belongs to everybody, as it did.
+    if (!names.empty() && std::find(names.begin(), names.end(), owner.name) == names.end()) {
+      names.push_back(owner.name);
+      set_owners(sha256, names);
+    }
+    return false;
+  }
   std::error_code failed;
   fs::create_directories(folder_, failed);
-  if (failed) throw Error("folder_io", "the assets' folder cannot be created: " + failed.message());
+  if (failed) throw_file_error("make the folder of assets", failed.value());
   if (folder_bytes(folder_) + static_cast<double>(bytes.size()) > most_bytes_)
     throw Error("quota_exceeded", "this server has no room for more assets: DELETE /v1/assets/{sha256} some");
+  set_owners(sha256, {owner.name});
   write_file(path, bytes_of(bytes), Durability::process);
   return true;
 }
@@ -81,28 +114,49 @@ AssetStore::Asset AssetStore::get(const std::string& sha256) const {
   const std::lock_guard lock(mutex_);
   for (const Kind kind : {Kind::json, Kind::file}) {
     const fs::path path = path_of(sha256, kind);
-    if (fs::exists(path)) return {kind, std::string(text_of(read_file(path, kMostBytes)))};
+    if (is_regular(path)) return {kind, std::string(text_of(read_file(path, kMostBytes)))};
   }
   throw no_asset();
 }
 
-void AssetStore::remove(const std::string& sha256) {
+void AssetStore::remove(const std::string& sha256, const net::Caller& caller) {
   const std::lock_guard lock(mutex_);
   bool any = false;
+  for (const Kind kind : {Kind::json, Kind::file}) any = any || fs::exists(path_of(sha256, kind));
+  if (!any) throw no_asset();
+  if (std::vector<std::string> names = owners(sha256); !names.empty()) {
+    const bool own = std::erase(names, caller.name) > 0;
+    if (!own && caller.scope == net::Caller::Scope::own)
+      throw Error("forbidden", "this asset was put here with another key");
+    if (own && !names.empty()) return set_owners(sha256, names);
+  }
+  std::error_code gone;
+  fs::remove(owners_path(sha256), gone);
+  any = false;
   for (const Kind kind : {Kind::json, Kind::file}) {
     std::error_code failed;
     any = fs::remove(path_of(sha256, kind), failed) || any;
+    if (failed) throw_file_error("remove the asset", failed.value());
   }
   if (!any) throw no_asset();
 }
 
-void AssetStore::resolve(json::value& document) const {
-  resolve_files(document, "asset", [this](const std::string& hash) { return get(hash).bytes; });
+MemoryBudget::Lease AssetStore::resolve(json::value& document, MemoryBudget& memory) const {
+  // As for a request's body.
+  constexpr double kMemoryPerByte = 3.5;
+  auto lease = memory.lease(0, "the assets of this scene");
+  resolve_files(document, "asset", [&](const std::string& hash) {
+    std::string bytes = get(hash).bytes;
+    lease.require(lease.bytes() + kMemoryPerByte * static_cast<double>(bytes.size()),
+                  "the assets of this scene");
+    return bytes;
+  });
   resolve_files(document, "path", [](const std::string&) -> std::string {
     throw Error("not_found",
                 "paths work only in scene files of the command line: PUT the file to /v1/assets/{sha256} and "
                 "give {\"asset\": sha256}");
   });
+  return lease;
 }
 
 }  // namespace truestep

@@ -8,6 +8,10 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
+
+#include "server/net/http/message.h"
+#include "server/sessions/memory_budget.h"
 
 namespace truestep {
 
@@ -23,19 +27,24 @@ class AssetStore {
   };
 
   /// Keeps the bytes; false: already there. Error "invalid" when their hash differs, "bad_json" or
-  /// "bad_request" when no scene could use them, "quota_exceeded", "disk_full", "folder_io", or "not_found"
-  /// when nothing can be kept.
-  bool put(const std::string& sha256, std::string_view bytes, Kind kind);
+  /// "bad_request" when no scene could use them, "quota_exceeded", "disk_full" or "folder_io".
+  bool put(const std::string& sha256, std::string_view bytes, Kind kind, const net::Caller& owner);
   /// Error "not_found".
   Asset get(const std::string& sha256) const;
-  /// Error "not_found".
-  void remove(const std::string& sha256);
+  /// Ends the caller's claim; the asset goes with the last one. Error "not_found", or "forbidden" when others
+  /// put it there.
+  void remove(const std::string& sha256, const net::Caller& caller);
 
-  /// Replaces the document's references by the assets' values. Error "scene_invalid" with a pointer to every
-  /// reference that leads nowhere, "too_large" when the result is.
-  void resolve(boost::json::value& document) const;
+  /// Replaces the document's references by the assets' values, for which memory is leased. Error
+  /// "scene_invalid" with a pointer to every reference that leads nowhere, "too_large" when the result is.
+  MemoryBudget::Lease resolve(boost::json::value& document, MemoryBudget& memory) const;
 
  private:
+  std::filesystem::path owners_path(const std::string& sha256) const;
+  /// Names of the keys that put it there, one a line in a file beside it; none for an asset of an older
+  /// server.
+  std::vector<std::string> owners(const std::string& sha256) const;
+  void set_owners(const std::string& sha256, const std::vector<std::string>& names);
   std::filesystem::path path_of(const std::string& sha256, Kind kind) const;
   std::filesystem::path folder_;
   double most_bytes_;

@@ -19,11 +19,15 @@ namespace {
 
 class Descriptor {
  public:
+  // Never waits for what is at the other end of a FIFO, nor follows a link.
   Descriptor(const fs::path& path, int flags, const char* what)
-      : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0644)) {
+      : fd_(::open(path.c_str(), flags | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY, 0644)) {
     if (fd_ >= 0) return;
     if (errno == ENOENT && (flags & O_ACCMODE) == O_RDONLY)
       throw Error("session_damaged", path.filename().string() + " is missing");
+    // A link, or something that is no folder on the way to it.
+    if (errno == ELOOP || errno == ENOTDIR || errno == ENXIO)
+      throw Error("session_damaged", path.filename().string() + " is no regular file");
     throw_file_error(std::string(what) + " " + path.filename().string(), errno);
   }
   ~Descriptor() { ::close(fd_); }
@@ -50,6 +54,15 @@ Bytes read_from(int fd, size_t size, const fs::path& path) {
   return bytes;
 }
 
+// Its size.
+uint64_t require_regular(const Descriptor& file, const fs::path& path) {
+  struct stat about {};
+  if (::fstat(file.get(), &about) != 0) throw_file_error("read " + path.filename().string(), errno);
+  if (!S_ISREG(about.st_mode))
+    throw Error("session_damaged", path.filename().string() + " is no regular file");
+  return static_cast<uint64_t>(about.st_size);
+}
+
 void sync(const fs::path& path, int flags) {
   const Descriptor file(path, flags, "open");
   if (::fsync(file.get()) != 0) throw_file_error("keep " + path.filename().string(), errno);
@@ -59,13 +72,15 @@ void sync(const fs::path& path, int flags) {
 
 void throw_file_error(const std::string& what, int code) {
   const bool full = code == ENOSPC || code == EDQUOT || code == EFBIG;
+  if (code == EMFILE || code == ENFILE)
+    throw Error("overloaded", "no more files can be opened: cannot " + what);
   throw Error(full ? "disk_full" : "folder_io", "cannot " + what + ": " + std::strerror(code));
 }
 
 namespace {
 
 void write_whole(const fs::path& path, std::span<const std::byte> bytes, Durability durability) {
-  const Descriptor file(path, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, "create");
+  const Descriptor file(path, O_WRONLY | O_CREAT | O_TRUNC, "create");
   for (size_t done = 0; done < bytes.size();) {
     const ssize_t n = ::write(file.get(), bytes.data() + done, bytes.size() - done);
     if (n < 0 && errno == EINTR) continue;
@@ -121,17 +136,21 @@ void sync_disk_of(const fs::path& folder) {
 }
 
 Bytes read_file(const fs::path& path, size_t most) {
-  const Descriptor file(path, O_RDONLY | O_NOFOLLOW, "read");
-  struct stat about {};
-  if (::fstat(file.get(), &about) != 0) throw_file_error("read " + path.filename().string(), errno);
-  if (!S_ISREG(about.st_mode) || static_cast<uint64_t>(about.st_size) > most)
-    throw Error("session_damaged", path.filename().string() + " is not a file, or is too long");
-  return read_from(file.get(), static_cast<size_t>(about.st_size), path);
+  const Descriptor file(path, O_RDONLY, "read");
+  const uint64_t size = require_regular(file, path);
+  if (size > most) throw Error("session_damaged", path.filename().string() + " is too long");
+  return read_from(file.get(), size, path);
 }
 
 Bytes read_head(const fs::path& path, size_t most) {
-  const Descriptor file(path, O_RDONLY | O_NOFOLLOW, "read");
+  const Descriptor file(path, O_RDONLY, "read");
+  require_regular(file, path);
   return read_from(file.get(), most, path);
+}
+
+bool is_regular(const fs::path& path) {
+  std::error_code none;
+  return fs::is_regular_file(fs::symlink_status(path, none));
 }
 
 double folder_bytes(const fs::path& folder) {

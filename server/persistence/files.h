@@ -42,9 +42,12 @@ void sync_disk_of(const std::filesystem::path& folder);
 Bytes read_file(const std::filesystem::path& path, size_t most);
 /// The first bytes of a file, at most this many.
 Bytes read_head(const std::filesystem::path& path, size_t most);
+/// Whether this is a file, and not a link to one.
+bool is_regular(const std::filesystem::path& path);
 /// Bytes of all files in a folder, recursively; 0 when there is none.
 double folder_bytes(const std::filesystem::path& folder);
-/// The error of a system call that failed with `code`.
+/// The error of a system call that failed with `code`: "disk_full", "overloaded" without descriptors, or
+/// "folder_io".
 [[noreturn]] void throw_file_error(const std::string& what, int code);
 
 inline std::span<const std::byte> bytes_of(std::string_view text) {

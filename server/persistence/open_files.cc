@@ -11,7 +11,7 @@
 namespace truestep {
 
 OpenFile::OpenFile(const std::filesystem::path& path)
-    : fd_(::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644)) {
+    : fd_(::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0644)) {
   if (fd_ < 0) throw_file_error("open " + path.filename().string(), errno);
 }
 

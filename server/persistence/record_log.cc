@@ -1,5 +1,6 @@
 #include "server/persistence/record_log.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
 
@@ -93,6 +94,12 @@ void RecordLog::append(const LogRecord& record) {
   const bool stands = record.kind == LogRecord::Kind::stands;
   const uint64_t at = stands && standing_ ? *standing_ : end_;
   const auto file = files_.open(this, path_);
+  // What is written to a file without a name is gone with the process.
+  struct stat about {};
+  if (::fstat(file->fd(), &about) == 0 && about.st_nlink == 0) {
+    files_.close(this);
+    throw_file_error("write the journal", ENOENT);
+  }
   size_t done = 0;
   while (done < bytes.size()) {
     const ssize_t n =

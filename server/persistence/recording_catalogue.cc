@@ -76,6 +76,15 @@ RecordingFacts read_note(const fs::path& path, const std::string& id) {
   return f;
 }
 
+std::string note_text(const RecordingFacts& f) {
+  return write_json(json::object{{"owner", f.owner},
+                                 {"title", f.title},
+                                 {"created", f.created},
+                                 {"state", state_name(f.state)},
+                                 {"frames", f.frames},
+                                 {"note", f.note}});
+}
+
 Error unknown() {
   return {"not_found", "there is no recording with this id"};
 }
@@ -107,13 +116,14 @@ void RecordingCatalogue::read_folder() {
   for (fs::directory_iterator it(folder_, failed), end; !failed && it != end; it.increment(failed)) {
     // The note of a recording that has no frame.
     if (it->path().string().ends_with(".vtkhdf.json") &&
-        !fs::exists(fs::path(it->path()).replace_extension())) {
+        !fs::exists(fs::symlink_status(fs::path(it->path()).replace_extension(), failed))) {
       std::error_code ignored;
       fs::remove(it->path(), ignored);
       continue;
     }
     const std::string id = it->path().stem().string();
-    if (it->path().extension() != kEnding || !is_recording_id(id)) continue;
+    // Links lead to what is not this server's, and a FIFO would be waited for.
+    if (it->path().extension() != kEnding || !is_recording_id(id) || !is_regular(it->path())) continue;
     rows_[id].facts = read_note(it->path(), id);
   }
 }
@@ -183,7 +193,8 @@ RecordingFacts RecordingCatalogue::begin(const std::string& session, const std::
   // A name is also taken while any file of that name remains, even without a note.
   const auto taken = [&](const std::string& id) {
     for (const char* rest : {"", ".chunks", ".damaged", ".json"}) {
-      if (fs::exists(path(id).string() + rest)) return true;
+      std::error_code none;
+      if (fs::exists(fs::symlink_status(path(id).string() + rest, none))) return true;
     }
     return false;
   };
@@ -194,7 +205,8 @@ RecordingFacts RecordingCatalogue::begin(const std::string& session, const std::
   row.facts.owner = owner;
   row.facts.title = title;
   row.facts.created = static_cast<int64_t>(std::time(nullptr));
-  write_note(row.facts);
+  // Without it nobody would know whose it is.
+  write_file(note_path(path(row.facts.id)), bytes_of(note_text(row.facts)), Durability::process);
   rows_[row.facts.id] = row;
   return row.facts;
 }
@@ -226,14 +238,8 @@ void RecordingCatalogue::end(const std::string& id, RecordingFate state, uint64_
 
 // On a full disk the old note remains and is corrected at the next start.
 void RecordingCatalogue::write_note(const RecordingFacts& f) const {
-  const std::string text = write_json(json::object{{"owner", f.owner},
-                                                   {"title", f.title},
-                                                   {"created", f.created},
-                                                   {"state", state_name(f.state)},
-                                                   {"frames", f.frames},
-                                                   {"note", f.note}});
   try {
-    write_file(note_path(path(f.id)), bytes_of(text), Durability::process);
+    write_file(note_path(path(f.id)), bytes_of(note_text(f)), Durability::process);
   } catch (const Error& e) {
     log_warn("recording {}: {}", f.id, e.what());
   }
@@ -264,7 +270,7 @@ bool RecordingCatalogue::live(const std::string& id) const {
 RecordingFacts RecordingCatalogue::find(std::string_view id, const net::Caller& caller) const {
   const std::lock_guard lock(mutex_);
   const auto it = rows_.find(id);
-  if (it == rows_.end() || !caller.may_see(it->second.facts.owner) || !fs::exists(path(it->first)))
+  if (it == rows_.end() || !caller.may_see(it->second.facts.owner) || !is_regular(path(it->first)))
     throw unknown();
   return present(it->second);
 }
@@ -273,7 +279,7 @@ std::vector<RecordingFacts> RecordingCatalogue::of_session(const std::string& se
   const std::lock_guard lock(mutex_);
   std::vector<RecordingFacts> out;
   for (auto it = rows_.lower_bound(session); it != rows_.end() && it->second.facts.session == session; ++it) {
-    if (fs::exists(path(it->first))) out.push_back(present(it->second));
+    if (is_regular(path(it->first))) out.push_back(present(it->second));
   }
   std::sort(out.begin(), out.end(),
             [](const auto& a, const auto& b) { return number_of(a.id) > number_of(b.id); });
@@ -290,7 +296,7 @@ std::vector<RecordingFacts> RecordingCatalogue::list(std::string_view after, siz
   const std::lock_guard lock(mutex_);
   std::vector<RecordingFacts> out;
   for (auto it = rows_.upper_bound(after); it != rows_.end() && out.size() < limit; ++it) {
-    if (caller.may_see(it->second.facts.owner) && fs::exists(path(it->first)))
+    if (caller.may_see(it->second.facts.owner) && is_regular(path(it->first)))
       out.push_back(present(it->second));
   }
   return out;
@@ -304,6 +310,9 @@ void RecordingCatalogue::remove(const std::string& id) {
   if (it->second.facts.state == RecordingFate::live && sink &&
       sink->status().state == RecordingState::kRecording)
     throw Error("conflict", "the recording is being written; finish it first");
+  std::error_code failed;
+  fs::remove(path(id), failed);
+  if (failed) throw_file_error("remove the recording", failed.value());
   rows_.erase(it);
   remove_files(id);
 }

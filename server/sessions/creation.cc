@@ -1,5 +1,8 @@
 #include "server/sessions/creation.h"
 
+#include "engine/base/hash.h"
+#include "engine/scene/json/json_write.h"
+
 namespace truestep {
 
 bool SceneDraft::heavy() const {
@@ -10,8 +13,12 @@ bool SceneDraft::heavy() const {
 }
 
 SceneDraft read_draft(boost::json::value document) {
-  SceneDraft draft{std::move(document), {}, {}};
-  draft.report = read_scene(draft.document);
+  SceneDraft draft;
+  Hasher hasher;
+  hasher.text(write_json(document));
+  draft.hash = hasher.value();
+  draft.report = read_scene(document);
+  if (draft.report.scene && draft.report.scene->header.accuracy) draft.document = std::move(document);
   if (draft.report.scene) draft.cost = estimate(*draft.report.scene);
   return draft;
 }

@@ -15,13 +15,15 @@ namespace truestep {
 
 /// A scene document that has been parsed but not built; parsing is fast whatever the scene describes.
 struct SceneDraft {
-  boost::json::value document;
+  uint64_t hash = 0;            ///< of the document
+  boost::json::value document;  ///< null unless the scene asks for accuracy, which reads it again
   SceneReport report;
   Cost cost;
   /// Whether the rest would take longer than a request should.
   bool heavy() const;
 };
 
+/// Takes as long as the document is large: not for threads that answer others.
 SceneDraft read_draft(boost::json::value document);
 
 struct Creation {

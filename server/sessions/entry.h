@@ -4,7 +4,6 @@
 #include <atomic>
 #include <boost/json.hpp>
 #include <chrono>
-#include <cmath>
 #include <map>
 #include <memory>
 #include <optional>
@@ -69,6 +68,7 @@ struct SessionEntry {
   std::atomic<Clock::rep> last_used{Clock::now().time_since_epoch().count()};
   std::atomic<int> streams{0};       ///< open WebSockets
   std::atomic<bool> removed{false};  ///< taken out of the store; its jobs stop
+  std::atomic<bool> deleted{false};  ///< by a client: set before anything of it goes
   std::atomic<uint64_t> version{1};  ///< grows whenever the state or its past changes
   Signal changed;                    ///< notified together with `version`
 
@@ -92,6 +92,7 @@ struct SessionEntry {
   Interrupt interrupt;  ///< of the step in progress; raised under the lock or by the watchdog
   Clock::time_point profiled_until;
   bool keep_running = false;      ///< keep playing when nobody is watching
+  bool recording_failed = false;  ///< and clients were told
   bool paused_unwatched = false;  ///< paused because nobody was watching, and not played since
   double estimated_step = 0;      ///< s, used until the first step has been measured
 
@@ -109,17 +110,23 @@ struct SessionEntry {
     profiled_until = Clock::now() + time;
     if (!session.computing_aside()) session.start_profiling();
   }
-  /// After a batch of steps, under the lock: reports memory use to the budget and stops profiling that nobody
-  /// reads.
-  void settle() {
-    if (!session.profiles().empty() && Clock::now() > profiled_until) session.stop_profiling();
-
-    constexpr double kWorthAWord = 64 << 10;
-    // The series are leased from the start.
-    const double now = static_cast<double>(session.overhead_bytes() - session.history_bytes() -
-                                           session.series().memory_bytes() +
-                                           (poll ? poll->memory_bytes() : 0) + encoded.memory_bytes());
-    if (std::abs(now - kept.bytes()) > kWorthAWord) kept.count(now);
+  /// After a batch of steps, under the lock: reports memory use to the budget, stops profiling that nobody
+  /// reads, and says so when the recording has ended for want of room.
+  void settle();
+  /// f(entry) under the lock. Error "unknown_session" when a client deletes the session before or meanwhile.
+  template <class F>
+  auto use(const F& f) {
+    require_there();
+    try {
+      return f(*this);
+    } catch (const Error& e) {
+      // Its folder has gone under it.
+      if (e.code() == "folder_io") require_there();
+      throw;
+    }
+  }
+  void require_there() const {
+    if (deleted) throw Error("unknown_session", "there is no session with this id");
   }
   /// Before a client is told of the present step: makes it survive the process. Under the lock.
   void acknowledge();

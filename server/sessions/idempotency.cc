@@ -1,8 +1,19 @@
 #include "server/sessions/idempotency.h"
 
+#include <algorithm>
+
 #include "engine/base/errors.h"
 
 namespace truestep {
+
+namespace {
+
+std::string caller_of(const std::string& key) {
+  const size_t end = key.find('\n');
+  return end == std::string::npos ? "" : key.substr(0, end);
+}
+
+}  // namespace
 
 std::optional<RememberedAnswer> IdempotencyKeys::begin(const std::string& key, uint64_t request_hash) {
   const std::lock_guard lock(mutex_);
@@ -17,12 +28,18 @@ std::optional<RememberedAnswer> IdempotencyKeys::begin(const std::string& key, u
     return it->second.answer;
   }
   slots_[key].answer.request_hash = request_hash;
-  order_.push_back(key);
-  while (order_.size() > capacity_) {
-    slots_.erase(order_.front());
-    order_.pop_front();
-  }
+  order_[caller_of(key)].push_back(key);
+  while (slots_.size() > capacity_) make_room();
   return std::nullopt;
+}
+
+void IdempotencyKeys::make_room() {
+  const auto most = std::max_element(order_.begin(), order_.end(), [](const auto& a, const auto& b) {
+    return a.second.size() < b.second.size();
+  });
+  slots_.erase(most->second.front());
+  most->second.pop_front();
+  if (most->second.empty()) order_.erase(most);
 }
 
 void IdempotencyKeys::remember(const std::string& key, RememberedAnswer answer) {
@@ -36,7 +53,10 @@ void IdempotencyKeys::remember(const std::string& key, RememberedAnswer answer) 
 void IdempotencyKeys::forget(const std::string& key) {
   const std::lock_guard lock(mutex_);
   slots_.erase(key);
-  std::erase(order_, key);
+  const auto keys = order_.find(caller_of(key));
+  if (keys == order_.end()) return;
+  std::erase(keys->second, key);
+  if (keys->second.empty()) order_.erase(keys);
 }
 
 }  // namespace truestep

@@ -19,6 +19,8 @@ struct RememberedAnswer {
 class IdempotencyKeys {
  public:
   explicit IdempotencyKeys(size_t capacity = 10000) : capacity_(capacity) {}
+  // Keys are "<caller>\n<key>". Of too many, the oldest of the caller with the most is forgotten: no caller
+  // makes another's request be carried out twice.
   /// The answer given before. Error "idempotency_key_reused" when the key belonged to a different request,
   /// "conflict" while the first one is still being answered. Empty: the key is now reserved, and remember or
   /// forget must follow.
@@ -31,10 +33,11 @@ class IdempotencyKeys {
     RememberedAnswer answer;
     enum class Stage { running, done } stage = Stage::running;
   };
+  void make_room();
   size_t capacity_;
   std::mutex mutex_;
   std::map<std::string, Slot> slots_;
-  std::deque<std::string> order_;
+  std::map<std::string, std::deque<std::string>> order_;  ///< of every caller, oldest first; none is empty
 };
 
 }  // namespace truestep

@@ -83,7 +83,7 @@ Task<JobPtr> Runner::end_of(EntryPtr entry, JobPtr job) {
     if (!runs.empty() && runs.front() == job) entry->interrupt.raise();
   };
   co_await wait_for_end(job->done, ended, give_up);
-  if (job->end == Job::End::threw) std::rethrow_exception(job->error);
+  if (job->end == Job::End::threw) entry->use([&job](SessionEntry&) { std::rethrow_exception(job->error); });
   co_return job;
 }
 
@@ -100,13 +100,14 @@ namespace {
 struct LongWork {
   std::shared_ptr<Interrupt> interrupt = std::make_shared<Interrupt>();
   Signal done;
-  std::atomic<bool> ended{false};
+  std::atomic<bool> ended{false}, late{false};
   std::exception_ptr error;
 };
 
 }  // namespace
 
-Task<> Runner::work_elsewhere(std::function<void()> f, Threads threads) {
+Task<> Runner::work_elsewhere(std::function<void()> f, Threads threads,
+                              std::optional<std::chrono::seconds> within) {
   const auto work = std::make_shared<LongWork>();
   {
     const std::lock_guard lock(long_mutex_);
@@ -114,7 +115,14 @@ Task<> Runner::work_elsewhere(std::function<void()> f, Threads threads) {
     long_interrupts_.push_back(work->interrupt);
     if (stopping_) work->interrupt->raise();
   }
-  const std::function<void()> run = [work, &f] {
+  const std::function<void()> run = [this, work, &f, within] {
+    TimerPtr end;
+    if (within) {
+      end = pool_.call_at(Clock::now() + *within, [work](const TimerPtr&) {
+        work->late = true;
+        work->interrupt->raise();
+      });
+    }
     try {
       const InterruptScope scope(*work->interrupt);
       interruption_point();
@@ -122,6 +130,7 @@ Task<> Runner::work_elsewhere(std::function<void()> f, Threads threads) {
     } catch (...) {
       work->error = std::current_exception();
     }
+    if (end) end->cancel();
     work->ended = true;
     work->done.notify();
   };
@@ -136,6 +145,8 @@ Task<> Runner::work_elsewhere(std::function<void()> f, Threads threads) {
   const auto ended = [work] { return work->ended.load(); };
   const auto give_up = [work] { work->interrupt->raise(); };
   co_await wait_for_end(work->done, ended, give_up);
+  if (work->error && work->late)
+    throw Error("too_large", "the request takes more than " + std::to_string(within->count()) + " s to read");
   if (work->error) std::rethrow_exception(work->error);
 }
 

@@ -52,9 +52,10 @@ class Runner {
   void interrupt(SessionEntry& entry);
 
   /// Runs f() on the threads for long work, under an Interrupt that is raised when the awaiting coroutine is
-  /// cancelled or the service stops. Exceptions pass through.
+  /// cancelled or the service stops. Exceptions pass through; Error "too_large" when it computes for longer
+  /// than `within`.
   template <class F>
-  Task<std::invoke_result_t<F>> long_work(F f);
+  Task<std::invoke_result_t<F>> long_work(F f, std::optional<std::chrono::seconds> within = {});
   /// The same for work that nobody waits for.
   void start_long_work(const std::function<void()>& f);
 
@@ -75,9 +76,10 @@ class Runner {
   static LaneKind lane_of(const SessionEntry& entry);
   enum class Threads : uint8_t { long_work, pictures };
   /// Runs f on these threads; for work that may refer to what the awaiting coroutine holds.
-  Task<> work_elsewhere(std::function<void()> f, Threads threads);
+  Task<> work_elsewhere(std::function<void()> f, Threads threads,
+                        std::optional<std::chrono::seconds> within = {});
   template <class T>
-  Task<T> result_from_long_work(std::function<T()> f);
+  Task<T> result_from_long_work(std::function<T()> f, std::optional<std::chrono::seconds> within);
   void schedule(const EntryPtr& entry);
   void turn(const EntryPtr& entry, LaneKind kind);
   Next next_of(SessionEntry& entry);
@@ -109,15 +111,17 @@ class Runner {
 };
 
 template <class T>
-Task<T> Runner::result_from_long_work(std::function<T()> f) {
+Task<T> Runner::result_from_long_work(std::function<T()> f, std::optional<std::chrono::seconds> within) {
   std::optional<T> result;
-  co_await work_elsewhere([&] { result.emplace(f()); }, Threads::long_work);
+  co_await work_elsewhere([&] { result.emplace(f()); }, Threads::long_work, within);
   co_return std::move(*result);
 }
 
 template <class F>
-Task<std::invoke_result_t<F>> Runner::long_work(F f) {
-  return result_from_long_work<std::invoke_result_t<F>>(std::move(f));
+Task<std::invoke_result_t<F>> Runner::long_work(F f, std::optional<std::chrono::seconds> within) {
+  // A std::function needs something that can be copied.
+  const auto shared = std::make_shared<F>(std::move(f));
+  return result_from_long_work<std::invoke_result_t<F>>([shared] { return (*shared)(); }, within);
 }
 
 }  // namespace truestep

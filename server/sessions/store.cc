@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <ctime>
 
-#include "engine/base/hash.h"
 #include "engine/base/log.h"
-#include "engine/scene/json/json_write.h"
 #include "engine/session/describe.h"
 #include "engine/studies/precision/accuracy.h"
 #include "server/persistence/sessions/session_archive.h"
@@ -32,11 +30,8 @@ void SessionStore::check_room() const {
               "this server has reached its limit of " + std::to_string(limits_.max_sessions) + " sessions");
 }
 
-SessionStore::Begun SessionStore::begin(const std::string& id, const json::value& document,
+SessionStore::Begun SessionStore::begin(const std::string& id, uint64_t scene_hash,
                                         const net::Caller& owner) {
-  Hasher hasher;
-  hasher.text(write_json(document));
-  const uint64_t scene_hash = hasher.value();
   const auto check = [&](const std::string& existing_owner, uint64_t existing_hash) {
     if (!owner.may_see(existing_owner)) throw unknown_session();
     if (existing_hash != scene_hash)
@@ -99,18 +94,14 @@ SessionStore::Begun SessionStore::load(std::string_view id, const net::Caller& c
   return begin_loading(about->id, about->owner, about->scene_hash);
 }
 
-// A session that cannot be kept on disk runs all the same, and says so.
 void SessionStore::keep(SessionEntry& entry) {
+  if (!archive_) return;
   const SceneHeader& header = entry.session.world().scene().header;
   const SessionAbout about{entry.id, entry.owner, header.title.empty() ? header.name : header.title,
                            entry.scene_hash, static_cast<int64_t>(std::time(nullptr))};
-  try {
-    entry.keeper = archive_->keep(about, entry.session, entry.accuracy);
-    entry.keeper->keep_for(entry.recording);
-    entry.session.add_sink(entry.keeper);
-  } catch (const Error& e) {
-    log_warn("session {} is not kept: {}", entry.id, e.what());
-  }
+  entry.keeper = archive_->keep(about, entry.session, entry.accuracy);
+  entry.keeper->keep_for(entry.recording);
+  entry.session.add_sink(entry.keeper);
 }
 
 EntryPtr SessionStore::build(Creation& creation, SceneDraft draft, Accuracy accuracy,
@@ -129,7 +120,7 @@ EntryPtr SessionStore::build(Creation& creation, SceneDraft draft, Accuracy accu
     lease.require(std::max(lease.bytes(), bytes(c)), "measuring this scene");
   };
   creation.stage = "measuring";
-  SettledScene settled = accuracy == Accuracy::chosen
+  SettledScene settled = accuracy == Accuracy::chosen || !asked.header.accuracy
                              ? SettledScene{std::move(asked), {}}
                              : settle_accuracy(draft.document, limits_.accuracy_seconds, *arena_, admit);
   creation.stage = "building";
@@ -145,7 +136,6 @@ EntryPtr SessionStore::build(Creation& creation, SceneDraft draft, Accuracy accu
   entry->accuracy = std::move(settled.report);
   entry->estimated_step = draft.cost.seconds_per_step;
   prepare(*entry);
-  if (archive_ && creation.kind == Creation::Kind::create) keep(*entry);
   return entry;
 }
 
@@ -179,10 +169,11 @@ void SessionStore::fail(const CreationPtr& creation, std::exception_ptr error) {
   creation->done.notify();
 }
 
-EntryPtr SessionStore::create(json::value document, const std::string& id, const net::Caller& owner,
+EntryPtr SessionStore::create(const json::value& document, const std::string& id, const net::Caller& owner,
                               Accuracy accuracy, const std::function<void(SessionEntry&)>& prepare) {
-  const Begun begun = begin(id, document, owner);
-  if (begun.how == Begun::How::anew) make(begun.creation, read_draft(std::move(document)), accuracy, prepare);
+  SceneDraft draft = read_draft(document);
+  const Begun begun = begin(id, draft.hash, owner);
+  if (begun.how == Begun::How::anew) make(begun.creation, std::move(draft), accuracy, prepare);
   if (begun.creation->error) {
     forget(begun.creation);
     std::rethrow_exception(begun.creation->error);

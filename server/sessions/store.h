@@ -36,21 +36,21 @@ class SessionStore {
   /// where that has been done and runs as it is.
   enum class Accuracy : uint8_t { choose, chosen };
 
-  /// Reserves an id for a document. An id that exists with the same document is returned as it is (`ended` if
-  /// it is already a session, `stored` if it is on disk and the caller must load it); with a different
-  /// document, Error "conflict". Error "quota_exceeded".
+  /// Reserves an id for a document, known by its hash. An id that exists with the same document is returned
+  /// as it is (`ended` if it is already a session, `stored` if it is on disk and the caller must load it);
+  /// with a different document, Error "conflict". Error "quota_exceeded".
   struct Begun {
     CreationPtr creation;
     enum class How : uint8_t { anew, before, stored } how = How::anew;
   };
-  Begun begin(const std::string& id, const boost::json::value& document, const net::Caller& owner);
+  Begun begin(const std::string& id, uint64_t scene_hash, const net::Caller& owner);
   /// Builds the world and the session, calls `prepare` before the session becomes visible, and ends the
   /// creation (with scene_invalid, too_large, quota_exceeded or whatever `prepare` threw). Takes as long as
   /// the scene needs.
   void make(const CreationPtr& creation, SceneDraft draft, Accuracy accuracy,
             const std::function<void(SessionEntry&)>& prepare);
   /// Both, in the calling thread; returns the new session.
-  EntryPtr create(boost::json::value document, const std::string& id, const net::Caller& owner,
+  EntryPtr create(const boost::json::value& document, const std::string& id, const net::Caller& owner,
                   Accuracy accuracy, const std::function<void(SessionEntry&)>& prepare);
   /// A creation in progress or one that failed recently; null when there is none, or none that this caller
   /// may see.
@@ -80,10 +80,13 @@ class SessionStore {
   void unloaded(const EntryPtr& entry);
   const StoreLimits& limits() const { return limits_; }
 
+  /// Creates the folder of a new session. Error "disk_full" or "folder_io"; it would be lost with the
+  /// process.
+  void keep(SessionEntry& entry);
+
  private:
   void check_room() const;
   Begun begin_loading(const std::string& id, const std::string& owner, uint64_t scene_hash);
-  void keep(SessionEntry& entry);
   EntryPtr build(Creation& creation, SceneDraft draft, Accuracy accuracy,
                  const std::function<void(SessionEntry&)>& prepare);
   StoreLimits limits_;

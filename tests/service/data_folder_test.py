@@ -1,8 +1,13 @@
 """A data folder belongs to one server: a second one says who holds it and touches nothing."""
 import hashlib
+import json
+import os
 import pathlib
+import shutil
 import subprocess
+import tempfile
 import unittest
+import uuid
 
 from cases import OSCILLATOR
 from harness import BINARY, Service
@@ -56,6 +61,129 @@ class DataFolder(unittest.TestCase):
         code, said = second(self.service.data)
         self.assertEqual((code, said), (0, "listens"))
         self.assertEqual(second(self.service.data), (0, "listens"))
+
+    def test_a_folder_whose_lock_file_is_gone_is_held_all_the_same(self):
+        (pathlib.Path(self.service.data) / "server.lock").unlink()
+        code, said = second(self.service.data)
+        self.assertEqual(code, 5, said)
+        self.assertIn("is in use by another process", said)
+
+
+class Links(unittest.TestCase):
+    """What is no file of the folder's own is not read, and nothing waits for it."""
+
+    def setUp(self):
+        self.data = tempfile.mkdtemp(prefix="truestep")
+        self.addCleanup(shutil.rmtree, self.data, ignore_errors=True)
+        self.secret = pathlib.Path(self.data).with_suffix(".secret")
+        self.secret.write_text('{"a secret": 1}')
+        self.addCleanup(self.secret.unlink)
+        self.service = Service(data=self.data)
+        self.addCleanup(self.end)
+
+    def end(self):
+        self.service.process.terminate()
+        self.assertEqual(self.service.process.wait(patience(20)), 0)
+        self.service.process.stdout.close()
+
+    def again(self):
+        self.end()
+        self.service = Service(data=self.data)
+
+    def test_links_are_not_followed(self):
+        session = self.service.create(RECORDED)
+        self.service.post(session["links"]["step"], {"steps": 3})
+        self.assertEqual(self.service.post(session["links"]["recording"] + "/finish").status, 200)
+        self.assertEqual(self.service.get(session["links"]["recording"]).status, 200)
+        file = pathlib.Path(self.data) / (session["id"] + ".vtkhdf")
+        file.unlink()
+        file.symlink_to(self.secret)
+        digest = hashlib.sha256(self.secret.read_bytes()).hexdigest()
+        (pathlib.Path(self.data) / "assets").mkdir()
+        asset = pathlib.Path(self.data) / "assets" / (digest + ".json")
+        asset.symlink_to(self.secret)
+        for _ in range(2):
+            for path in (session["links"]["recording"], "/v1/recordings/%s/file" % session["id"], "/v1/assets/" + digest):
+                answer = self.service.get(path)
+                self.assertEqual(answer.status, 404, (path, answer.body))
+                self.assertNotIn(b"a secret", answer.body)
+            self.again()
+        # An asset that is put there is one, and the link's target stays as it was.
+        put = self.service.request("PUT", "/v1/assets/" + digest, self.secret.read_bytes(), {"Content-Type": "application/json"})
+        self.assertEqual(put.status, 201, put.body)
+        self.assertFalse(asset.is_symlink())
+        self.assertEqual(self.service.get("/v1/assets/" + digest).json(), {"a secret": 1})
+
+    def test_a_fifo_keeps_no_server_from_starting(self):
+        session = self.service.create(RECORDED)
+        self.service.post(session["links"]["step"], {"steps": 3})
+        self.end()
+        digest = "0" * 64
+        names = [str(uuid.uuid4()) for _ in range(5)]
+        folder = pathlib.Path(self.data)
+        (folder / "assets").mkdir()
+        for name in names[:2]:
+            (folder / "sessions" / name).mkdir()
+        kept = folder / "sessions" / session["id"]
+        fifos = [folder / (names[2] + ".vtkhdf"), folder / (names[3] + ".vtkhdf.json"), folder / "sessions" / names[0] / "about",
+                 folder / "sessions" / names[4], folder / "assets" / (digest + ".json"), kept / "log.99", kept / "state.98.3"]
+        # A recording that was not finished is looked at with its chunk log.
+        (folder / (names[1] + ".vtkhdf")).write_bytes(b"not a recording")
+        fifos.append(folder / (names[1] + ".vtkhdf.chunks"))
+        for path in fifos:
+            os.mkfifo(path)
+        self.service = Service(data=self.data)
+        self.assertEqual(self.service.get("/v1/assets/" + digest).status, 404)
+        for path in ("/v1/sessions", "/v1/recordings", "/healthz"):
+            self.assertEqual(self.service.get(path).status, 200)
+        for name in names:
+            self.assertIn(self.service.get("/v1/sessions/" + name).status, (404, 409))
+            self.assertIn(self.service.get("/v1/recordings/%s/file" % name).status, (200, 404, 409))
+        # The session with foreign files beside its own says what it makes of them, at once.
+        self.assertIn(self.service.get(session["links"]["self"]).status, (200, 409))
+
+
+class Gone(unittest.TestCase):
+    """The folder disappears while the server runs."""
+
+    def setUp(self):
+        self.service = Service()
+        self.addCleanup(self.service.stop)
+        self.session = self.service.create(RECORDED)
+        self.service.post(self.session["links"]["step"], {"steps": 3})
+
+    def refused(self, answer):
+        self.assertEqual((answer.status, answer.json()["code"]), (503, "folder_io"), answer.body)
+        self.assertIn("data folder", answer.json()["detail"])
+
+    def see_that_it_is_gone(self):
+        body = json.dumps([1]).encode()
+        self.refused(self.service.get("/readyz"))
+        self.refused(self.service.post("/v1/sessions", OSCILLATOR))
+        self.refused(self.service.post("/v1/sessions", RECORDED))
+        self.refused(self.service.post(self.session["links"]["self"] + "/branch"))
+        self.refused(self.service.post(self.session["links"]["snapshots"]))
+        self.refused(self.service.request("PUT", "/v1/assets/" + hashlib.sha256(body).hexdigest(), body,
+                                          {"Content-Type": "application/json"}))
+        # What was there goes on in memory, and says that it is not kept.
+        self.assertEqual(self.service.post(self.session["links"]["step"], {"steps": 3}).status, 200)
+        now = self.service.get(self.session["links"]["self"]).json()
+        self.assertEqual((now["step"], now["kept"]), (6, False))
+        self.assertIn("not_kept_because", now)
+        self.assertEqual(self.service.get("/healthz").status, 200)
+        self.assertEqual(len(self.service.get("/v1/sessions").json()["sessions"]), 1, "nothing that was refused is there")
+
+    def test_a_folder_that_is_removed(self):
+        shutil.rmtree(self.service.data)
+        self.see_that_it_is_gone()
+        self.assertEqual(self.service.request("DELETE", self.session["links"]["self"]).status, 204)
+
+    def test_a_folder_that_is_replaced(self):
+        shutil.rmtree(self.service.data)
+        os.mkdir(self.service.data)
+        self.addCleanup(shutil.rmtree, self.service.data, ignore_errors=True)
+        self.see_that_it_is_gone()
+        self.assertEqual(os.listdir(self.service.data), [], "it may be another server's")
 
 
 if __name__ == "__main__":

@@ -89,7 +89,7 @@ class Course:
     """What one client does; `held` is what must be there afterwards."""
 
     def __init__(self, server, name):
-        self.server, self.name, self.held, self.assets, self.recorded = server, name, {}, set(), {}
+        self.server, self.name, self.held, self.made, self.assets, self.recorded = server, name, {}, set(), set(), {}
 
     def create(self, scene):
         made = self.server.ask("POST", "/v1/sessions", scene)
@@ -99,6 +99,7 @@ class Course:
 
     def note(self, session):
         """The session as it is, held if the server says that it is kept."""
+        self.made.add(session)
         now = self.server.ask("GET", "/v1/sessions/" + session)
         while now and now["status"] in ("creating", "restoring"):
             time.sleep(0.01)
@@ -204,6 +205,9 @@ def trial(library, call, error, number, last=0):
                     return "session %s was at step %d and is at %s" % (session, step, now["restored"]), server.refused
                 if now["step"] == step and now["state_hash"] != state:
                     return "session %s has another hash at step %d" % (session, step), server.refused
+            ghosts = {s["id"] for s in sound.get("/v1/sessions").json()["sessions"]} - course.made
+            if ghosts:
+                return "sessions whose creation was refused: %s" % ghosts, server.refused
             for digest in course.assets:
                 if sound.get("/v1/assets/" + digest).status != 200:
                     return "an asset is lost", server.refused

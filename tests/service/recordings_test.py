@@ -9,7 +9,7 @@ import time
 import unittest
 import uuid
 
-from harness import BINARY
+from harness import BINARY, Socket
 from patience import patience
 from restarted import PUSH, ROPE, Restarted
 
@@ -183,22 +183,23 @@ class Failures(Restarted):
         scene = {**ROPE, "recording": {"fields": ["colour"]}}
         refused = self.service.request("PUT", path, scene)
         self.assertEqual((refused.status, refused.json()["errors"][0]["pointer"]), (422, "/recording/fields/0"))
-        # The layout is good, and either of the files cannot be made.
+        # Names that links stand at are taken: what they lead to is not written to.
         ids = [path.rsplit("/", 1)[1]]
-        for ending in (".vtkhdf", ".vtkhdf.chunks"):
-            ids.append(str(uuid.uuid4()))
-            os.symlink("/nonexistent/place", pathlib.Path(self.data) / (ids[-1] + ending))
-            failed = self.service.request("PUT", "/v1/sessions/" + ids[-1], {**ROPE, "recording": {}})
-            self.assertEqual((failed.status, failed.json()["code"]), (500, "recording_io"))
+        target = pathlib.Path(self.data).with_suffix(".elsewhere")
         for name in ids:
             self.assertEqual(self.service.get("/v1/sessions/" + name).json()["code"], "unknown_session")
             self.assertEqual([p.name for p in pathlib.Path(self.data).rglob(name + "*")], [])
         self.assertEqual(self.service.get("/v1/recordings").json()["recordings"], [])
+        for ending in (".vtkhdf", ".vtkhdf.chunks"):
+            ids.append(str(uuid.uuid4()))
+            os.symlink(target, pathlib.Path(self.data) / (ids[-1] + ending))
         for name in ids:
             made = self.service.request("PUT", "/v1/sessions/" + name, {**ROPE, "recording": {}})
             self.assertEqual(made.status, 201, made.body)
             self.service.post(made.json()["links"]["step"], {"steps": 3})
-            self.assertEqual(self.service.post(made.json()["links"]["recording"] + "/finish").json()["frames"], 4)
+            done = self.service.post(made.json()["links"]["recording"] + "/finish").json()
+            self.assertEqual((done["frames"], done["id"]), (4, name if name == ids[0] else name + ".2"))
+        self.assertFalse(target.exists())
 
     def small_disk(self, size):
         folder = tempfile.mkdtemp(prefix="truestep")
@@ -207,6 +208,28 @@ class Failures(Restarted):
             self.skipTest("mounting a small disk needs root")
         self.addCleanup(subprocess.run, ["umount", "-l", folder])
         return folder
+
+    def test_a_playing_session_pauses_when_its_recording_ends_for_want_of_room(self):
+        self.kill()
+        self.data = self.small_disk("3m")
+        self.start()
+        cloth = {"time": {"dt": 0.004, "duration": 1000}, "recording": {},
+                 "systems": [{"type": "mass_spring", "id": "cloth", "pinned": ["first"], "cloth_grid": {"nx": 40, "ny": 40}}]}
+        s = self.service.create(cloth)
+        self.assertNotIn("not_recorded_because", s)
+        stream = Socket(self.service, s["links"]["stream"], "truestep.v1.json")
+        self.addCleanup(stream.close)
+        self.assertEqual(self.service.post(s["links"]["play"], {"speed": 10}).status, 200)
+        stream.socket.settimeout(patience(60))
+        event = stream.message("event")
+        self.assertEqual(event["kind"], "recording_incomplete", event)
+        now = self.look(s)
+        self.assertEqual(now["status"], "paused")
+        self.assertIn("full", now["not_recorded_because"])
+        row, = self.service.get("/v1/recordings").json()["recordings"]
+        self.assertEqual(row["state"], "incomplete")
+        # Steps that are asked for go on, unrecorded.
+        self.assertEqual(self.step(s, 5)["step"], now["step"] + 5)
 
     def test_what_was_recorded_before_the_disk_was_full_can_be_had(self):
         self.kill()

@@ -1,5 +1,5 @@
 # The real program as a client sees it, a file of tests per subject; their controls; and the checks that it must survive.
-foreach(part sessions lifecycle memory output catalogue equations stream watched routes ending command_line check commands data_folder restart recordings keys refusals starts portable openapi steering control)
+foreach(part sessions lifecycle memory output catalogue equations stream watched routes ending command_line check commands data_folder restart recordings keys refusals starts portable openapi steering heavy concurrent control)
   add_test(NAME service.${part} COMMAND ${Python3_EXECUTABLE} -m unittest -v ${part}_test
            WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/tests/service)
   set_tests_properties(service.${part} PROPERTIES LABELS service
@@ -27,3 +27,19 @@ check_service(json_torture_wrapped json_torture.py "145 of 145" {url}/v1/session
 check_service(ws_slow_consumer ws_slow_consumer.py "kept fraction" {stream} --pid {pid} --slow 20 --seconds 8)
 check_service(conn_flood conn_flood.py "health failures: 0" {url}/healthz --n 2000 --pid {pid} --drip-limit 15)
 set_tests_properties(service.program.conn_flood service.program.ws_slow_consumer PROPERTIES RUN_SERIAL TRUE)
+
+# The disk's calls fail one by one: a few of them, and in `--deep` all.
+add_library(faults SHARED ${CMAKE_CURRENT_LIST_DIR}/fixtures/faults.c)
+target_link_libraries(faults PRIVATE ${CMAKE_DL_LIBS})
+function(add_faults name tier)
+  add_test(NAME service.${name}
+           COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tests/service/faults.py $<TARGET_FILE:faults> ${ARGN})
+  set_tests_properties(service.${name} PROPERTIES LABELS "service${tier}" ENVIRONMENT "TRUESTEP_BINARY=$<TARGET_FILE:truestep>")
+endfunction()
+# What is preloaded below a sanitizer's own runtime is refused by it.
+if(NOT TRUESTEP_SANITIZE)
+  add_faults(faults "" --every 37)
+  foreach(offset RANGE 0 5)
+    add_faults(faults_all_${offset} ";deep" --every 6 --offset ${offset})
+  endforeach()
+endif()

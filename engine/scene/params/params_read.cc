@@ -1,6 +1,7 @@
 // Reads objects by their tables: keys, nested objects, variants; single values are in params_values.cc.
 #include <algorithm>
 
+#include "engine/base/interrupt.h"
 #include "engine/scene/params/params.h"
 #include "engine/scene/params/params_reader.h"
 #include "engine/scene/params/params_text.h"
@@ -11,6 +12,7 @@ namespace json = boost::json;
 
 void ParamReader::members(const DefTable& table, void* owner, const json::object& o,
                           const std::string& pointer, std::span<const std::string_view> also_allowed) {
+  interruption_point();
   for (const auto& [key_view, value] : o) {
     const std::string key(key_view);
     // "x_..." belongs to the user, unless it is a parameter ("x_min" of a box's sides).
@@ -27,6 +29,8 @@ void ParamReader::members(const DefTable& table, void* owner, const json::object
         continue;
       }
       this->row(*row, owner, value, where);
+    } else if (full()) {
+      fault(where, kUnknownKey, "", {}, "");
     } else {
       std::vector<std::string> names;
       for (const ParamRow& r : table.rows) names.push_back(r.name);

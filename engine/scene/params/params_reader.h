@@ -25,6 +25,8 @@ inline constexpr std::string_view kUnknownKey = "unknown_key";
 
 class ParamReader {
  public:
+  static constexpr size_t kMostFaults = 100;
+
   explicit ParamReader(std::vector<Issue>& issues) : issues_(issues) {}
 
   /// Reads every key of `o` into `owner`, then runs the table's checks across members if each member is good;
@@ -32,6 +34,9 @@ class ParamReader {
   void object(const DefTable& table, void* owner, const boost::json::object& o, const std::string& pointer,
               std::span<const std::string_view> also_allowed);
   /// Faulty when a member has an unacceptable value; unknown keys do not count.
+  /// A document can contain millions of faults; nobody reads more than a screenful, and nothing is searched
+  /// for faults that are not listed.
+  bool full() const { return issues_.size() >= kMostFaults; }
   Reading reading() const { return bad_members_ == 0 ? Reading::sound : Reading::faulty; }
 
  private:

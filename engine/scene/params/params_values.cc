@@ -25,9 +25,11 @@ void ParamReader::fault(const std::string& pointer, std::string_view code, const
                         const FoundValue& found, const std::string& allowed, const std::string& unit,
                         const std::string& did_you_mean) {
   if (code != kUnknownKey) ++bad_members_;
-  // A document can contain millions of faults; nobody reads more than a screenful.
-  if (issues_.size() < 100)
+  if (!full()) {
     issues_.push_back({pointer, std::string(code), message, found.text, allowed, did_you_mean, unit});
+  } else if (issues_.size() == kMostFaults) {
+    issues_.push_back({pointer, "more_faults", "this fault and what follows are not listed", "", "", "", ""});
+  }
 }
 
 bool ParamReader::number(const ParamRow& r, const json::value& v, const std::string& where, double& out) {

@@ -43,6 +43,7 @@ class RecordingSink : public Sink {
   /// Whether a frame of a later step than `step` belongs to the recording.
   static bool goes_on(const World& world, uint64_t step);
   RecordingStatus status() const { return writer_.status(); }
+  bool failed() const { return writer_.failed(); }
   const std::string& path() const { return writer_.layout().path; }
 
  private:

@@ -158,6 +158,10 @@ RecordingStatus RecordingWriter::status() const {
   return {core_->state, core_->appended, core_->durable, core_->code, core_->message};
 }
 
+bool RecordingWriter::failed() const {
+  return core_->state == RecordingState::kFailed;
+}
+
 uint64_t RecordingWriter::durable_frames() const {
   return core_->durable;
 }

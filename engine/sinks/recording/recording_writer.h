@@ -43,6 +43,8 @@ class RecordingWriter {
   RecordingStatus finalize(const std::string& journal, const RecordedDrawing* drawing = nullptr);
 
   RecordingStatus status() const;
+  /// Whether it has failed, without the words.
+  bool failed() const;
   uint64_t durable_frames() const;
   size_t frames_per_chunk() const;
   const RecordingLayout& layout() const;

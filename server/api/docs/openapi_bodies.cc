@@ -31,6 +31,9 @@ constexpr std::string_view kSystems = "ids, separated by commas; all if absent";
 constexpr RouteParameter kParameters[] = {
     {net::Method::post, "/v1/sessions", "header", "Idempotency-Key", kIdempotency, kOnce},
     {net::Method::post, "/v1/sessions/{id}/step", "header", "Idempotency-Key", kIdempotency, kOnce},
+    {net::Method::post, "/v1/sessions/{id}/branch", "header", "Idempotency-Key", kIdempotency, kOnce},
+    {net::Method::post, "/v1/studies", "header", "Idempotency-Key", kIdempotency, kOnce},
+    {net::Method::post, "/v1/runs", "header", "Idempotency-Key", kIdempotency, kOnce},
     {net::Method::get, "/v1/sessions", "query", "limit",
      R"({"type": "integer", "minimum": 1, "maximum": 1000, "default": 100})", "sessions per page"},
     {net::Method::get, "/v1/sessions", "query", "page_token",

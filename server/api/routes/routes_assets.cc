@@ -19,7 +19,8 @@ Task<Response> put(App& app, const Request& request) {
   const std::string sha256(request.param("sha256"));
   const auto lease = app.memory.lease(3.5 * static_cast<double>(request.body.size()), "reading the body");
   auto keep = [&app, &request, sha256, kind] {
-    const bool fresh = app.assets.put(sha256, request.body, kind);
+    app.require_folder();
+    const bool fresh = app.assets.put(sha256, request.body, kind, request.caller);
     const std::string self = "/v1/assets/" + sha256;
     Response r = json_response(
         json::object{
@@ -51,8 +52,8 @@ void add_asset_routes(net::Router& router, App& app) {
   });
   router.add(Method::delete_, asset, "Removes an asset; sessions created with it keep its value",
              [&app](const Request& r) -> Task<Response> {
-               auto remove = [&app, sha256 = std::string(r.param("sha256"))] {
-                 app.assets.remove(sha256);
+               auto remove = [&app, &r, sha256 = std::string(r.param("sha256"))] {
+                 app.assets.remove(sha256, r.caller);
                  return Response(204);
                };
                co_return co_await offload(app.runner.pool(), std::move(remove));

@@ -46,13 +46,14 @@ void add_catalogue_routes(net::Router& router, App& app) {
              });
   router.add(Method::post, "/v1/scenes/validate", "Errors, warnings, plan and cost of a scene",
              [&app](const Request& r) -> Task<Response> {
-               json::value document = co_await long_json_body(app, r);
-               auto validate = [&] {
-                 app.assets.resolve(document);
+               auto validate = [&app](json::value document) {
+                 const auto lease = app.assets.resolve(document, app.memory);
                  const json::object report = validate_scene(document, app.options.limits.per_session);
                  return json_response(report, report.at("valid").as_bool() ? 200 : 422);
                };
-               co_return co_await app.runner.long_work(std::move(validate));
+               const auto lease = body_lease(app, r);
+               auto work = [&] { return validate(json_body(r)); };
+               co_return co_await app.runner.long_work(std::move(work), kReadingTime);
              });
 }
 

@@ -48,36 +48,39 @@ Response accepted(const Operation& o) {
 }
 
 Task<Response> start_run(App& app, const Request& request) {
-  json::value body = object_of(co_await long_json_body(app, request));
-  auto work = [&app, body = std::move(body), caller = request.caller]() mutable {
+  auto work = [&app, caller = request.caller](json::value body) {
+    body = object_of(std::move(body));
     const std::string text = write_json(body);
-    app.assets.resolve(body);
+    const auto lease = app.assets.resolve(body, app.memory);
     return app.operations.start(read_request_of(run_kind(), body), text, "", caller);
   };
-  const OperationPtr o = co_await offload(app.runner.pool(), std::move(work));
+  const OperationPtr o = co_await with_json_body(app, request, std::move(work));
   co_return accepted(*o);
 }
 
-Task<Response> start_study(App& app, const Request& request) {
-  json::object body = object_of(co_await long_json_body(app, request));
-  std::string resume;
-  if (const json::value* r = body.if_contains("resume")) {
-    if (!r->is_string()) {
-      throw Error(
-          "bad_request", "resume must name an operation",
-          {{"/resume", "wrong_type", "the id of an operation must be a text", shorten(*r), "text", "", ""}});
-    }
-    resume = r->as_string();
-    body.erase("resume");
+// The member "resume", which is taken out; empty when it is absent.
+std::string take_resume(json::object& body) {
+  const json::value* r = body.if_contains("resume");
+  if (!r) return "";
+  if (!r->is_string()) {
+    throw Error(
+        "bad_request", "resume must name an operation",
+        {{"/resume", "wrong_type", "the id of an operation must be a text", shorten(*r), "text", "", ""}});
   }
-  // Parsed on a worker, since scenes may be large.
-  auto work = [&app, body = std::move(body), resume, caller = request.caller]() mutable {
-    const std::string text = write_json(body);
+  std::string resume(r->as_string());
+  body.erase("resume");
+  return resume;
+}
+
+Task<Response> start_study(App& app, const Request& request) {
+  auto work = [&app, caller = request.caller](json::value sent) {
+    json::object body = object_of(std::move(sent));
+    const std::string resume = take_resume(body), text = write_json(body);
     json::value resolved = std::move(body);
-    app.assets.resolve(resolved);
+    const auto lease = app.assets.resolve(resolved, app.memory);
     return app.operations.start(read_study_request(resolved), text, resume, caller);
   };
-  const OperationPtr o = co_await offload(app.runner.pool(), std::move(work));
+  const OperationPtr o = co_await with_json_body(app, request, std::move(work));
   co_return accepted(*o);
 }
 
@@ -124,10 +127,10 @@ void add_operation_routes(net::Router& router, App& app) {
     return json_response(json::object{{"studies", std::move(kinds)}});
   });
   router.add(Method::post, "/v1/studies", "Starts a study of a scene: 202 and an operation",
-             [&app](const Request& r) { return start_study(app, r); });
+             [&app](const Request& r) { return once(app, r, [&app, &r] { return start_study(app, r); }); });
   router.add(Method::post, "/v1/runs",
              "Runs a scene to its end, or for a duration: 202 and an operation with observables over time",
-             [&app](const Request& r) { return start_run(app, r); });
+             [&app](const Request& r) { return once(app, r, [&app, &r] { return start_run(app, r); }); });
   router.add(Method::get, "/v1/operations", "The operations that the server remembers",
              [&app](const Request& r) {
                json::array list;

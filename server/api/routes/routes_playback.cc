@@ -1,7 +1,6 @@
 // /v1/sessions/{id}: step, play, pause, reset, seek.
 #include <cmath>
 
-#include "engine/base/hash.h"
 #include "engine/scene/json/json_write.h"
 #include "server/api/requests.h"
 #include "server/api/session_answers.h"
@@ -57,27 +56,10 @@ Task<Response> after_run(App& app, const Request& request, EntryPtr entry, JobPt
 
 Task<Response> step(App& app, const Request& request) {
   EntryPtr entry = co_await session_of(app, request);
-  const std::string key = idempotency_key(request);
   const json::object body = object_body_of(request, {"steps", "seconds", "until", "from_step"});
-  Hasher hasher;
-  hasher.text(entry->id);
-  hasher.text(request.body);
-  if (!key.empty()) {
-    if (const auto before = app.idempotency.begin(key, hasher.value()))
-      co_return Response::json(before->body, before->status);
-  }
-  try {
-    Aim aim = [&body](SessionEntry& e) { return step_target(body, e.session); };
-    const JobPtr job = co_await app.runner.run_to(entry, Job::Kind::step, std::move(aim));
-    Response response = co_await after_run(app, request, entry, job);
-    if (!key.empty())
-      app.idempotency.remember(key,
-                               {hasher.value(), response.status, std::string(response.body_bytes()), ""});
-    co_return response;
-  } catch (...) {
-    if (!key.empty()) app.idempotency.forget(key);
-    throw;
-  }
+  Aim aim = [&body](SessionEntry& e) { return step_target(body, e.session); };
+  const JobPtr job = co_await app.runner.run_to(entry, Job::Kind::step, std::move(aim));
+  co_return co_await after_run(app, request, entry, job);
 }
 
 Task<Response> play(App& app, const Request& request) {
@@ -141,7 +123,7 @@ void add_playback_routes(net::Router& router, App& app) {
   const std::string session = "/v1/sessions/{id}";
   router.add(Method::post, session + "/step",
              "Steps: {\"steps\": n | \"seconds\": s | \"until\": t, \"from_step\"?: k}",
-             [&app](const Request& r) { return step(app, r); });
+             [&app](const Request& r) { return once(app, r, [&app, &r] { return step(app, r); }); });
   router.add(Method::post, session + "/play",
              "Plays at speed times real time; without \"keep_running\" until its last viewer has left",
              [&app](const Request& r) { return play(app, r); });

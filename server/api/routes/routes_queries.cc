@@ -11,7 +11,7 @@ namespace {
 
 Task<Response> query(App& app, const Request& request) {
   EntryPtr entry = co_await session_of(app, request);
-  const boost::json::value body = json_body(request);
+  const boost::json::value body = co_await long_json_body(app, request);
   co_return co_await with_session_on_worker(
       app, entry, [&body](SessionEntry& e) { return json_response(answer_query(e.session, body)); });
 }

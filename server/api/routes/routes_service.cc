@@ -100,6 +100,7 @@ void add_service_routes(net::Router& router, App& app) {
   open(router.add(Method::get, "/readyz", "New sessions are accepted", [&app](const Request&) {
     if (app.server && app.server->draining()) throw Error("draining", "the service is shutting down");
     if (app.repairing) throw Error("starting", "recordings of an earlier run are being repaired");
+    app.require_folder();
     return Response::shared(kHealthy, "application/json");
   }));
   router.add(Method::get, "/metrics", "Counters in Prometheus' text format", [&app](const Request&) {

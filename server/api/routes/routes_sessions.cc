@@ -1,5 +1,5 @@
 // /v1/sessions: create, list, describe, command, end.
-#include "engine/base/hash.h"
+#include "engine/base/log.h"
 #include "engine/scene/gallery.h"
 #include "engine/scene/json/json.h"
 #include "engine/scene/json/json_write.h"
@@ -43,13 +43,6 @@ json::value scene_document(json::value body) {
   return parse_json(g->text);
 }
 
-Response created(const RememberedAnswer& a) {
-  Response r = Response::json(a.body, a.status);
-  r.header("Location", a.location);
-  if (a.status == 202) r.header("Retry-After", "1");
-  return r;
-}
-
 json::object describe_creation(const Creation& c) {
   return {{"id", c.id},
           {"status", c.kind == Creation::Kind::create ? "creating" : "restoring"},
@@ -64,7 +57,7 @@ void start_making(App& app, const CreationPtr& creation, SceneDraft draft) {
   const auto shared = std::make_shared<SceneDraft>(std::move(draft));
   std::function<void()> make = [&app, creation, shared] {
     app.store.make(creation, std::move(*shared), SessionStore::Accuracy::choose,
-                   [&app](SessionEntry& e) { attach_recording(app, e); });
+                   [&app](SessionEntry& e) { begin_keeping(app, e); });
   };
   if (heavy)
     app.runner.start_long_work(make);
@@ -72,32 +65,30 @@ void start_making(App& app, const CreationPtr& creation, SceneDraft draft) {
     app.runner.pool().post(make);
 }
 
-RememberedAnswer answer_of(const Creation& c) {
-  RememberedAnswer answer;
-  answer.location = "/v1/sessions/" + c.id;
-  if (!c.ended) {
-    answer.status = 202;
-    answer.body = write_json(describe_creation(c));
-    return answer;
+Response answer_of(const Creation& c) {
+  Response answer;
+  if (c.ended) {
+    const std::lock_guard lock(c.entry->mutex);
+    answer = json_response(describe_session(*c.entry), c.existed ? 200 : 201);
+  } else {
+    answer = json_response(describe_creation(c), 202);
+    answer.header("Retry-After", "1");
   }
-  answer.status = c.existed ? 200 : 201;
-  const std::lock_guard lock(c.entry->mutex);
-  answer.body = write_json(describe_session(*c.entry));
+  answer.header("Location", "/v1/sessions/" + c.id);
   return answer;
 }
 
-Task<RememberedAnswer> make_session(App& app, const Request& request, const std::string& id) {
-  json::value body = co_await long_json_body(app, request);
-  auto read = [&app, &body] {
-    app.assets.resolve(body);
+Task<Response> make_session(App& app, const Request& request, std::string id) {
+  auto read = [&app](json::value body) {
+    const auto lease = app.assets.resolve(body, app.memory);
     return read_draft(scene_document(std::move(body)));
   };
-  SceneDraft draft = co_await offload(app.runner.pool(), std::move(read));
+  SceneDraft draft = co_await with_json_body(app, request, std::move(read));
   CreationPtr creation;
   const auto deadline = Clock::now() + kPatience;
   // A session that is being unloaded is restored as soon as that is done.
   while (!creation || (creation->ended && !creation->entry && !creation->error)) {
-    auto [begun, how] = app.store.begin(id, draft.document, request.caller);
+    auto [begun, how] = app.store.begin(id, draft.hash, request.caller);
     creation = std::move(begun);
     const bool anew = how == SessionStore::Begun::How::anew;
     if (anew) start_making(app, creation, std::move(draft));
@@ -114,23 +105,6 @@ Task<RememberedAnswer> make_session(App& app, const Request& request, const std:
   }
   auto describe = [c = creation] { return answer_of(*c); };
   co_return co_await offload(app.runner.pool(), std::move(describe));
-}
-
-Task<Response> create(App& app, const Request& request, std::string id, std::string key) {
-  Hasher hasher;
-  hasher.text(request.body);
-  if (!key.empty()) {
-    if (const auto before = app.idempotency.begin(key, hasher.value())) co_return created(*before);
-  }
-  try {
-    RememberedAnswer made = co_await make_session(app, request, id);
-    made.request_hash = hasher.value();
-    if (!key.empty()) app.idempotency.remember(key, made);
-    co_return created(made);
-  } catch (...) {
-    if (!key.empty()) app.idempotency.forget(key);
-    throw;
-  }
 }
 
 Task<Response> describe(App& app, const Request& request) {
@@ -170,19 +144,27 @@ Task<Response> end(App& app, const Request& request) {
     co_return co_await offload(app.runner.pool(), std::move(work));
   }
   // From disk first: a session neither in memory nor on disk is gone.
+  found->deleted = true;
   auto forget = [&app, found] {
     if (found->keeper) app.archive->remove(found->id);
     return app.store.remove(found);
   };
   const EntryPtr entry = co_await offload(app.runner.pool(), std::move(forget));
   entry->publish();
-  co_return co_await with_session_on_worker(app, entry, [&app](SessionEntry& e) {
-    e.session.say_bye("unknown_session", "the session has been deleted");
-    app.runner.interrupt(e);
-    e.session.pause();
-    if (e.recording) finish_recording(app, e);
+  auto finish = [&app, entry] {
+    const std::lock_guard lock(entry->mutex);
+    entry->session.say_bye("unknown_session", "the session has been deleted");
+    app.runner.interrupt(*entry);
+    entry->session.pause();
+    try {
+      if (entry->recording) finish_recording(app, *entry);
+    } catch (const Error& error) {
+      // Its file has been removed, for example; the session has ended all the same.
+      log_warn("recording {}: {}", entry->recording_id, error.what());
+    }
     return Response(204);
-  });
+  };
+  co_return co_await offload(app.runner.pool(), std::move(finish));
 }
 
 Task<Response> command(App& app, const Request& request) {
@@ -203,14 +185,16 @@ Task<Response> command(App& app, const Request& request) {
 void add_session_routes(net::Router& router, App& app) {
   const std::string session = "/v1/sessions/{id}";
   router.add(Method::post, "/v1/sessions", "Creates a session from a scene or {\"gallery\": name}",
-             [&app](const Request& r) { return create(app, r, random_session_id(), idempotency_key(r)); });
+             [&app](const Request& r) {
+               return once(app, r, [&app, &r] { return make_session(app, r, random_session_id()); });
+             });
   router.add(Method::put, session,
              "Creates a session under the client's own UUID; repeating it changes nothing",
              [&app](const Request& r) {
                const std::string id(r.param("id"));
                if (!is_session_id(id))
                  throw Error("bad_request", "a session id must be a UUID in lower-case hexadecimal digits");
-               return create(app, r, id, "");
+               return make_session(app, r, id);
              });
   router.add(Method::get, "/v1/sessions", "Sessions in the order of their ids, page by page",
              [&app](const Request& r) {

@@ -5,6 +5,7 @@
 #include "engine/session/snapshot/snapshot.h"
 #include "server/api/recordings.h"
 #include "server/api/requests.h"
+#include "server/api/restoring.h"
 #include "server/api/session_answers.h"
 #include "server/persistence/sessions/session_keeper.h"
 
@@ -49,6 +50,7 @@ Task<Response> keep_snapshot(App& app, const Request& request) {
     const std::string hash = hex64(state.hash());
     const std::string sid = uploaded ? "upload-" + hash : "step-" + std::to_string(state.step);
     if (e.keeper) {
+      app.require_folder();
       const Bytes made = uploaded ? Bytes() : write_snapshot(e.session.world(), state);
       const auto file = uploaded ? bytes_of(request) : std::span<const std::byte>(made);
       app.archive->require_room(static_cast<double>(file.size()));
@@ -95,15 +97,16 @@ Task<Response> branch(App& app, const Request& request) {
     WorldState state;
     {
       const std::lock_guard lock(entry->mutex);
+      entry->require_there();
       document = entry->session.world().scene().canonical();
       accuracy = entry->accuracy;
       state = entry->session.state();
     }
-    const EntryPtr made = app.store.create(std::move(document), random_session_id(), caller,
+    const EntryPtr made = app.store.create(document, random_session_id(), caller,
                                            SessionStore::Accuracy::chosen, [&](SessionEntry& e) {
                                              e.accuracy = std::move(accuracy);
                                              e.session.restore(std::move(state));
-                                             attach_recording(app, e);
+                                             begin_keeping(app, e);
                                            });
     const std::lock_guard lock(made->mutex);
     Response r = json_response(describe_session(*made), 201);
@@ -118,7 +121,7 @@ Task<Response> branch(App& app, const Request& request) {
 void add_snapshot_routes(net::Router& router, App& app) {
   const std::string session = "/v1/sessions/{id}";
   router.add(Method::post, session + "/branch", "A new session that continues from this one's state",
-             [&app](const Request& r) { return branch(app, r); });
+             [&app](const Request& r) { return once(app, r, [&app, &r] { return branch(app, r); }); });
   router.add(Method::get, session + "/snapshots", "The session's snapshots", [&app](const Request& r) {
     return with_session(app, r, [](SessionEntry& e) {
       json::array list;

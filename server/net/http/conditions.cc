@@ -2,6 +2,7 @@
 #include <charconv>
 
 #include "server/net/http/message.h"
+#include "server/net/http/problem.h"
 
 namespace truestep::net {
 namespace {
@@ -12,6 +13,16 @@ bool matches(std::string_view list, std::string_view etag) {
   if (etag.starts_with("W/")) etag.remove_prefix(2);
   return list.find(etag) !=
          std::string_view::npos;  // a tag includes its quotes, so a substring is a whole tag
+}
+
+// Strong comparison: a weak tag never matches.
+bool matches_strongly(std::string_view list, std::string_view etag) {
+  if (trim(list) == "*") return true;
+  if (etag.empty() || etag.starts_with("W/")) return false;
+  for (size_t at = list.find(etag); at != std::string_view::npos; at = list.find(etag, at + 1)) {
+    if (at < 2 || list.substr(at - 2, 2) != "W/") return true;
+  }
+  return false;
 }
 
 bool number(std::string_view s, uint64_t& v) {
@@ -48,9 +59,20 @@ RangeResult parse_range(std::string_view value, uint64_t size, uint64_t& first, 
 
 }  // namespace
 
+bool may_change(const Request& request) {
+  if (request.method == Method::get || request.method == Method::head || request.method == Method::options)
+    return true;
+  return !request.has_header("if-match") || trim(request.header("if-match")) == "*";
+}
+
 void apply_conditions(const Request& request, Response& response) {
-  if (response.status != 200 || response.etag.empty()) return;
+  if (response.status != 200) return;
   if (request.method != Method::get && request.method != Method::head) return;
+  if (request.has_header("if-match") && !matches_strongly(request.header("if-match"), response.etag)) {
+    response = problem(request, "precondition_failed", "If-Match names another state of this resource");
+    return;
+  }
+  if (response.etag.empty()) return;
   const std::string_view none_match = request.header("if-none-match");
   if (!none_match.empty() && matches(none_match, response.etag)) {
     response.status = 304;

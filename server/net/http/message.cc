@@ -168,7 +168,7 @@ void Request::clear() {
 }
 
 FileBody FileBody::open(const std::string& path) {
-  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK | O_NOFOLLOW);
   if (fd < 0 && (errno == EMFILE || errno == ENFILE))
     throw Error("overloaded", "no more files can be opened at the moment");
   if (fd < 0) throw Error("not_found", "no such file (" + std::string(std::strerror(errno)) + ")");

@@ -88,7 +88,7 @@ class Request {
 /// Bytes of an open file; the descriptor closes with the last copy.
 class FileBody {
  public:
-  /// Opens for reading. Throws Error("not_found") when that fails or it is no regular file.
+  /// Opens for reading. Throws Error("not_found") when that fails or it is no regular file; a link is none.
   static FileBody open(const std::string& path);
   int fd() const { return *fd_; }
   uint64_t size() const { return size_; }
@@ -144,6 +144,9 @@ class Response {
 /// Turns a 200 with an etag into 304, 206 or 416 as the request's conditions ask (RFC 9110 sections 13 and
 /// 14). A request for several ranges gets the whole body, which the RFC allows.
 void apply_conditions(const Request& request, Response& response);
+/// Whether the conditions of a request that changes something hold: what can be changed has no entity tags,
+/// so that of If-Match only "*" does (RFC 9110 section 13.1.1).
+bool may_change(const Request& request);
 
 /// ASCII comparison without case.
 bool iequals(std::string_view a, std::string_view b);

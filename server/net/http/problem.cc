@@ -56,8 +56,8 @@ constexpr ProblemKind kKinds[] = {
     {"draining", 503, "The service is shutting down"},
     {"overloaded", 503, "The service is at its limit"},
     {"render_unavailable", 503, "Pictures cannot be drawn here"},
-    {"recording_io", 500, "The recording failed"},
-    {"folder_io", 500, "The data folder cannot be used"},
+    {"recording_io", 503, "The recording failed"},
+    {"folder_io", 503, "The data folder cannot be used"},
     {"disk_full", 507, "The disk is full"},
 };
 

@@ -26,6 +26,8 @@ SessionArchive::SessionArchive(fs::path folder, ArchiveLimits limits, MemoryBudg
     }
     if (!is_session_id(id)) continue;
     try {
+      if (!entry.is_directory(failed) || entry.is_symlink(failed))
+        throw Error("session_damaged", "what is saved of session " + id + " is no folder");
       rows_[id].about = SessionFolder(entry.path()).about();
     } catch (const Error& e) {
       // It appears in no list, since its owner is unknown, but its id is taken.
@@ -67,10 +69,18 @@ std::shared_ptr<SessionKeeper> SessionArchive::add(SessionFolder folder, const S
 
 std::shared_ptr<SessionKeeper> SessionArchive::keep(const SessionAbout& about, const Session& session,
                                                     const boost::json::object& accuracy) {
-  auto keeper = add(SessionFolder::create(root_, about, session.world().scene().canonical(), accuracy), about,
-                    session, {});
-  if (session.origin()) keeper->save_anew();
-  return keeper;
+  const SessionFolder folder =
+      SessionFolder::create(root_, about, session.world().scene().canonical(), accuracy);
+  try {
+    auto keeper = add(folder, about, session, {});
+    if (session.origin()) keeper->save_anew();
+    return keeper;
+  } catch (...) {
+    // What is not kept is neither listed nor found by the next server.
+    remove(about.id);
+    folder.remove();
+    throw;
+  }
 }
 
 SavedSession SessionArchive::read(const std::string& id, std::optional<uint64_t> recorded) {
@@ -100,12 +110,15 @@ void SessionArchive::unloaded(const std::string& id) {
 void SessionArchive::remove(const std::string& id) {
   {
     const std::lock_guard lock(mutex_);
-    const auto it = rows_.find(id);
-    if (it == rows_.end()) return;
-    if (const auto keeper = it->second.keeper.lock()) keeper->abandon();
-    rows_.erase(it);
+    if (!rows_.contains(id)) return;
   }
+  // First, because a session that cannot be removed stays.
   folder_of(id).remove();
+  const std::lock_guard lock(mutex_);
+  const auto it = rows_.find(id);
+  if (it == rows_.end()) return;
+  if (const auto keeper = it->second.keeper.lock()) keeper->abandon();
+  rows_.erase(it);
 }
 
 void SessionArchive::require_room(double bytes) const {
@@ -167,7 +180,13 @@ std::vector<std::string> SessionArchive::sweep() {
       gone.push_back(id);
     }
   }
-  for (const std::string& id : gone) folder_of(id).remove();
+  for (const std::string& id : gone) {
+    try {
+      folder_of(id).remove();
+    } catch (const Error& e) {
+      log_warn("session {} comes back at the next start: {}", id, e.what());
+    }
+  }
   return gone;
 }
 

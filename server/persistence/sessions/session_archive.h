@@ -42,6 +42,7 @@ class SessionArchive {
   std::shared_ptr<SessionKeeper> keep_on(const SavedSession& saved, const Session& session);
   /// The session is no longer in memory, or never got there after `read`.
   void unloaded(const std::string& id);
+  /// Error "folder_io" when it cannot be removed; it then stays.
   void remove(const std::string& id);
   SessionFolder folder_of(const std::string& id) const { return SessionFolder(root_ / id); }
 

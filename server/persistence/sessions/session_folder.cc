@@ -80,7 +80,10 @@ void SessionFolder::remove() const {
   const fs::path gone = path_.parent_path() / (".gone-" + net::random_hex128());
   std::error_code failed;
   fs::rename(path_, gone, failed);
-  if (!failed) fs::remove_all(gone, failed);
+  if (failed == std::errc::no_such_file_or_directory) return;
+  if (failed) throw_file_error("remove the folder of the session", failed.value());
+  // What cannot be removed now is removed at the next start.
+  fs::remove_all(gone, failed);
 }
 
 SessionAbout SessionFolder::about() const {

@@ -28,7 +28,7 @@ class SessionFolder {
   /// Creates the folder below `root`. Error "disk_full" or "folder_io".
   static SessionFolder create(const std::filesystem::path& root, const SessionAbout& about,
                               const boost::json::object& scene, const boost::json::object& accuracy);
-  /// Moves the folder away at once, then removes its files.
+  /// Moves the folder away at once, then removes its files. Error "folder_io" when it is still there.
   void remove() const;
 
   const std::filesystem::path& path() const { return path_; }

@@ -40,6 +40,21 @@ TEST(Idempotency, TheOldestAnswersAreForgottenFirst) {
   EXPECT_FALSE(keys.begin("a", 1));
 }
 
+// However many keys one caller uses, another's answer stays.
+TEST(Idempotency, ACallersAnswersAreForgottenForItsOwn) {
+  IdempotencyKeys keys(10);
+  EXPECT_FALSE(keys.begin("alice\none", 1));
+  keys.remember("alice\none", {1, 200, "", ""});
+  for (int k = 0; k < 1000; ++k) {
+    const std::string key = "bob\n" + std::to_string(k);
+    EXPECT_FALSE(keys.begin(key, 1));
+    keys.remember(key, {1, 200, "", ""});
+  }
+  EXPECT_TRUE(keys.begin("alice\none", 1));
+  EXPECT_TRUE(keys.begin("bob\n999", 1));
+  EXPECT_FALSE(keys.begin("bob\n0", 1));
+}
+
 // A request that failed may be sent again, and its key lives as long as any other from then on.
 TEST(Idempotency, AForgottenKeyBeginsAnew) {
   IdempotencyKeys keys(2);

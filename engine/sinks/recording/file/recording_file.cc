@@ -6,7 +6,9 @@
 #include "engine/base/errors.h"
 #include "engine/sinks/recording/export/vtkhdf.h"
 #include "engine/sinks/recording/file/h5_types.h"
+#include "engine/sinks/recording/file/plain_file.h"
 #include "engine/sinks/recording/file/shapes_file.h"
+#include "engine/sinks/recording/file/superblock.h"
 
 namespace truestep {
 namespace {
@@ -59,12 +61,33 @@ void write_lattice(hid_t group, const Lattice& l) {
 
 RecordingFile::RecordingFile(const RecordingLayout& layout, const ChunkPlan& plan)
     : layout_(layout), plan_(plan), log_(layout, plan) {
+  create_plainly(layout.path, empty_file(), "create the recording");
+  file_ = h5_id(H5Fopen(layout.path.c_str(), H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, file_access()),
+                "begin SWMR writing");
+  for (const PlannedArray& a : plan_.arrays)
+    sets_.push_back(h5_id(H5Dopen2(file_, set_path(a).c_str(), H5P_DEFAULT), "open a dataset"));
+}
+
+// The file without a frame, made in memory: HDF5 1.10 does not survive a disk that fails while a file is
+// created or while SWMR writing begins.
+std::vector<std::byte> RecordingFile::empty_file() {
   H5 create = h5_id(H5Pcreate(H5P_FILE_CREATE), "make file properties");
   h5_ok(H5Pset_link_creation_order(create, H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED), "track links");
-  file_ = h5_id(H5Fcreate(layout.path.c_str(), H5F_ACC_TRUNC, create, file_access()), "create the recording");
+  H5 memory = file_access();
+  constexpr size_t kGrows = 64 << 10;
+  h5_ok(H5Pset_fapl_core(memory, kGrows, 0), "make a file in memory");
+  file_ = h5_id(H5Fcreate(layout_.path.c_str(), H5F_ACC_TRUNC, create, memory), "make a file in memory");
   create_groups();
   create_arrays();
-  h5_ok(H5Fstart_swmr_write(file_), "begin SWMR writing");
+  h5_ok(H5Fflush(file_, H5F_SCOPE_LOCAL), "complete the file in memory");
+  const ssize_t size = H5Fget_file_image(file_, nullptr, 0);
+  h5_ok(size < 0 ? -1 : 0, "measure the file in memory");
+  std::vector<std::byte> bytes(static_cast<size_t>(size));
+  h5_ok(H5Fget_file_image(file_, bytes.data(), bytes.size()) < 0 ? -1 : 0, "copy the file in memory");
+  file_.reset();
+  // The library clears the writer's marks in the copy, but leaves the checksum that they had.
+  h5_ok(repair_superblock(bytes, bytes.size()) ? 0 : -1, "close the file in memory");
+  return bytes;
 }
 
 RecordingFile::~RecordingFile() {
@@ -115,6 +138,15 @@ void RecordingFile::create_groups() {
   }
 }
 
+// A field or an observable is a group {value, step, time}; the clock's arrays are bare.
+bool RecordingFile::is_element(const PlannedArray& a) const {
+  return &a < plan_.arrays.data() + plan_.first_clock;
+}
+
+std::string RecordingFile::set_path(const PlannedArray& a) const {
+  return is_element(a) ? a.path + "/value" : a.path;
+}
+
 // A part with a varying number of rows grows as its frames require.
 size_t RecordingFile::rows_of(const PlannedArray& a) const {
   return a.system < 0 ? a.rows : rows_[static_cast<size_t>(a.system)];
@@ -127,8 +159,7 @@ void RecordingFile::create_arrays() {
   }
   for (size_t i = 0; i < plan_.arrays.size(); ++i) {
     const PlannedArray& a = plan_.arrays[i];
-    // A field or an observable is a group {value, step, time}; the clock's arrays are bare.
-    const bool element = i < plan_.first_clock;
+    const bool element = is_element(a);
     std::vector<hsize_t> dims{0};
     if (a.rows > 0) dims.push_back(a.rows);
     if (a.rows > 0 && a.width > 1) dims.push_back(a.width);
@@ -139,12 +170,11 @@ void RecordingFile::create_arrays() {
         h5_id(H5Screate_simple(static_cast<int>(dims.size()), dims.data(), most.data()), "make a shape");
     H5 create = chunked_properties(a, plan_.frames, most);
     if (element) h5_group(file_, a.path);
-    const std::string path = element ? a.path + "/value" : a.path;
-    sets_.push_back(
-        h5_id(H5Dcreate2(file_, path.c_str(), h5_file_type(a.type), space, H5P_DEFAULT, create, H5P_DEFAULT),
-              "create a dataset"));
-    if (!a.unit.empty()) h5_attribute(sets_.back(), "si_unit", a.unit);
-    if (a.meaning != Meaning::value) h5_attribute(sets_.back(), "meaning", name_of(a.meaning));
+    const H5 set = h5_id(
+        H5Dcreate2(file_, set_path(a).c_str(), h5_file_type(a.type), space, H5P_DEFAULT, create, H5P_DEFAULT),
+        "create a dataset");
+    if (!a.unit.empty()) h5_attribute(set, "si_unit", a.unit);
+    if (a.meaning != Meaning::value) h5_attribute(set, "meaning", name_of(a.meaning));
   }
   for (size_t i = 0; i < plan_.first_clock; ++i) {
     hard_link(file_, "/clock/step", plan_.arrays[i].path + "/step");

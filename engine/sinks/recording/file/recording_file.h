@@ -44,6 +44,9 @@ class RecordingFile {
     std::vector<std::byte> bytes;  // the clock's part of a batch's image
   };
 
+  std::vector<std::byte> empty_file();
+  bool is_element(const PlannedArray& a) const;
+  std::string set_path(const PlannedArray& a) const;
   void create_groups();
   void create_arrays();
   void write_chunks(const PlannedArray& a, hid_t set, const std::byte* chunks, uint64_t first, size_t frames,

@@ -1,6 +1,7 @@
 #include "engine/sinks/recording/file/superblock.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 #include <filesystem>
@@ -52,22 +53,28 @@ uint32_t lookup3(const void* data, size_t size) {
   return c;
 }
 
-bool repair_superblock(const std::string& path) {
-  unsigned char block[kSize];
-  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
-  if (!file.read(reinterpret_cast<char*>(block), kSize)) return false;
+bool repair_superblock(std::span<std::byte> start, uint64_t end) {
+  if (start.size() < kSize) return false;
+  auto* block = reinterpret_cast<unsigned char*>(start.data());
   const bool known =
       std::equal(kSignature, kSignature + 8, block) && block[kVersionAt] == 3 && block[kOffsetSizeAt] == 8;
   if (!known) return false;
-  std::error_code error;
-  const uint64_t end = std::filesystem::file_size(path, error);
-  if (error) return false;
   block[kFlagsAt] = 0;
   std::memcpy(block + kEndAt, &end, 8);
   const uint32_t sum = lookup3(block, kChecksumAt);
   std::memcpy(block + kChecksumAt, &sum, 4);
+  return true;
+}
+
+bool repair_superblock(const std::string& path) {
+  std::array<std::byte, kSize> block;
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  if (!file.read(reinterpret_cast<char*>(block.data()), kSize)) return false;
+  std::error_code error;
+  const uint64_t end = std::filesystem::file_size(path, error);
+  if (error || !repair_superblock(block, end)) return false;
   file.seekp(0);
-  return file.write(reinterpret_cast<const char*>(block), kSize) && file.flush();
+  return file.write(reinterpret_cast<const char*>(block.data()), kSize) && file.flush();
 }
 
 }  // namespace truestep

@@ -5,6 +5,7 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 
 namespace truestep {
@@ -12,6 +13,8 @@ namespace truestep {
 /// Jenkins' lookup3 hash of bytes with initial value 0: the checksum of HDF5's metadata.
 uint32_t lookup3(const void* data, size_t size);
 
+/// The same for a file in memory that begins so and ends at `end`.
+bool repair_superblock(std::span<std::byte> start, uint64_t end);
 /// Edits the file in place; false when it does not start with such a superblock or cannot be written.
 bool repair_superblock(const std::string& path);
 

@@ -1,6 +1,7 @@
 #include "engine/sinks/recording/log/chunk_log.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -12,6 +13,7 @@
 #include "engine/base/errors.h"
 #include "engine/base/hash.h"
 #include "engine/sinks/recording/file/layout_bytes.h"
+#include "engine/sinks/recording/file/plain_file.h"
 #include "engine/sinks/recording/file/superblock.h"
 
 namespace truestep {
@@ -107,16 +109,20 @@ uint64_t chunk_key(const std::byte* chunk, size_t size) {
 
 ChunkLog::ChunkLog(const RecordingLayout& layout, const ChunkPlan& plan)
     : layout_(layout), plan_(plan), path_(chunk_log_path(layout.path)) {
-  file_ = open(path_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_APPEND | O_CLOEXEC, 0644);
-  if (file_ < 0)
-    throw Error(errno == EMFILE || errno == ENFILE ? "overloaded" : "recording_io",
-                "create the recording's chunk log: " + std::string(std::strerror(errno)));
+  file_ = open(path_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_APPEND | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK,
+               0644);
+  if (file_ < 0) throw_recording_error("create the recording's chunk log", errno);
   const auto head = layout_bytes(layout);
   put(bytes_, kHead, sizeof kHead);
   put<uint64_t>(bytes_, head.size());
   put(bytes_, head.data(), head.size());
   put_sum(bytes_, 0);
-  write();
+  try {
+    write();
+  } catch (...) {
+    close(file_);
+    throw;
+  }
 }
 
 ChunkLog::~ChunkLog() {
@@ -144,16 +150,11 @@ void ChunkLog::add(const std::byte* image, size_t frames) {
 }
 
 void ChunkLog::write() {
-  for (size_t done = 0; done < bytes_.size();) {
-    const ssize_t n = ::write(file_, bytes_.data() + done, bytes_.size() - done);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) {
-      const bool full = errno == ENOSPC || errno == EDQUOT || errno == EFBIG;
-      throw Error(full ? "disk_full" : "recording_io",
-                  "write the recording's chunk log: " + std::string(std::strerror(errno)));
-    }
-    done += static_cast<size_t>(n);
-  }
+  // Frames in a file that has lost its name are gone with the process.
+  struct stat about {};
+  if (fstat(file_, &about) == 0 && about.st_nlink == 0)
+    throw Error("recording_io", "the recording's file was removed while it was written");
+  write_plainly(file_, bytes_, "write the recording's chunk log");
   bytes_.clear();
 }
 
@@ -163,6 +164,9 @@ void ChunkLog::remove() {
 }
 
 std::optional<LoggedChunks> read_chunk_log(const std::string& recording) {
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(chunk_log_path(recording), none)))
+    return std::nullopt;
   std::ifstream file(chunk_log_path(recording), std::ios::binary | std::ios::ate);
   if (!file) return std::nullopt;
   std::vector<std::byte> all(static_cast<size_t>(file.tellg()));
