@@ -2,19 +2,20 @@
 import { ProblemError, type Problem } from "../client/problem";
 import { Service, type Instability, type Scene, type Session } from "../client/rest";
 import type { PlaybackState } from "../client/gen/truestep/v1/stream_pb";
-import { infoOf, type SceneInfo } from "../render/scene_info";
+import { infoOf, withStep, type SceneInfo } from "../render/scene_info";
 import { Stage } from "../render/stage";
 import type { Accuracy } from "../studies/accuracy";
-import { packScene, readAddress, unpackScene, writeAddress, type Asked } from "./address";
+import { packScene, readAddress, unpackScene, writeAddress, type Asked, type Shown } from "./address/address";
+import { forgetRun, keepRun, keptRun, writeEntry } from "./address/kept";
+import { Neighbours } from "./address/neighbours";
+import { installShare, linksOf } from "./address/share";
 import { installControls, showPlaying, type Controls } from "./controls";
 import { byId } from "./dom";
 import { Editor } from "./editor";
 import { markScene, showGallery } from "./gallery";
 import { Interaction } from "./interact";
-import { forgetRun, keepRun, keptRun, writeEntry } from "./kept";
 import { Live } from "./live";
 import { Look } from "./look";
-import { Neighbours } from "./neighbours";
 import { Page } from "./page";
 import { Past } from "./past";
 import { Plot } from "./plot";
@@ -22,7 +23,6 @@ import { clearProblems, dismissProblems, showProblem, type Action } from "./prob
 import { Readout } from "./readout";
 import { fail, unstable, warn } from "./reports";
 import { showScale } from "./scale";
-import { installShare, type Links } from "./share";
 import { installShortcuts } from "./shortcuts";
 import { SpeedChoice } from "./speed_choice";
 import { speedAtFirst } from "./speeds";
@@ -104,10 +104,7 @@ export class App {
   private async make(asked: Asked): Promise<void> {
     if (asked.gallery !== undefined) return this.create((await this.service.galleryScene(asked.gallery)).scene, asked.gallery, asked);
     if (asked.packed === undefined) return;
-    const scene = await unpackScene(asked.packed).catch(() => {
-      throw new ProblemError({ title: "The address is not complete", status: 0, code: "bad_address", detail: "the scene in it ends too early; copy all of the link" });
-    });
-    return this.create(scene, undefined, asked);
+    return this.create(await unpackScene(asked.packed), undefined, asked);
   }
 
   private async listGallery(): Promise<void> {
@@ -308,21 +305,13 @@ export class App {
 
   /** Keeps in the address how to return to what is on the screen: for the page's own run, how to make it. */
   private address(): void {
-    const { id, hold, galleryName, packed } = this;
-    if (id === undefined) return;
-    writeEntry(id, this.link({ ...(hold === "own" ? {} : { [hold === "watched" ? "watch" : "session"]: id }), gallery: galleryName, packed }));
+    const { id, hold } = this;
+    if (id !== undefined) writeEntry(id, writeAddress({ ...(hold === "own" ? {} : { [hold === "watched" ? "watch" : "session"]: id }), ...this.shown() }));
   }
 
-  private link(from: Parameters<typeof writeAddress>[0]): string {
+  private shown(): Shown {
     const { framing } = this.stage;
-    return writeAddress({ ...from, time: this.time, ...(framing.held ? framing.view : {}) });
-  }
-
-  private async links(): Promise<Links | undefined> {
-    const { id, galleryName: gallery, scene } = this;
-    if (id === undefined) return undefined;
-    const packed = gallery === undefined ? (this.packed ?? (scene && (await packScene(scene).catch(() => undefined)))) : undefined;
-    return { own: gallery !== undefined || packed !== undefined ? this.link({ gallery, packed }) : undefined, watch: writeAddress({ watch: id }) };
+    return { gallery: this.galleryName, packed: this.packed, time: this.time, ...(framing.held ? framing.view : {}) };
   }
 
   private async measureTrip(): Promise<void> {
@@ -356,7 +345,7 @@ export class App {
       },
     };
     installControls(controls, this.stage.show, this.marks);
-    installShare(() => this.links(), (text) => this.page.hint(text));
+    installShare(async () => (this.id === undefined ? undefined : linksOf(this.id, this.scene, this.shown())), (text) => this.page.hint(text));
     installShortcuts({
       step: (steps) => this.step(steps),
       faster: (by) => this.hold !== "watched" && this.page.hint(this.speed.next(by)),
@@ -406,9 +395,4 @@ export class App {
     const hint = this.speed.playing(state.speed, state.achievedSpeed, this.info.dt);
     if (hint) this.page.hint(hint);
   }
-}
-
-/** The same scene with another step. */
-function withStep(scene: Scene, dt: number): Scene {
-  return { ...scene, time: { ...(scene.time as Record<string, unknown> | undefined), dt } };
 }

@@ -1,11 +1,20 @@
 // Share: two addresses of what is on the screen, to copy. One makes each reader a run of their own, the other one only
 // watches this run.
-import { byId } from "./dom";
+import type { Scene } from "../../client/rest";
+import { byId } from "../dom";
+import { packScene, writeAddress, type Shown } from "./address";
 
 export interface Links {
   /** Undefined: the scene is too long for an address. */
   own: string | undefined;
   watch: string;
+}
+
+/** The links to what is shown: `scene` is packed where nothing shorter says how to make it. */
+export async function linksOf(session: string, scene: Scene | undefined, shown: Shown): Promise<Links> {
+  const packed = shown.gallery === undefined ? (shown.packed ?? (scene && (await packScene(scene).catch(() => undefined)))) : undefined;
+  const own = shown.gallery !== undefined || packed !== undefined;
+  return { own: own ? writeAddress({ ...shown, packed }) : undefined, watch: writeAddress({ watch: session }) };
 }
 
 /** `links` is asked when the list opens; undefined: nothing is on the screen. */

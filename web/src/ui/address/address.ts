@@ -1,6 +1,7 @@
 // Addresses of the viewer. `?gallery=NAME` or `#s=` with a packed scene says how to make a run, `?session=ID` shares the
 // control of a session, `?watch=ID` only follows it; after # stand the time and the camera, too.
-import type { Scene } from "../client/rest";
+import { ProblemError } from "../../client/problem";
+import type { Scene } from "../../client/rest";
 
 export interface Asked {
   watch?: string;
@@ -31,10 +32,14 @@ export async function packScene(scene: Scene): Promise<string | undefined> {
   return text.length <= kLongest ? text : undefined;
 }
 
-/** The scene of such characters; throws where they are not one, for example cut off. */
+/** The scene of such characters; throws a ProblemError where they are not one. */
 export async function unpackScene(text: string): Promise<Scene> {
-  const bytes = Uint8Array.from(atob(text.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
-  return JSON.parse(new TextDecoder().decode(await through(bytes, new DecompressionStream("deflate-raw") as never))) as Scene;
+  try {
+    const bytes = Uint8Array.from(atob(text.replaceAll("-", "+").replaceAll("_", "/")), (c) => c.charCodeAt(0));
+    return JSON.parse(new TextDecoder().decode(await through(bytes, new DecompressionStream("deflate-raw") as never))) as Scene;
+  } catch {
+    throw new ProblemError({ title: "The address is not complete", status: 0, code: "bad_address", detail: "the scene in it ends too early; copy all of the link" });
+  }
 }
 
 /** Parses an address's parts after ? and #. */
@@ -60,7 +65,7 @@ export function readAddress(search: string, hash: string): Asked {
 
 const short = (numbers: number[]): string => numbers.map((x) => String(+x.toPrecision(5))).join(",");
 
-type Shown = { [K in keyof Asked]?: Asked[K] | undefined };
+export type Shown = { [K in keyof Asked]?: Asked[K] | undefined };
 
 /** The address of what is on the screen; "/" where nothing says how to make it. */
 export function writeAddress({ watch, session, gallery, packed, time = 0, eye, target }: Shown): string {
