@@ -51,7 +51,7 @@ export async function openChromium() {
       "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
     ],
   });
-  const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
+  const page = await browser.newPage({ viewport: { width: 1280, height: 800 }, colorScheme: "dark" });
   page.setDefaultTimeout(patience);
   const bad = [];
   // A network interface that comes or goes on the machine aborts requests; the page asks again.

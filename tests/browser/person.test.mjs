@@ -4,7 +4,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { openChromium, serveBinary } from "./chromium.mjs";
-import { ask, open, until } from "./pixels.mjs";
+import { ask, open, sessionOf, until } from "./pixels.mjs";
 
 let url;
 let stop;
@@ -146,14 +146,14 @@ test("an address makes scene, time and camera again when its session is gone", a
     return page.url() === address && address === before;
   }, "the address stands still");
   const time = Number(/t=([\d.]+)/.exec(address)[1]);
-  const id = new URL(address).searchParams.get("session");
+  const id = await sessionOf(page);
   await page.goto("about:blank");
   assert.equal((await fetch(`${url}/v1/sessions/${id}`, { method: "DELETE" })).ok, true);
   bad = bad.filter((text) => !/404/.test(text));
   await page.goto(address);
   await until(page, async () => Math.abs(Number((await page.textContent("#read-time")).replace(/[^\d.]/g, "")) - time) < 0.05, "the same time");
   const eye = /eye=([^&]+)/.exec(address)[1];
-  await until(page, () => page.url().includes(eye) && !page.url().includes(id), "the same camera in another session");
+  await until(page, async () => page.url().includes(eye) && (await sessionOf(page)) !== id, "the same camera in another session");
 });
 
 test("only what was gone was written to the console as an error", () => assert.deepEqual(bad.filter((text) => !/status of 4(04|10|22)/.test(text)), []));

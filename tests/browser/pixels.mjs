@@ -62,6 +62,9 @@ export async function ask(url, path, body) {
   return answer;
 }
 
+/** The session that the page shows; its address names only those that were given to it. */
+export const sessionOf = (page) => page.evaluate(() => history.state?.session ?? new URL(location.href).searchParams.get("session"));
+
 /** Opens a paused session of `scene` in the page; its id. */
 export async function open(page, url, scene, { bare = true } = {}) {
   const { id } = await ask(url, "/v1/sessions", scene);

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { openChromium, serveBinary } from "./chromium.mjs";
-import { ask, open, pixels, settled, until } from "./pixels.mjs";
+import { ask, open, pixels, sessionOf, settled, until } from "./pixels.mjs";
 
 let url;
 let stop;
@@ -47,14 +47,14 @@ test("play makes a session again that was deleted under the page, where it was",
   await until(page, async () => (await page.getAttribute("#play", "aria-label")) === "Play", "it is paused");
   await settled(page);
   const time = await shownTime();
-  const id = new URL(page.url()).searchParams.get("session");
+  const id = await sessionOf(page);
   await fetch(`${url}/v1/sessions/${id}`, { method: "DELETE" });
   await until(page, async () => /closed/.test(await page.textContent("#connection")), "the page knows");
   assert.match(await page.textContent("#problems"), /session has ended/);
   await page.click("#play");
   await until(page, async () => (await page.getAttribute("#connection", "data-state")) === "open" && (await shownTime()) > time, "it plays on");
   assert.ok((await shownTime()) < time + 20);
-  assert.notEqual(new URL(page.url()).searchParams.get("session"), id);
+  assert.notEqual(await sessionOf(page), id);
   assert.equal(await page.locator("#problems .card").count(), 0);
 });
 
@@ -80,20 +80,20 @@ test("a page that leaves a session does not take it away from another page", asy
   const [first, second] = [await context.newPage(), await context.newPage()];
   try {
     await first.goto(`${url}/?gallery=flag`);
-    await until(first, async () => new URL(first.url()).searchParams.has("session"), "it has a session");
-    const id = new URL(first.url()).searchParams.get("session");
+    await until(first, async () => Boolean(await sessionOf(first)), "it has a session");
+    const id = await sessionOf(first);
     await second.goto(`${url}/?session=${id}`);
     await until(second, async () => (await second.textContent("#read-frame")) !== "0", "the second page shows it");
     await first.evaluate(() => [...document.querySelectorAll(".scene .run")].at(-1).click());
-    await until(first, async () => ![id, null].includes(new URL(first.url()).searchParams.get("session")), "the first page shows another scene");
+    await until(first, async () => ![id, null].includes(await sessionOf(first)), "the first page shows another scene");
     await second.waitForTimeout(500);
     const { status } = await session(id);
     assert.equal(status, "playing");
     assert.equal(await second.locator("#problems .card").count(), 0);
     // A page that is closed leaves it playing, too.
     await first.goto(`${url}/?gallery=flag`);
-    await until(first, async () => ![id, null].includes(new URL(first.url()).searchParams.get("session")), "another one");
-    const other = new URL(first.url()).searchParams.get("session");
+    await until(first, async () => ![id, null].includes(await sessionOf(first)), "another one");
+    const other = await sessionOf(first);
     await second.goto(`${url}/?session=${other}`);
     await until(second, async () => (await second.textContent("#read-frame")) !== "0", "the second page shows it, too");
     await first.goto("about:blank");
@@ -101,8 +101,8 @@ test("a page that leaves a session does not take it away from another page", asy
     assert.equal((await session(other)).status, "playing");
     // The control: of the last page that shows it, it is paused, and ended when that shows another one.
     await first.goto(`${url}/?gallery=flag`);
-    await until(first, async () => new URL(first.url()).searchParams.has("session"), "a session of its own");
-    const alone = new URL(first.url()).searchParams.get("session");
+    await until(first, async () => Boolean(await sessionOf(first)), "a session of its own");
+    const alone = await sessionOf(first);
     await until(first, async () => (await first.textContent("#read-frame")) !== "0", "it is shown");
     await first.evaluate(() => [...document.querySelectorAll(".scene .run")].at(-1).click());
     await until(first, async () => (await session(alone)).status === 404, "it is gone");
@@ -142,6 +142,7 @@ test("the names of axes are read in full on a phone", async () => {
   await page.setViewportSize({ width: 390, height: 844 });
   await page.goto(`${url}/?gallery=robertson`);
   await until(page, async () => (await page.$$('.labels [data-kind="axis"]')).length > 1, "axes have names");
+  await page.click("#play"); // beside the picture stand numbers that change while it plays
   await settled(page, { x: 0, y: 100, width: 390, height: 560 });
   const ends = await page.$$eval('.labels [data-kind="axis"]', (names) => names.map((name) => [name.textContent, name.getBoundingClientRect().left, name.getBoundingClientRect().right]));
   for (const [name, left, right] of ends) assert.ok(left >= 0 && right <= 390, `${name} goes from ${left} to ${right}`);

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { openChromium, serveBinary } from "./chromium.mjs";
-import { ask, open, until } from "./pixels.mjs";
+import { ask, open, sessionOf, until } from "./pixels.mjs";
 
 let url;
 let stop;
@@ -32,7 +32,7 @@ const shownTime = async () => Number((await page.textContent("#read-time")).repl
 const session = async (id) => (await fetch(`${url}/v1/sessions/${id}`)).json();
 const label = () => page.getAttribute("#play", "aria-label");
 const cards = () => page.textContent("#problems");
-const idShown = () => new URL(page.url()).searchParams.get("session");
+const idShown = () => sessionOf(page);
 
 /** Plays until the page says that the run has become unstable. */
 async function fall() {
@@ -90,10 +90,10 @@ test("an unstable run starts again from its card, and with a shorter step it hol
   await fall();
   const { time } = await session(id);
   await page.click("#problems >> text=/Start with a step of 0.0236/");
-  await until(page, async () => idShown() !== id && (await shownTime()) > time + 1, "the shorter step has gone farther");
+  await until(page, async () => (await idShown()) !== id && (await shownTime()) > time + 1, "the shorter step has gone farther");
   assert.equal(await page.locator("#problems .card").count(), 0);
   assert.equal(await label(), "Pause");
-  assert.equal((await session(idShown())).dt, 0.0236);
+  assert.equal((await session(await idShown())).dt, 0.0236);
 });
 
 test("another page that resets an unstable session takes its card back", async () => {

@@ -2,6 +2,9 @@
 import "./style.css";
 import "./studies.css";
 import { StudyPage } from "./studies/page";
+import { kLight, themeNow } from "./ui/theme";
 
-document.documentElement.dataset.theme = localStorage.getItem("theme") ?? "dark";
+const follow = (): void => void (document.documentElement.dataset.theme = themeNow());
+follow();
+kLight.addEventListener("change", follow);
 void new StudyPage().start();

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { arrows, axisOf, chapterOf, chooseAtFirst, colorStops, endsOf, evenStreamlines, Extent, gapsIn, infoOf, levelLine, matches, packScene, particleSurface, placeOf, readShared, relative, scaleLabel, scaleOf, speedAtFirst, speedsFor, streamline, triangleValues, fieldsOf, JointValues, jointValues, Past, upOf, writeShared } from "../build/view.mjs";
+import { arrows, axisOf, chapterOf, chooseAtFirst, colorStops, endsOf, evenStreamlines, Extent, gapsIn, infoOf, levelLine, matches, packScene, particleSurface, placeOf, readAddress, relative, scaleLabel, scaleOf, speedAtFirst, speedsFor, streamline, triangleValues, unpackScene, fieldsOf, JointValues, jointValues, Past, upOf, writeAddress } from "../build/view.mjs";
 
 const front = { right: [1, 0, 0], above: [0, 1, 0], back: [0, 0, 1] };
 
@@ -127,10 +127,21 @@ test("speeds fit the scene's step, up to a thousand", () => {
 test("an address makes the scene again", async () => {
   const scene = { name: "ä", systems: [{ type: "ode", states: { x: 1 } }] };
   const packed = await packScene(scene);
-  const hash = writeShared({ packed, time: 1.25, eye: [1, 2, 3], target: [0, 0, 0.123456] });
-  assert.deepEqual(await readShared(hash), { scene, time: 1.25, eye: [1, 2, 3], target: [0, 0, 0.12346] });
-  assert.deepEqual(await readShared(writeShared({ gallery: "lorenz", packed, time: 0 })), { gallery: "lorenz" });
-  assert.deepEqual(await readShared("#"), {});
+  const read = (address) => readAddress(new URL(address, "http://here").search, new URL(address, "http://here").hash);
+  const view = { eye: [1, 2, 3], target: [0, 0, 0.123456] };
+  const rounded = { eye: [1, 2, 3], target: [0, 0, 0.12346] };
+  const address = writeAddress({ packed, time: 1.25, ...view });
+  assert.deepEqual(read(address), { packed, time: 1.25, ...rounded });
+  assert.deepEqual(await unpackScene(read(address).packed), scene);
+  await assert.rejects(unpackScene(packed.slice(0, -4)), "a link that was cut off");
+  assert.equal(writeAddress({ gallery: "lorenz", packed, time: 0 }), "/?gallery=lorenz");
+  assert.deepEqual(read(writeAddress({ gallery: "lorenz", time: 2, ...view })), { gallery: "lorenz", time: 2, ...rounded });
+  // A session's address says besides how to make it; one that only watches does not, and no time.
+  assert.deepEqual(read(writeAddress({ session: "a b", gallery: "lorenz", time: 2 })), { session: "a b", gallery: "lorenz", time: 2 });
+  assert.deepEqual(read(writeAddress({ session: "a", packed, time: 2 })), { session: "a", packed, time: 2 });
+  assert.deepEqual(read(writeAddress({ watch: "a", gallery: "lorenz", time: 2, ...view })), { watch: "a", ...rounded });
+  assert.equal(writeAddress({ time: 3, ...view }), "/");
+  assert.deepEqual(read("/#"), {});
 });
 
 test("scenes have chapters and are found by their words", () => {

@@ -22,3 +22,8 @@ export function infoOf(scene: Scene | undefined): SceneInfo {
   const observables = Array.isArray(scene?.observables) ? scene.observables.filter((name) => typeof name === "string") : [];
   return { pulled: gravity.some((g) => g !== 0), gravity, observables, duration: number(time.duration), dt: number(time.dt) };
 }
+
+/** The same scene with another step. */
+export function withStep(scene: Scene, dt: number): Scene {
+  return { ...scene, time: { ...(scene.time as Json | undefined), dt } };
+}

@@ -2,10 +2,13 @@
 import { ProblemError, type Problem } from "../client/problem";
 import { Service, type Instability, type Scene, type Session } from "../client/rest";
 import type { PlaybackState } from "../client/gen/truestep/v1/stream_pb";
-import { infoOf, type SceneInfo } from "../render/scene_info";
+import { infoOf, withStep, type SceneInfo } from "../render/scene_info";
 import { Stage } from "../render/stage";
 import type { Accuracy } from "../studies/accuracy";
-import { packScene, readShared, writeShared, type Shared } from "./address";
+import { packScene, readAddress, unpackScene, writeAddress, type Asked, type Shown } from "./address/address";
+import { forgetRun, keepRun, keptRun, writeEntry } from "./address/kept";
+import { Neighbours } from "./address/neighbours";
+import { installShare, linksOf } from "./address/share";
 import { installControls, showPlaying, type Controls } from "./controls";
 import { byId } from "./dom";
 import { Editor } from "./editor";
@@ -13,7 +16,6 @@ import { markScene, showGallery } from "./gallery";
 import { Interaction } from "./interact";
 import { Live } from "./live";
 import { Look } from "./look";
-import { Neighbours } from "./neighbours";
 import { Page } from "./page";
 import { Past } from "./past";
 import { Plot } from "./plot";
@@ -27,6 +29,9 @@ import { speedAtFirst } from "./speeds";
 import { Timeline } from "./timeline";
 
 const kAddress = 1200; // ms between two updates of the address
+
+/** What this page may do to its session: it made it, and ends it when it opens the next one; it was given it; it follows it. */
+type Hold = "own" | "shared" | "watched";
 
 export class App {
   private readonly service = new Service();
@@ -45,8 +50,7 @@ export class App {
   private readonly past = new Past((id, points) => this.service.history(id, points));
   private readonly timeline = new Timeline((time) => this.act((id) => this.seek(id, time)), (text) => this.page.hint(text));
   private id: string | undefined;
-  /** True for a session that this page created and therefore ends when it opens the next one. */
-  private own = false;
+  private hold: Hold = "shared";
   private playing = false;
   private info: SceneInfo = infoOf(undefined);
   /** The session's scene, with its defaults; undefined until it has been received. */
@@ -71,22 +75,36 @@ export class App {
 
   /** Opens what the address refers to. */
   async start(): Promise<void> {
-    const query = new URLSearchParams(location.search);
-    const session = query.get("session");
-    const scene = query.get("gallery");
+    const asked = readAddress(location.search, location.hash);
     const narrow = window.innerWidth < 720;
-    this.page.panel(session || (scene && narrow) ? "none" : "gallery");
+    const one = asked.watch ?? asked.session ?? asked.packed ?? asked.time ?? keptRun(undefined);
+    this.page.panel(one !== undefined || (asked.gallery !== undefined && narrow) ? "none" : "gallery");
     const listed = this.listGallery();
-    const shared = await readShared(location.hash);
-    if (session) {
-      await this.attempt(() => this.openSession(session, shared));
-      // If the session is gone, all that is left is to choose another one.
-      if (this.id === undefined) this.page.panel("gallery");
-    } else if (scene) await this.attempt(() => this.openGallery(scene));
+    await this.attempt(() => this.openAddress());
+    // If nothing was opened, all that is left is to choose.
+    if (this.id === undefined) this.page.panel("gallery");
     await listed;
+    markScene(this.galleryName);
+    addEventListener("hashchange", () => void this.attempt(() => this.openAddress()));
     setInterval(() => void this.measureTrip(), 2000);
-    setInterval(() => this.address(), kAddress);
+    setInterval(() => this.live.state === "open" && this.address(), kAddress);
     void this.measureTrip();
+  }
+
+  private async openAddress(): Promise<void> {
+    const asked = readAddress(location.search, location.hash);
+    if (asked.watch !== undefined) return this.openSession(asked.watch, "watched", asked);
+    const run = keptRun(asked.session);
+    if (run && !(await this.neighbours.taken(run.session))) return this.openSession(run.session, "own", { ...asked, ...run } as Asked);
+    if (asked.session !== undefined) return this.openSession(asked.session, "shared", asked);
+    return this.make(asked);
+  }
+
+  /** Makes the run that an address describes. */
+  private async make(asked: Asked): Promise<void> {
+    if (asked.gallery !== undefined) return this.create((await this.service.galleryScene(asked.gallery)).scene, asked.gallery, asked);
+    if (asked.packed === undefined) return;
+    return this.create(await unpackScene(asked.packed), undefined, asked);
   }
 
   private async listGallery(): Promise<void> {
@@ -112,67 +130,81 @@ export class App {
   }
 
   /** Creates a session, shows it and plays it. Throws ProblemError when the service refuses. */
-  private async create(scene: Scene, name: string | undefined, shared?: Shared): Promise<void> {
+  private async create(scene: Scene, name: string | undefined, asked: Asked = {}): Promise<void> {
     const session = await this.service.createSession(name === undefined ? scene : { gallery: name });
+    const packed = name === undefined ? await packScene(scene).catch(() => undefined) : undefined;
     clearProblems();
     this.leave();
-    this.own = true;
+    this.hold = "own";
     this.galleryName = name;
-    this.packed = undefined;
-    if (name === undefined) void packScene(scene).then((text) => (this.packed = text)).catch(() => undefined);
-    if (shared?.time !== undefined) await this.service.until(session.id, shared.time);
-    await this.show(session);
-    if (shared?.eye && shared.target) this.stage.framing.view = { eye: shared.eye, target: shared.target };
-    if (name !== undefined || shared) this.editor.set(scene);
+    this.packed = packed;
+    keepRun({ session: session.id, gallery: name, packed });
+    await this.show(session, true);
+    this.view(asked);
+    if (name !== undefined || asked.packed !== undefined) this.editor.set(scene);
     markScene(name);
-    history.replaceState(null, "", `/?session=${encodeURIComponent(session.id)}`);
-    if (shared?.time !== undefined) return;
-    await this.service.play(session.id, this.speed.value);
+    this.address();
+    if (asked.time === undefined) return this.service.play(session.id, this.speed.value);
+    return this.service.until(session.id, asked.time);
   }
 
-  /** Opens a session; one that is gone is recreated if the address says how. */
-  private async openSession(id: string, shared: Shared): Promise<void> {
+  /** Opens a session; one that is gone is made again if the address says how, but for those who watch. */
+  private async openSession(id: string, hold: Hold, asked: Asked): Promise<void> {
     let session: Session;
     try {
       session = await this.service.session(id);
     } catch (error) {
       const gone = error instanceof ProblemError && [404, 410].includes(error.problem.status);
-      if (!gone || (shared.gallery === undefined && shared.scene === undefined)) throw error;
-      if (shared.gallery !== undefined) return this.create((await this.service.galleryScene(shared.gallery)).scene, shared.gallery, shared);
-      return this.create(shared.scene!, undefined, shared);
+      const known = asked.gallery !== undefined || asked.packed !== undefined;
+      if (gone && hold === "own") forgetRun(id);
+      if (!gone || hold === "watched" || (hold === "shared" && !known)) throw error;
+      return this.make(asked);
     }
     this.leave();
-    this.own = false;
-    this.galleryName = shared.gallery;
-    this.packed = undefined;
-    await this.show(session);
-    if (shared.eye && shared.target) this.stage.framing.view = { eye: shared.eye, target: shared.target };
+    this.hold = hold;
+    this.galleryName = asked.gallery;
+    this.packed = asked.packed;
+    await this.show(session, false);
+    this.view(asked);
     if (this.scene) this.editor.set(this.scene);
     markScene(this.galleryName);
+    this.address();
     if (session.instability) this.unstable(session.instability);
     for (const { system, detail } of session.warnings ?? []) warn(`system "${system}": ${detail}`);
+  }
+
+  private view({ eye, target }: Asked): void {
+    if (eye && target) this.stage.framing.view = { eye, target };
   }
 
   private leave(): void {
     this.live.close();
     this.past.forget();
-    if (this.id !== undefined && this.own && !this.neighbours.share(this.id)) void this.service.deleteSession(this.id).catch(() => undefined);
+    if (this.id !== undefined && this.hold === "own") {
+      forgetRun(this.id);
+      if (!this.neighbours.share(this.id)) void this.service.deleteSession(this.id).catch(() => undefined);
+    }
     this.page.lesson(undefined);
     this.page.accuracy(undefined);
     markScene(undefined);
   }
 
-  private async show(session: Session): Promise<void> {
+  /** Shows a session; `fresh`: it was made just now. */
+  private async show(session: Session, fresh: boolean): Promise<void> {
+    const watched = this.hold === "watched";
     this.id = session.id;
-    this.neighbours.show(session.id);
+    // Who only watches does not keep a session from ending.
+    this.neighbours.show(watched ? undefined : session.id);
+    this.interaction.enabled = !watched;
+    this.page.watching(watched);
     this.scene = await this.service.sessionScene(session.id).catch(() => undefined);
     if (this.id !== session.id) return;
     this.info = infoOf(this.scene);
     this.time = Number(session.time ?? 0);
-    this.ended = false;
+    this.ended = this.atEnd();
     this.stoppedAt = undefined;
     // One that was made by a request and has not run is watched for the first time, too.
-    const first = this.own || (!session.step && session.status === "paused" && Number(session.speed ?? 1) === 1);
+    const first = fresh || (!session.step && session.status === "paused" && Number(session.speed ?? 1) === 1);
     this.speed.offer(this.info.dt ?? session.dt, first ? speedAtFirst(this.info.dt, this.info.duration) : Number(session.speed ?? 1));
     this.stage.clear(session.viewer ?? {}, this.info);
     this.look.following(false);
@@ -229,9 +261,10 @@ export class App {
   private unstable(instability: Instability): void {
     const { suggested_dt: dt } = instability;
     const { scene } = this;
-    const actions: Action[] = [{ label: "Start again", run: () => this.reset() }];
+    const watched = this.hold === "watched";
+    const actions: Action[] = watched ? [] : [{ label: "Start again", run: () => this.reset() }];
     const shorter = dt && Number(dt.toPrecision(4));
-    if (scene && shorter) actions.push({ label: `Start with a step of ${shorter} s`, run: () => void this.attempt(() => this.create(withStep(scene, shorter), undefined)) });
+    if (scene && shorter && !watched) actions.push({ label: `Start with a step of ${shorter} s`, run: () => void this.attempt(() => this.create(withStep(scene, shorter), undefined)) });
     unstable(instability, actions);
     this.stoppedAt = this.time;
   }
@@ -257,22 +290,28 @@ export class App {
     else fail(error);
   }
 
-  /** Pauses a plot or field once at the end of its scene. */
-  private end(): void {
+  private atEnd(): boolean {
     const { duration, dt = 0 } = this.info;
-    if (!this.own || this.ended || duration === undefined || this.time < duration - 0.5 * dt || (!this.stage.plotted && !this.stage.onlyGrids)) return;
-    this.ended = true;
-    this.act((id) => this.service.pause(id));
-    this.page.hint(`the end of the scene, after ${duration.toLocaleString("en-US", { maximumSignificantDigits: 4 })} s`);
+    return duration !== undefined && this.time >= duration - 0.5 * dt;
   }
 
-  /** Keeps in the address how to return to what is on the screen. */
+  /** Pauses the page's own run once at the end of its scene; played again, it goes on. */
+  private end(): void {
+    if (this.hold !== "own" || this.ended || !this.atEnd()) return;
+    this.ended = true;
+    this.act((id) => this.service.pause(id));
+    this.page.hint(`the end of the scene, after ${this.info.duration!.toLocaleString("en-US", { maximumSignificantDigits: 4 })} s`);
+  }
+
+  /** Keeps in the address how to return to what is on the screen: for the page's own run, how to make it. */
   private address(): void {
-    if (this.id === undefined || this.live.state !== "open") return;
+    const { id, hold } = this;
+    if (id !== undefined) writeEntry(id, writeAddress({ ...(hold === "own" ? {} : { [hold === "watched" ? "watch" : "session"]: id }), ...this.shown() }));
+  }
+
+  private shown(): Shown {
     const { framing } = this.stage;
-    const hash = writeShared({ gallery: this.galleryName, packed: this.packed, time: this.time, ...(framing.held ? framing.view : {}) });
-    const next = `/?session=${encodeURIComponent(this.id)}${hash}`;
-    if (`${location.pathname}${location.search}${location.hash}` !== next) history.replaceState(null, "", next);
+    return { gallery: this.galleryName, packed: this.packed, time: this.time, ...(framing.held ? framing.view : {}) };
   }
 
   private async measureTrip(): Promise<void> {
@@ -302,13 +341,14 @@ export class App {
       // The session is paused where it is.
       left: () => {
         this.neighbours.show(undefined);
-        if (this.id !== undefined && this.own && this.playing && !this.neighbours.share(this.id)) void fetch(`/v1/sessions/${encodeURIComponent(this.id)}/pause`, { method: "POST", keepalive: true, headers: { "content-type": "application/json" }, body: "{}" });
+        if (this.id !== undefined && this.hold === "own" && this.playing && !this.neighbours.share(this.id)) void fetch(`/v1/sessions/${encodeURIComponent(this.id)}/pause`, { method: "POST", keepalive: true, headers: { "content-type": "application/json" }, body: "{}" });
       },
     };
     installControls(controls, this.stage.show, this.marks);
+    installShare(async () => (this.id === undefined ? undefined : linksOf(this.id, this.scene, this.shown())), (text) => this.page.hint(text));
     installShortcuts({
       step: (steps) => this.step(steps),
-      faster: (by) => this.page.hint(this.speed.next(by)),
+      faster: (by) => this.hold !== "watched" && this.page.hint(this.speed.next(by)),
       editor: () => this.page.panel("editor"),
       escape: () => this.page.panel("none"),
     });
@@ -323,7 +363,7 @@ export class App {
 
   private act(action: (id: string) => Promise<void>): void {
     const { id } = this;
-    if (id === undefined) return;
+    if (id === undefined || this.hold === "watched") return;
     void this.attempt(() => (this.live.state === "closed" ? this.revive() : action(id)));
   }
 
@@ -335,7 +375,7 @@ export class App {
   /** Makes a session again that has ended under the page, where it was, and plays it. */
   private async revive(): Promise<void> {
     if (!this.scene) throw new ProblemError({ title: "The session has ended", status: 0, code: "session_ended", detail: "choose a scene again" });
-    this.own = false;
+    this.hold = "shared"; // there is nothing left to end
     await this.create(this.scene, this.galleryName, { time: this.time, ...(this.stage.framing.held ? this.stage.framing.view : {}) });
     await this.service.play(this.id!, this.speed.value);
   }
@@ -355,9 +395,4 @@ export class App {
     const hint = this.speed.playing(state.speed, state.achievedSpeed, this.info.dt);
     if (hint) this.page.hint(hint);
   }
-}
-
-/** The same scene with another step. */
-function withStep(scene: Scene, dt: number): Scene {
-  return { ...scene, time: { ...(scene.time as Record<string, unknown> | undefined), dt } };
 }

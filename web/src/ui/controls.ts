@@ -58,11 +58,19 @@ export function installControls(controls: Controls, show: Pick<Visibility, Switc
     });
   mark("show-contacts", "contacts");
   mark("show-joints", "joints");
-  click("show-side", () => {
-    const side = byId("side");
-    side.hidden = !side.hidden;
-    pressed("show-side", !side.hidden);
+  const side = byId("side");
+  const measurements = (on: boolean): void => {
+    side.hidden = !on;
+    pressed("show-side", on);
     controls.layout();
+  };
+  click("show-side", () => measurements(side.hidden));
+  // A phone shows what the scene is about on request, among the measurements.
+  click("show-lesson", () => {
+    const on = side.hidden || !side.classList.contains("told");
+    side.classList.toggle("told", on);
+    pressed("show-lesson", on);
+    measurements(on || !side.hidden);
   });
   click("toggle-panel", () => controls.panel(byId("panel").hidden ? "gallery" : "none"));
   click("close-panel", () => controls.panel("none"));

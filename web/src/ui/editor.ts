@@ -7,12 +7,13 @@ import type { Scene, Service } from "../client/rest";
 import { byId, make } from "./dom";
 import { issueItem } from "./problems";
 
+/** What the editor opens with: small, and it runs. */
 const starter: Scene = {
   schema_version: "1.0",
   name: "my scene",
   gravity: [0, -9.81, 0],
-  time: { dt: 0.004 },
-  systems: [],
+  time: { dt: 0.005, duration: 10 },
+  systems: [{ type: "mass_spring", id: "rope", rope: { from: [0, 1, 0], to: [1, 1, 0], links: 20 }, mass: 0.01, stiffness: 1000, damping: 0.05, pinned: ["first"] }],
 };
 
 export class Editor {

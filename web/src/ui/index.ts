@@ -8,7 +8,7 @@ export { infoOf } from "../render/scene_info";
 export { scaleLabel } from "../render/scale_label";
 export { evenStreamlines, streamline } from "../render/fields/streamlines";
 export * as colorStops from "../render/fields/color_stops";
-export { packScene, readShared, writeShared } from "./address";
+export { packScene, readAddress, unpackScene, writeAddress } from "./address/address";
 export { chapterOf, matches } from "./gallery";
 export { chooseAtFirst, endsOf, gapsIn, relative, scaleOf } from "./plot_model";
 export { fieldsOf } from "./fields";

@@ -33,6 +33,8 @@ export class Interaction {
   /** What is held, with the command that releases it. */
   private pinned = new Map<string, "unpin" | "release">();
   private readonly probe = byId("probe");
+  /** False: the picture is only looked at. */
+  enabled = true;
   private pointer: { x: number; y: number; touch: boolean } | undefined;
 
   constructor(
@@ -69,7 +71,7 @@ export class Interaction {
   }
 
   private down(event: PointerEvent): void {
-    if (event.button !== 0 || event.shiftKey || event.ctrlKey) return;
+    if (!this.enabled || event.button !== 0 || event.shiftKey || event.ctrlKey) return;
     const pick = this.pick(event, event.pointerType === "mouse" ? kReachMouse : kReachTouch);
     if (!pick) return;
     const box = this.canvas.getBoundingClientRect();
@@ -130,7 +132,7 @@ export class Interaction {
   }
 
   private pin(event: MouseEvent): void {
-    const pick = this.pick(event, kReachMouse);
+    const pick = this.enabled ? this.pick(event, kReachMouse) : undefined;
     if (pick) void this.keep(pick, event);
   }
 
@@ -183,7 +185,7 @@ export class Interaction {
     const { x, y, z } = pointOf(pick, this.at);
     this.stage.handle.mark(this.at, target);
     this.stage.invalidate();
-    this.canvas.classList.add("grabbable");
+    this.canvas.classList.toggle("grabbable", this.enabled);
     this.probe.hidden = false;
     this.probe.querySelector("b")!.textContent = `${pick.view.id} ${pick.index}`;
     this.probe.querySelector("span")!.textContent = [x, y, z].map((c) => c.toFixed(3)).join("  ");

@@ -1,28 +1,31 @@
-// How the page and its picture look: the theme, from which side, and whether the camera follows what moves.
+// How the page and its picture look: the theme (the system's, until another one is chosen), from which side, and whether the camera follows what moves.
 import type { Side } from "../render/framing";
 import type { Theme } from "../render/shading";
 import type { Stage } from "../render/stage";
 import { byId } from "./dom";
 import type { Plot } from "./plot";
+import { chooseTheme, kLight, themeNow } from "./theme";
 
 export class Look {
   constructor(
     private readonly stage: Stage,
     private readonly plot: Plot,
   ) {
-    this.theme((localStorage.getItem("theme") as Theme | null) ?? "dark");
+    this.theme(themeNow());
+    kLight.addEventListener("change", () => this.theme(themeNow()));
   }
 
-  theme(theme: Theme): void {
+  private theme(theme: Theme): void {
     document.documentElement.dataset.theme = theme;
-    localStorage.setItem("theme", theme);
     this.stage.setTheme(theme);
     this.plot.restyle();
     byId("theme").setAttribute("aria-pressed", String(theme === "light"));
   }
 
   otherTheme(): void {
-    this.theme(document.documentElement.dataset.theme === "light" ? "dark" : "light");
+    const theme = document.documentElement.dataset.theme === "light" ? "dark" : "light";
+    chooseTheme(theme);
+    this.theme(theme);
   }
 
   following(on: boolean): void {

@@ -26,13 +26,21 @@ export class Page {
     const box = (id: string): DOMRect => byId(id).getBoundingClientRect();
     const panel = box("panel");
     const side = box("side");
-    const bottom = box("transport").height > 0 ? 90 : 0;
+    const controls = box("transport");
+    const bottom = controls.height === 0 ? 0 : window.innerWidth <= 720 ? window.innerHeight - controls.top + 12 : 90;
     const running = document.body.classList.contains("running");
     if (window.innerWidth <= 720) {
       this.stage.setInset({ left: 0, right: 0, top: running && side.height > 0 ? side.bottom : 56, bottom: running ? Math.max(panel.height, bottom) : 0 });
     } else {
       this.stage.setInset({ left: running && panel.width > 0 ? panel.right : 0, right: running && side.width > 0 ? window.innerWidth - side.left : 0, top: 50, bottom });
     }
+  }
+
+  /** A run that is only watched has no controls of its time. */
+  watching(on: boolean): void {
+    document.body.classList.toggle("watching", on);
+    byId<HTMLInputElement>("seek").disabled = on;
+    byId("watching").hidden = !on;
   }
 
   title(text: string): void {
@@ -44,6 +52,7 @@ export class Page {
     const lesson = byId("lesson");
     lesson.hidden = !text;
     lesson.textContent = text ?? "";
+    byId("show-lesson").hidden = !text;
   }
 
   /** Shows the method that was chosen for a requested accuracy. */

@@ -8,6 +8,8 @@ interface Message {
   ask?: boolean;
 }
 
+const kAnswer = 120; // ms that other pages have to answer
+
 export class Neighbours {
   private readonly channel = new BroadcastChannel("truestep-sessions");
   private readonly page = Math.random().toString(36).slice(2);
@@ -31,6 +33,13 @@ export class Neighbours {
   /** Whether another page shows this session, too. */
   share(session: string): boolean {
     return [...this.others.values()].includes(session);
+  }
+
+  /** Asks whether another page shows this session; this one shows none yet. */
+  async taken(session: string): Promise<boolean> {
+    this.say({ session: undefined, ask: true });
+    await new Promise((resolve) => setTimeout(resolve, kAnswer));
+    return this.share(session);
   }
 
   private say(message: Omit<Message, "page">): void {
