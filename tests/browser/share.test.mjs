@@ -115,6 +115,14 @@ test("an address opened elsewhere makes a run of its own at that time; its reset
   const [tab] = await Promise.all([page.waitForEvent("popup"), page.evaluate((to) => void window.open(to), address)]);
   await framed(tab);
   assert.notEqual(await sessionOf(tab), id);
+  // And in a doubled tab, whose history is a copy, too: the first one still shows the session.
+  await tab.evaluate((session) => {
+    history.replaceState({ session }, "", location.href);
+    sessionStorage.setItem("truestep-run", JSON.stringify({ session }));
+  }, id);
+  await tab.goto("about:blank");
+  await tab.goBack();
+  await until(tab, async () => ![id, null].includes(await sessionOf(tab)), "a session of its own");
   await tab.close();
   assert.equal((await session(id)).time, time);
 });
@@ -170,6 +178,16 @@ test("an address with ?session= shares the control, as requests of the service d
     await second.click("#step");
     await until(second, async () => (await session(id)).step === 1, "one step");
   });
+});
+
+test("another moment in the address of an open page is gone to in a new run", async () => {
+  await page.goto(`${url}/?gallery=flag`);
+  await until(page, async () => (await shownTime(page)) > 0.2, "it plays");
+  const id = await sessionOf(page);
+  await page.evaluate(() => (location.hash = "t=2"));
+  await until(page, async () => Math.abs((await shownTime(page)) - 2) < 0.02 && (await sessionOf(page)) !== id, "a run at 2 s");
+  await paused(page);
+  assert.equal((await session(id)).status, 404);
 });
 
 test("a link that was cut off says so", async () => {

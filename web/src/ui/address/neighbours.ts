@@ -8,7 +8,7 @@ interface Message {
   ask?: boolean;
 }
 
-const kAnswer = 120; // ms that other pages have to answer
+const kAnswer = 600; // ms that another page has to answer, in the middle of a picture perhaps
 
 export class Neighbours {
   private readonly channel = new BroadcastChannel("truestep-sessions");
@@ -38,7 +38,7 @@ export class Neighbours {
   /** Asks whether another page shows this session; this one shows none yet. */
   async taken(session: string): Promise<boolean> {
     this.say({ session: undefined, ask: true });
-    await new Promise((resolve) => setTimeout(resolve, kAnswer));
+    for (const end = Date.now() + kAnswer; Date.now() < end && !this.share(session); ) await new Promise((resolve) => setTimeout(resolve, 20));
     return this.share(session);
   }
 
