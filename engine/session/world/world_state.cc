@@ -22,8 +22,10 @@ uint64_t WorldState::hash() const {
 std::vector<std::byte> WorldState::serialize() const {
   std::vector<std::byte> out;
   const auto put = [&](const void* p, size_t n) {
-    const auto* b = static_cast<const std::byte*>(p);
-    out.insert(out.end(), b, b + n);
+    if (n == 0) return;
+    const size_t end = out.size();
+    out.resize(end + n);
+    std::memcpy(out.data() + end, p, n);
   };
   // Systems in the lower half of the count, couplings in the upper half, whose last bits flag that the energy
   // watch and a companion follow.

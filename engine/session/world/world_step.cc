@@ -66,7 +66,14 @@ void World::find_tied() {
   }
   if (tied_.empty()) return;
   const WorldState start = initial_state();
-  std::erase_if(tied_, [&](const Tied& t) { return !energy(start, t.first); });
+  // Liquids exchange momentum with bodies by the parcel, and steps of theirs are dear: they are not repeated.
+  const auto holds_medium = [&](const Tied& t) {
+    for (size_t i = 0; i < systems_.size(); ++i) {
+      if (joined_to_[i] == t.first && systems_[i]->ports().medium) return true;
+    }
+    return false;
+  };
+  std::erase_if(tied_, [&](const Tied& t) { return holds_medium(t) || !energy(start, t.first); });
 }
 
 void World::substeps(WorldState& state, const Pace& pace, Workspace& workspace, const ThreadArena& arena,

@@ -7,7 +7,7 @@
 namespace truestep::nbody {
 
 void for_near_pairs(const PathPiece& piece, std::span<const double> radius, double slack,
-                    Workspace& workspace, const std::function<void(uint32_t, uint32_t)>& visit) {
+                    Workspace& workspace, FunctionRef<void(uint32_t, uint32_t)> visit) {
   double reach = 0, way = 0;
   for (size_t i = 0; i < piece.n; ++i) {
     reach = std::max(reach, radius[i]);
@@ -30,8 +30,7 @@ void for_near_pairs(const PathPiece& piece, std::span<const double> radius, doub
 }
 
 void find_touches(const PathPiece& piece, std::span<const double> radius, double slack,
-                  const std::function<bool(uint32_t, uint32_t)>& skip, Workspace& workspace,
-                  std::vector<Touch>& out) {
+                  FunctionRef<bool(uint32_t, uint32_t)> skip, Workspace& workspace, std::vector<Touch>& out) {
   const size_t n = piece.n;
   out.clear();
   const auto look = [&](uint32_t a, uint32_t b) {

@@ -1,8 +1,8 @@
 // Which balls touch while all bodies move along cubics through the two ends of a piece of their paths.
 #pragma once
-#include <functional>
 #include <vector>
 
+#include "engine/base/function_ref.h"
 #include "engine/core/state/workspace.h"
 #include "engine/kernels/contact/curved_contact.h"
 
@@ -31,12 +31,11 @@ constexpr size_t kEveryPair = 256;  ///< bodies that need no search
 /// visit(a, b), a < b, for every pair that may come within its reach (enlarged by `slack` times its way) on
 /// the piece, and others; by a search.
 void for_near_pairs(const PathPiece& piece, std::span<const double> radius, double slack,
-                    Workspace& workspace, const std::function<void(uint32_t, uint32_t)>& visit);
+                    Workspace& workspace, FunctionRef<void(uint32_t, uint32_t)> visit);
 
 /// All first touches in order of time, then of rows; those that `skip` names are left out. `slack` is added
 /// to every reach, in parts of the pair's way: where the paths are not the cubics themselves.
 void find_touches(const PathPiece& piece, std::span<const double> radius, double slack,
-                  const std::function<bool(uint32_t, uint32_t)>& skip, Workspace& workspace,
-                  std::vector<Touch>& out);
+                  FunctionRef<bool(uint32_t, uint32_t)> skip, Workspace& workspace, std::vector<Touch>& out);
 
 }  // namespace truestep::nbody
