@@ -20,7 +20,8 @@ option(TRUESTEP_WERROR "Warnings end the build (of gcc)" $ENV{TRUESTEP_WERROR})
 add_compile_options(-ffp-contract=off -fno-math-errno -fno-trapping-math -Wall -Wextra -Wno-unused-parameter)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # False alarms of gcc 12: on std::variant, members that have defaults, joined sources.
-  add_compile_options(-Wno-maybe-uninitialized -Wno-missing-field-initializers -Wno-subobject-linkage)
+  add_compile_options(-Wno-maybe-uninitialized -Wno-missing-field-initializers
+                      $<$<COMPILE_LANGUAGE:CXX>:-Wno-subobject-linkage>)
   # Most files end before the compiler has used so much memory: collecting garbage until then costs an eighth of its time.
   add_compile_options("SHELL:--param ggc-min-heapsize=600000")
   if(TRUESTEP_WERROR)

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "engine/base/errors.h"
+#include "engine/base/text/encoding.h"
 #include "engine/base/text/nearest_name.h"
 #include "engine/scene/file_references.h"
 #include "engine/scene/gallery.h"
@@ -29,7 +30,8 @@ boost::json::value load_scene_document(const std::string& path_or_name) {
     require_file(path_or_name);
     text << std::ifstream(path_or_name, std::ios::binary).rdbuf();
   }
-  boost::json::value document = parse_json(text.str());
+  const std::string bytes = text.str();
+  boost::json::value document = parse_json(without_byte_order_mark(bytes));
   const fs::path file = fs::absolute(path_or_name);  // "-": in the working directory
   resolve_paths(document, file.parent_path());
   return document;

@@ -121,7 +121,7 @@ class CommandLine(unittest.TestCase):
 
     def test_descriptions_name_rows_fields_and_observables(self):
         text = self.run_truestep("systems", "mass_spring").stdout
-        for words in ("a row is a point", "strain (1)", "reaction.x (N)", "pins (1)"):
+        for words in ("a row is a point", "strain (1)", "reaction.x .y .z (N)", "pins (1)"):
             self.assertIn(words, text)
         described = json.loads(self.run_truestep("systems", "rigid3d", "--json").stdout)
         self.assertIn("a body", described["rows"])

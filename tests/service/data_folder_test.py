@@ -6,6 +6,7 @@ import pathlib
 import shutil
 import subprocess
 import tempfile
+import time
 import unittest
 import uuid
 
@@ -133,6 +134,9 @@ class Links(unittest.TestCase):
         for path in fifos:
             os.mkfifo(path)
         self.service = Service(data=self.data)
+        end = time.monotonic() + patience(20)
+        while self.service.get("/readyz").status != 200 and time.monotonic() < end:
+            time.sleep(0.05)
         self.assertEqual(self.service.get("/v1/assets/" + digest).status, 404)
         for path in ("/v1/sessions", "/v1/recordings", "/healthz"):
             self.assertEqual(self.service.get(path).status, 200)

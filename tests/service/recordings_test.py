@@ -96,8 +96,11 @@ class Recordings(Restarted):
         self.again()
         # Some frames for a new file, too few to be durable.
         self.step(s, 70)
-        self.kill()
         second = pathlib.Path(self.data) / (s["id"] + ".2.vtkhdf")
+        deadline = time.monotonic() + patience(20)
+        while not second.exists() and time.monotonic() < deadline:  # another thread makes it
+            time.sleep(0.02)
+        self.kill()
         for kept in (0, 1000):
             second.write_bytes(second.read_bytes()[:kept])
             second.with_name(second.name + ".chunks").unlink(missing_ok=True)

@@ -25,7 +25,7 @@ struct WorldState {
   std::vector<WorldState> finer;   ///< the companion used to estimate errors: one, or none
   std::vector<EnergyWatch> watch;  ///< per system, from its first step on
 
-  /// Hash of everything but the watch, which influences no motion.
+  /// Hash of everything but the watch, which says when a run ends or a step is divided.
   uint64_t hash() const;
   friend bool operator==(const WorldState&, const WorldState&) = default;
   /// Little-endian bytes, read by deserialize (Error "bad_snapshot").

@@ -40,7 +40,7 @@ CourseScene course_scene(std::string name, std::shared_ptr<const World> world) {
     unknown.kind = CommandKind::set_parameter;
     unknown.system = taker.system;
     unknown.index = 0;
-    unknown.name = "?";
+    unknown.name.assign(1, '?');
     WorldState state = start;
     try {
       scene.world->apply(state, unknown);
