@@ -170,7 +170,7 @@ json::value file_value(std::string_view bytes, FileUse use, double scale) {
   }
   if (use == FileUse::gltf || (use == FileUse::automatic && format == Format::glb))
     return gltf_value(format, bytes);
-  if (use == FileUse::automatic && format == Format::json) return parse_json(without_byte_order_mark(bytes));
+  if (use == FileUse::automatic && format == Format::json) return parse_json(bytes);
   if (use == FileUse::automatic && format == Format::unknown) {
     throw FileFault(
         "the file is none of JSON, OBJ, STL, PLY, MSH, BVH and .glb: for a text give \"as\": \"text\" or "

@@ -24,7 +24,7 @@ struct FirstRow {
   std::string id;
   size_t row, count;
 };
-/// Of the bodies that have an id; of the joints of a skeleton.
+/// Of the bodies that have an id.
 std::vector<FirstRow> first_rows(const SceneSystem& system);
 
 /// `joints`: rows of the system's part "joints".

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
-#include <functional>
+#include <map>
 
 #include "engine/base/text/nearest_name.h"
 #include "engine/scene/params/params.h"
@@ -14,7 +14,30 @@ namespace {
 
 namespace json = boost::json;
 
-using Names = std::vector<FirstRow>;
+constexpr size_t kMostFaults = 100, kMostListed = 40;  // nobody reads more than a screenful
+
+/// Rows by their ids; of several bodies with one id the first.
+class Names {
+ public:
+  explicit Names(std::vector<FirstRow> rows) : rows_(std::move(rows)) {
+    for (const FirstRow& r : rows_) by_id_.emplace(r.id, &r);
+  }
+  Names(const Names&) = delete;
+  Names& operator=(const Names&) = delete;
+  const FirstRow* find(std::string_view id) const {
+    const auto it = by_id_.find(id);
+    return it == by_id_.end() ? nullptr : it->second;
+  }
+  std::vector<std::string> listed() const {
+    std::vector<std::string> out;
+    for (size_t k = 0; k < std::min(rows_.size(), kMostListed); ++k) out.push_back(rows_[k].id);
+    return out;
+  }
+
+ private:
+  std::vector<FirstRow> rows_;
+  std::map<std::string_view, const FirstRow*> by_id_;
+};
 
 std::string_view view_of(const json::value& v) {
   return {v.as_string().data(), v.as_string().size()};
@@ -22,19 +45,15 @@ std::string_view view_of(const json::value& v) {
 
 // "crate", or "crate.3" for the fourth of its copies; as observables call them.
 std::optional<int64_t> row_called(std::string_view id, const Names& names) {
-  for (const FirstRow& n : names) {
-    if (n.id == id) return static_cast<int64_t>(n.row);
-  }
+  if (const FirstRow* n = names.find(id)) return static_cast<int64_t>(n->row);
   const size_t dot = id.rfind('.');
   if (dot == std::string_view::npos) return std::nullopt;
   size_t k = 0;
   const char* last = id.data() + id.size();
   if (const auto r = std::from_chars(id.data() + dot + 1, last, k); r.ec != std::errc() || r.ptr != last)
     return std::nullopt;
-  for (const FirstRow& n : names) {
-    if (n.id == id.substr(0, dot) && k < n.count) return static_cast<int64_t>(n.row + k);
-  }
-  return std::nullopt;
+  const FirstRow* n = names.find(id.substr(0, dot));
+  return n && k < n->count ? std::optional(static_cast<int64_t>(n->row + k)) : std::nullopt;
 }
 
 // The row for the id, or a fault.
@@ -46,12 +65,12 @@ void resolve(json::value& v, const Names& names, const char* noun, const std::st
     v = *row;
     return;
   }
-  std::vector<std::string> ids;
-  for (const FirstRow& n : names) ids.push_back(n.id);
-  errors.push_back({where, "unknown_name", std::string("no ") + noun + " has this id", shorten(v),
-                    ids.empty() ? "a row" : "a row, or an id: " + join_names(ids), nearest_name(id, ids),
-                    ""});
   v = 0;
+  if (errors.size() >= kMostFaults) return;
+  const std::vector<std::string> ids = names.listed();
+  errors.push_back(
+      {where, "unknown_name", std::string("no ") + noun + " has this id", '"' + id.substr(0, 64) + '"',
+       ids.empty() ? "a row" : "a row, or an id: " + join_names(ids), nearest_name(id, ids), ""});
 }
 
 constexpr std::string_view kBodyMembers[] = {"a", "b"}, kJointMembers[] = {"first", "second"};
@@ -73,8 +92,8 @@ bool names_rows(const json::object& joint) {
   return any(kBodyMembers) || any(kJointMembers);
 }
 
-Names names_of_joints(const json::array& joints) {
-  Names out;
+std::vector<FirstRow> names_of_joints(const json::array& joints) {
+  std::vector<FirstRow> out;
   size_t row = 0;
   for (const json::value& v : joints) {
     const json::object* o = v.if_object();
@@ -98,7 +117,7 @@ constexpr Reference kReferences[] = {
     {"drive", "index", Reference::Side::b},         {"drive", "body", Reference::Side::b},
     {"ragdoll", "bodies", Reference::Side::b},      {"ragdoll", "impact_bodies", Reference::Side::b}};
 
-Names with_ends(Names names) {
+std::vector<FirstRow> with_ends(std::vector<FirstRow> names) {
   names.push_back({"first", 0, 1});
   names.push_back({"last", static_cast<size_t>(-1), 1});
   return names;
@@ -142,7 +161,7 @@ std::optional<json::object> with_own_rows(const json::object& system, const Cata
   SceneSystem bodies{"", &row, row.table->make(), 0};
   std::vector<Issue> unused;
   read_params(*row.table, bodies.def.get(), alone, where, {}, unused);
-  const Names of_bodies = first_rows(bodies), of_joints = names_of_joints(list);
+  const Names of_bodies(first_rows(bodies)), of_joints(names_of_joints(list));
   for (size_t k = 0; k < list.size(); ++k) {
     if (!list[k].is_object()) continue;
     const std::string at = where + "/joints/" + std::to_string(k) + "/";
@@ -165,17 +184,17 @@ json::object with_rows_of_sides(const json::object& coupling, const CouplingRow&
     json::value* v = r.coupling == row.type ? out.if_contains(r.member) : nullptr;
     if (!v) continue;
     const std::string at = where + "/" + std::string(r.member);
-    const auto names = [&] {
-      const Names own = first_rows(r.side == Reference::Side::a ? a : b);
-      return row.type == "attachment" ? with_ends(own) : own;
-    };
     if (v->is_string() && row.type == "attachment") *v = json::array{*v};
-    if (v->is_string()) resolve(*v, names(), "body of that side", at, errors);
+    const bool any = v->is_string() ||
+                     (v->is_array() &&
+                      std::ranges::any_of(v->as_array(), [](const json::value& i) { return i.is_string(); }));
+    if (!any) continue;
+    std::vector<FirstRow> own = first_rows(r.side == Reference::Side::a ? a : b);
+    const Names names(row.type == "attachment" ? with_ends(std::move(own)) : std::move(own));
+    if (v->is_string()) resolve(*v, names, "body of that side", at, errors);
     if (!v->is_array()) continue;
-    for (size_t k = 0; k < v->as_array().size(); ++k) {
-      json::value& item = v->as_array()[k];
-      if (item.is_string()) resolve(item, names(), "body of that side", at + "/" + std::to_string(k), errors);
-    }
+    for (size_t k = 0; k < v->as_array().size(); ++k)
+      resolve(v->as_array()[k], names, "body of that side", at + "/" + std::to_string(k), errors);
   }
   return out;
 }
@@ -218,7 +237,8 @@ void name_rows_of_probes(const json::object& document, Scene& scene, std::vector
     ProbeParams& probe = scene.header.probes[k];
     for (const SceneSystem& s : scene.systems) {
       if (s.id != probe.system) continue;
-      resolve(index, first_rows(s), "body of that system", "/probes/" + std::to_string(k) + "/index", errors);
+      resolve(index, Names(first_rows(s)), "body of that system", "/probes/" + std::to_string(k) + "/index",
+              errors);
       probe.index = index.to_number<int64_t>();
     }
   });

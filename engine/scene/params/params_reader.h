@@ -33,10 +33,10 @@ class ParamReader {
   /// see read_params.
   void object(const DefTable& table, void* owner, const boost::json::object& o, const std::string& pointer,
               std::span<const std::string_view> also_allowed);
-  /// Faulty when a member has an unacceptable value; unknown keys do not count.
   /// A document can contain millions of faults; nobody reads more than a screenful, and nothing is searched
   /// for faults that are not listed.
   bool full() const { return issues_.size() >= kMostFaults; }
+  /// Faulty when a member has an unacceptable value; unknown keys do not count.
   Reading reading() const { return bad_members_ == 0 ? Reading::sound : Reading::faulty; }
 
  private:
