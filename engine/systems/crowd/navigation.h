@@ -19,8 +19,8 @@ struct WayGrid {
   long nx, ny;
   std::vector<float> room;  ///< m, to the nearest wall
   Vec3 place(size_t node) const {
-    const long i = static_cast<long>(node);
-    return low + Vec3{static_cast<double>(i % nx), static_cast<double>(i / nx), 0} * h;
+    const long i = static_cast<long>(node), column = i % nx, row = i / nx;
+    return low + Vec3{static_cast<double>(column), static_cast<double>(row), 0} * h;
   }
   /// Nodes this close to a wall count as inside it: no path leads over them, nor between two others across
   /// it.
