@@ -122,8 +122,8 @@ class Impacts final : public StepWatcher {
   }
   void find(const PathPiece& piece, double slack, std::vector<Touch>& out) {
     find_touches(
-        piece, balls_.radii(), slack, [this](uint32_t a, uint32_t b) { return skipped(a, b); },
-        in_.workspace, out);
+        piece, balls_.radii(), slack, [this](uint32_t a, uint32_t b) { return skipped(a, b); }, in_.workspace,
+        out);
   }
 
   /// Until two bodies touch; returns how long that took (s), or nothing when the piece of h (s) is over.

@@ -14,7 +14,9 @@ namespace {
 constexpr double kShortFlight = 1.0 / 64;  // of the step
 constexpr int kSweeps = 1000;              // of impulses at one moment
 
-Vec3 from_a_to_b(const double* column, uint32_t a, uint32_t b) { return load3(column, b) - load3(column, a); }
+Vec3 from_a_to_b(const double* column, uint32_t a, uint32_t b) {
+  return load3(column, b) - load3(column, a);
+}
 
 }  // namespace
 
@@ -134,7 +136,9 @@ void Meetings::push_apart(double* column, Pair pair, const Vec3& change) {
   store3(column, b, load3(column, b) + change * (1 - to_a));
 }
 
-double Meetings::apart_at_start(Pair pair) const { return norm(from_a_to_b(w_.first.data(), pair.a, pair.b)); }
+double Meetings::apart_at_start(Pair pair) const {
+  return norm(from_a_to_b(w_.first.data(), pair.a, pair.b));
+}
 
 void Meetings::hold() {
   if (def_.response == Response::merge) return;
@@ -143,7 +147,8 @@ void Meetings::hold() {
     bool any = false;
     for (const MetPair& p : w_.met.all()) {
       const Pair pair{p.a, p.b};
-      const Vec3 d = from_a_to_b(balls_.x(), p.a, p.b), n = normalized(d), u = from_a_to_b(balls_.v(), p.a, p.b);
+      const Vec3 d = from_a_to_b(balls_.x(), p.a, p.b), n = normalized(d),
+                 u = from_a_to_b(balls_.v(), p.a, p.b);
       const double least = std::min(balls_.reach(p.a, p.b), apart_at_start(pair)), missing = least - norm(d);
       if (missing > 1e-15 * least) push_apart(balls_.x(), pair, n * missing), any = true;
       if (p.resting && dot(u, n) < 0) {

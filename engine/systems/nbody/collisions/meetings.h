@@ -1,5 +1,6 @@
-// What balls that touch at one moment do to each other, and what becomes of it until the step ends: they merge,
-// part, or rest against each other (resting_pairs.h) when their flight would be shorter than 1/64 of the step.
+// What balls that touch at one moment do to each other, and what becomes of it until the step ends: they
+// merge, part, or rest against each other (resting_pairs.h) when their flight would be shorter than 1/64 of
+// the step.
 #pragma once
 #include <vector>
 
@@ -25,8 +26,8 @@ class Meetings {
   /// `fixed`: the method's steps are as long as the scene's.
   Meetings(const CollisionsDef& def, State& s, const StepInput& in, bool fixed, Memory& memory);
 
-  /// Resolves all that touches at this moment (s). `hit`: what was found to touch, also where it has no speed;
-  /// `blunt`: nothing parts any more in this step.
+  /// Resolves all that touches at this moment (s). `hit`: what was found to touch, also where it has no
+  /// speed; `blunt`: nothing parts any more in this step.
   void resolve(double now, Pair hit, bool blunt);
   /// At the end of the step: what rests loses the speed of approach that it has gained and is put back.
   void hold();
