@@ -35,6 +35,35 @@ bool MeshTriangle::allows(const Vec3& d) const {
   return true;
 }
 
+namespace {
+
+struct Side {
+  uint32_t triangle, edge;
+};
+using OpenSides = std::map<std::array<uint32_t, 2>, Side>;
+
+/// Files repeat corners at seams of their textures: sides that nothing continues and that run between the
+/// same places in opposite directions belong together.
+void join_seams(const OpenSides& open, std::vector<MeshTriangle>& triangles) {
+  std::map<std::array<double, 6>, Side> at;
+  for (const auto& [ids, side] : open) {
+    const MeshTriangle& t = triangles[side.triangle];
+    const Vec3 &a = t.corner[side.edge], &b = t.corner[(side.edge + 1) % 3];
+    const auto other = at.find({b.x, b.y, b.z, a.x, a.y, a.z});
+    if (other == at.end()) {
+      at[{a.x, a.y, a.z, b.x, b.y, b.z}] = side;
+      continue;
+    }
+    const Side s = other->second;
+    triangles[side.triangle].set_neighbor(side.edge, s.triangle,
+                                          triangles[s.triangle].corner[(s.edge + 2) % 3]);
+    triangles[s.triangle].set_neighbor(s.edge, side.triangle, t.corner[(side.edge + 2) % 3]);
+    at.erase(other);
+  }
+}
+
+}  // namespace
+
 TriangleMesh::TriangleMesh(std::vector<Vec3> vertices, std::vector<uint32_t> triangles) {
   for (const Vec3& v : vertices) {
     if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) {
@@ -43,10 +72,7 @@ TriangleMesh::TriangleMesh(std::vector<Vec3> vertices, std::vector<uint32_t> tri
   }
   if (triangles.size() % 3 != 0)
     throw Error("bad_solid", "the triangles of a mesh must be triples of indices");
-  struct Side {
-    uint32_t triangle, edge;
-  };
-  std::map<std::array<uint32_t, 2>, Side> open;
+  OpenSides open;
   std::vector<std::array<uint32_t, 3>> ids;
   for (size_t t = 0; t + 2 < triangles.size(); t += 3) {
     MeshTriangle m;
@@ -75,6 +101,7 @@ TriangleMesh::TriangleMesh(std::vector<Vec3> vertices, std::vector<uint32_t> tri
     }
   }
   if (triangles_.empty()) throw Error("bad_solid", "a mesh needs at least one triangle with an area");
+  join_seams(open, triangles_);
   std::vector<Box> boxes;
   for (const MeshTriangle& t : triangles_) {
     Box b = Box::nothing();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/json.hpp>
 
+#include "engine/base/text/encoding.h"
 #include "engine/base/text/utf8.h"
 #include "engine/geometry/read/msh.h"
 #include "engine/geometry/read/obj.h"
@@ -26,7 +27,7 @@ Format format_of(std::string_view bytes) {
   TextLines lines(bytes);
   const std::string_view word = lines.next_word();
   if (word == "ply") return Format::ply;
-  if (word == "$MeshFormat") return Format::msh;
+  if (word == "$MeshFormat" || word == "$Comments" || word == "$NOD") return Format::msh;
   if (same_word(word, "solid")) return Format::stl;
   if (same_word(word, "HIERARCHY")) return Format::bvh;
   if (is_obj_statement(word)) return Format::obj;
@@ -150,11 +151,14 @@ json::array gltf_value(Format format, std::string_view bytes) {
 }  // namespace
 
 bool is_mesh_file(std::string_view bytes) {
+  if (const auto converted = utf8_of_utf16(bytes)) return is_mesh_file(*converted);
   const Format format = format_of(bytes);
   return format == Format::obj || format == Format::stl || format == Format::ply || format == Format::msh;
 }
 
 json::value file_value(std::string_view bytes, FileUse use, double scale) {
+  if (const auto converted = utf8_of_utf16(bytes)) return file_value(*converted, use, scale);
+  bytes = without_byte_order_mark(bytes);
   const Format format = format_of(bytes);
   const bool lines = use == FileUse::lines || (use == FileUse::automatic && format == Format::bvh);
   if (lines || use == FileUse::text) {

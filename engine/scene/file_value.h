@@ -1,7 +1,8 @@
 // Files as values in a scene. A surface (OBJ, STL, PLY; engine/geometry/read) becomes {"vertices",
 // "triangles"}, a mesh of elements (MSH) {"vertices", "cells", "form", "sets"}, motion (BVH) a list of its
 // lines, glTF (a .glb by itself, a .gltf with "as") pieces of its text or base64, and JSON its own value: the
-// forms that the corresponding members of scenes accept.
+// forms that the corresponding members of scenes accept. Texts may begin with a byte order mark, and be
+// UTF-16 with one.
 #pragma once
 #include <boost/json/value.hpp>
 #include <stdexcept>

@@ -8,6 +8,7 @@
 #include "engine/scene/json/json_write.h"
 #include "engine/scene/params/params.h"
 #include "engine/scene/params/params_text.h"
+#include "engine/scene/row_references.h"
 #include "engine/scene/scene_test.h"
 
 namespace truestep {
@@ -106,7 +107,11 @@ void read_system(const json::value& v, size_t index, Scene& scene, SceneReport& 
                      row, row->table->make(), index};
   require_new_id(scene, system.id, where, errors);
   constexpr std::string_view kOwn[] = {"type", "id"};
-  system.reading = read_params(*row->table, system.def.get(), v.as_object(), where, kOwn, errors);
+  const size_t known = errors.size();
+  const auto with_rows = with_own_rows(v.as_object(), *row, where, errors);
+  system.reading =
+      read_params(*row->table, system.def.get(), with_rows ? *with_rows : v.as_object(), where, kOwn, errors);
+  if (errors.size() > known) system.reading = Reading::faulty;
   // A sound system is built and reports its methods itself, except for methods that serve only this type.
   const bool asked_here = system.reading == Reading::faulty || !row->own_integrators.empty();
   if (asked_here && unknown_method(v.as_object(), *row, where, errors)) system.reading = Reading::faulty;
@@ -146,8 +151,12 @@ void read_coupling(const json::value& v, size_t index, Scene& scene, SceneReport
   c.place = index;
   c.def = row->table->make();
   constexpr std::string_view kOwn[] = {"type", "id", "a", "b"};
-  c.reading = read_params(*row->table, c.def.get(), o, where, kOwn, errors);
-  if (std::max(c.a, c.b) >= scene.systems.size()) c.reading = Reading::faulty;
+  const bool sides = std::max(c.a, c.b) < scene.systems.size();
+  const size_t known = errors.size();
+  const json::object with_rows =
+      sides ? with_rows_of_sides(o, *row, scene.systems[c.a], scene.systems[c.b], where, errors) : o;
+  c.reading = read_params(*row->table, c.def.get(), with_rows, where, kOwn, errors);
+  if (!sides || errors.size() > known) c.reading = Reading::faulty;
   scene.couplings.push_back(std::move(c));
 }
 
@@ -201,8 +210,15 @@ void check_accuracy(const Scene& scene, std::vector<Issue>& errors) {
   for (const SceneSystem& s : scene.systems) {
     if (scene.integrated_system(s.id)) fit.push_back(s.id);
   }
-  errors.push_back({"/accuracy/system", "unknown_system", "accuracy needs a system that takes an integrator",
-                    '"' + id.substr(0, 64) + '"', join_names(fit), nearest_name(id, fit), ""});
+  std::vector<std::string> types;
+  for (const CatalogueRow& row : catalogue()) {
+    if (row.table->find("integrator")) types.emplace_back(row.type);
+  }
+  errors.push_back(
+      {"/accuracy/system", "unknown_system",
+       "accuracy chooses an integrator and its step: it needs a system of type " + join_names(types),
+       '"' + id.substr(0, 64) + '"', fit.empty() ? "a system of such a type" : join_names(fit),
+       nearest_name(id, fit), ""});
 }
 
 // Ids of probes, and of the systems that they refer to.
@@ -231,6 +247,15 @@ void check_probes(const Scene& scene, SceneReport& report) {
                         '"' + p.id.substr(0, 64) + '"', "", "", ""});
       break;
     }
+  }
+}
+
+void warn_of_empty_systems(const Scene& scene, std::vector<Issue>& warnings) {
+  for (const SceneSystem& s : scene.systems) {
+    if (s.row->cost(s.def.get()).elements > 0) continue;
+    warnings.push_back({"/systems/" + std::to_string(s.place), "empty",
+                        "the system \"" + s.id + "\" has nothing in it: it only has what commands spawn", "",
+                        "", "", ""});
   }
 }
 
@@ -284,7 +309,8 @@ SceneReport read_scene(const json::value& document) {
   const json::object& o = document.as_object();
   Scene scene;
   constexpr std::string_view kOwn[] = {"systems", "couplings", "test"};
-  read_params(scene_table(), &scene.header, o, "", kOwn, report.errors);
+  const auto numbered = without_names_of_probes(o);
+  read_params(scene_table(), &scene.header, numbered ? *numbered : o, "", kOwn, report.errors);
   if (const json::value* test = o.if_contains("test")) read_scene_test(*test, "/test", report.errors);
   const json::value* systems = o.if_contains("systems");
   if (!systems || !systems->is_array() || systems->as_array().empty() ||
@@ -300,12 +326,14 @@ SceneReport read_scene(const json::value& document) {
     }
     check_substep(scene, report.errors);
     check_probes(scene, report);
+    name_rows_of_probes(o, scene, report.errors);
     if (report.lost_ids.empty()) check_accuracy(scene, report.errors);
   }
   if (scene.header.expect.empty() && !scene.header.teaches.empty()) {
     report.warnings.push_back({"/expect", "no_expectation",
                                "a scene with \"teaches\" should also have \"expect\"", "", "", "", ""});
   }
+  if (report.errors.empty()) warn_of_empty_systems(scene, report.warnings);
   (report.errors.empty() ? report.scene : report.draft) = std::move(scene);
   return report;
 }
@@ -347,6 +375,7 @@ json::object scene_schema() {
   schema["properties"].as_object()["test"] = scene_test_schema();
   if (!schema.contains("required")) schema["required"] = json::array{};
   schema["required"].as_array().emplace_back("systems");
+  allow_ids(schema);
   json::object out{{"$schema", "https://json-schema.org/draft/2020-12/schema"},
                    {"title", "Truestep scene 1.0"}};
   for (auto& [key, value] : schema) out[key] = std::move(value);

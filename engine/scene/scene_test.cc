@@ -17,16 +17,20 @@ namespace {
 constexpr size_t kMostSteps = 1000, kMostCases = 1000, kMostCommands = 10000;
 constexpr std::string_view kWords[] = {"precision", "sleeping", "dt", "threads", "resumed"};
 
+/// Members of a case that a test without cases has itself.
+constexpr const char* kOfAnyCase[] = {"refused", "faults", "instability", "says", "plan"};
+
 bool is_word(std::string_view name) {
   return std::find(std::begin(kWords), std::end(kWords), name) != std::end(kWords);
 }
 
 const DefTable& refusal_table() {
   static const DefTable t =
-      TableOf<TestRefusal>("a scene that must be refused")
+      TableOf<TestRefusal>("a scene or command that must be refused")
           .text("code", &TestRefusal::code, "of its faults, e.g. out_of_range; any when left out")
           .text("pointer", &TestRefusal::pointer, "JSON pointer of its faults; any when left out")
           .text("did_you_mean", &TestRefusal::did_you_mean, "what is suggested; anything when left out")
+          .text("says", &TestRefusal::says, "part of its message, of the value or of what is allowed")
           .build();
   return t;
 }
@@ -37,8 +41,14 @@ const DefTable& case_table() {
           .text("name", &TestCase::name, "name in reports")
           .object("refused", &TestCase::refused, refusal_table(),
                   "the scene must be refused, with this fault and no other")
+          .objects("faults", &TestCase::faults, refusal_table(), {0, 64},
+                   "the scene must be refused, with exactly these faults in any order")
           .choice("instability", &TestCase::instability, {"never", "allowed", "expected"},
                   "whether the run may or must end with an instability; what came before is then not judged")
+          .text("says", &TestCase::says, "part of the sentence of the instability")
+          .named_texts(
+              "plan", &TestCase::plan, {0, 64},
+              "stages of the plan that run, as integrate or rope.integrate, and a part of their reasons")
           .build();
   return t;
 }
@@ -48,7 +58,8 @@ const DefTable& control_table() {
       TableOf<TestControl>("a change with which the test must fail")
           .text("why", &TestControl::why, "what it shows")
           .texts("fails", &TestControl::fails, {0, 64},
-                 "quantities that are missed then, or: instability, refused, still, same, agree; none: any")
+                 "quantities that are missed then, or: instability, refused, commands, plan, still, same, "
+                 "agree; none: any")
           .text("case", &TestControl::of, "name of the case that is changed; the first when left out")
           .build();
   return t;
@@ -87,10 +98,11 @@ class TestReader {
   SceneTest read(const json::object& o, const std::string& where) {
     SceneTest t;
     TestCase base;
-    constexpr std::string_view kOwn[] = {"vary", "cases", "control", "commands", "refused", "instability"};
+    constexpr std::string_view kOwn[] = {"vary",   "cases",       "control", "commands", "refused",
+                                         "faults", "instability", "says",    "plan"};
     read_params(test_table(), &t, o, where, kOwn, issues_);
     json::object ending;
-    for (const char* key : {"refused", "instability"}) {
+    for (const char* key : kOfAnyCase) {
       if (const json::value* v = o.if_contains(key)) ending[key] = *v;
     }
     read_params(case_table(), &base, ending, where, {}, issues_);
@@ -115,8 +127,7 @@ class TestReader {
         fault(at + "/case", "unknown_case", "no case has this name", control.of);
     });
     each(o, "commands", where, kMostCommands, [&](const json::object& c, const std::string& at) {
-      const json::value* when = c.if_contains("at_time");
-      if (!when || !when->is_number()) fault(at + "/at_time", "missing", "the time of the command, in s", "");
+      read_test_command(c, at, issues_);
       t.commands.push_back(c);
     });
     for (size_t i = 0; i < t.same.size(); ++i)
@@ -225,6 +236,25 @@ SceneTest read_scene_test(const json::value& v, const std::string& pointer, std:
   return none;
 }
 
+TestCommand read_test_command(const json::value& v, const std::string& pointer, std::vector<Issue>& issues) {
+  TestCommand out;
+  out.command = v.is_object() ? v.as_object() : json::object();
+  const json::value* when = out.command.if_contains("at_time");
+  if (when && when->is_number()) {
+    out.at_time = when->to_number<double>();
+  } else {
+    issues.push_back({pointer + "/at_time", "missing", "the time of the command, in s", "", "", "", "s"});
+  }
+  if (const json::value* refused = out.command.if_contains("refused")) {
+    out.refused.emplace();
+    const json::object members = refused->is_object() ? refused->as_object() : json::object();
+    read_params(refusal_table(), &*out.refused, members, pointer + "/refused", {}, issues);
+  }
+  out.command.erase("at_time");
+  out.command.erase("refused");
+  return out;
+}
+
 json::object scene_test_schema() {
   const json::object set{{"type", "object"},
                          {"description",
@@ -241,16 +271,21 @@ json::object scene_test_schema() {
     return json::object{{"type", "array"}, {"description", sentence}, {"items", std::move(items)}};
   };
   const json::object expect{{"type", "array"}, {"description", "replaces the scene's `expect`"}};
-  const json::object at_time{{"type", "object"}, {"required", json::array{"at_time"}}};
-  return with(
-      test_table(),
-      {{"vary", vary},
-       {"cases", list(with(case_table(), {{"set", set}, {"expect", expect}}),
-                      "scenes to be tested instead of the scene itself")},
-       {"control", list(with(control_table(), {{"set", set}}), "changes with which the test must fail")},
-       {"commands", list(at_time, "commands as of a session, each before the step at its `at_time`")},
-       {"refused", ending.at("refused").as_object()},
-       {"instability", ending.at("instability").as_object()}});
+  const json::object at_time{{"type", "object"},
+                             {"required", json::array{"at_time"}},
+                             {"properties", json::object{{"refused", schema_of(refusal_table())}}}};
+  json::object schema =
+      with(test_table(),
+           {{"vary", vary},
+            {"cases", list(with(case_table(), {{"set", set}, {"expect", expect}}),
+                           "scenes to be tested instead of the scene itself")},
+            {"control", list(with(control_table(), {{"set", set}}), "changes with which the test must fail")},
+            {"commands",
+             list(at_time,
+                  "commands as of a session, each before the step at its `at_time`; `refused`: it must "
+                  "be, for this fault")}});
+  for (const char* key : kOfAnyCase) schema["properties"].as_object()[key] = ending.at(key);
+  return schema;
 }
 
 }  // namespace truestep

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "engine/base/errors.h"
+#include "engine/core/def/def.h"
 
 namespace truestep {
 
@@ -41,9 +42,16 @@ struct TestAxis {
 /// What becomes of the run.
 enum class TestEnding : uint8_t { runs, may_fail, fails };
 
-/// A scene that is not to be accepted: code, pointer and suggestion of all its faults (empty: any).
+/// A fault that is to be found: its code, pointer and suggestion, and what its texts contain (empty: any).
 struct TestRefusal {
-  std::string code, pointer, did_you_mean;
+  std::string code, pointer, did_you_mean, says;
+};
+
+/// A command as of a session. It may have to be refused.
+struct TestCommand {
+  double at_time = 0;  ///< s
+  boost::json::object command;
+  std::optional<TestRefusal> refused;
 };
 
 /// A scene to be run for itself, beside others of the same file; `expect` replaces that of the scene.
@@ -51,8 +59,12 @@ struct TestCase {
   std::string name;
   std::vector<SceneChange> changes;
   std::optional<boost::json::value> expect;
-  std::optional<TestRefusal> refused;
+  std::optional<TestRefusal> refused;  ///< all faults are this one
+  std::vector<TestRefusal> faults;     ///< or exactly these
   TestEnding instability = TestEnding::runs;
+  std::string says;             ///< what the sentence of the instability contains
+  std::vector<NamedText> plan;  ///< "integrate" or "rope.integrate", and what its reason contains
+  bool is_refused() const { return refused || !faults.empty(); }
 };
 
 /// A change after which the named quantities are missed; none named: anything.
@@ -76,7 +88,7 @@ struct SceneTest {
   std::vector<TestAgreement> agree;
   std::vector<TestCase> cases;  ///< at least one
   std::vector<TestControl> controls;
-  std::vector<boost::json::object> commands;  ///< each with "at_time" (s)
+  boost::json::array commands;  ///< changes reach them at /test/commands
   /// m that a sleeping row may move within 0.4 s of being woken; empty: not looked at.
   std::optional<double> still;
 };
@@ -84,6 +96,10 @@ struct SceneTest {
 /// Reads the value of "test". Faults go to `issues`, with pointers below `pointer`.
 SceneTest read_scene_test(const boost::json::value& v, const std::string& pointer,
                           std::vector<Issue>& issues);
+
+/// An entry of `commands`.
+TestCommand read_test_command(const boost::json::value& v, const std::string& pointer,
+                              std::vector<Issue>& issues);
 
 boost::json::object scene_test_schema();
 

@@ -68,6 +68,7 @@ DefTable parameter_table() {
       .required()
       .text("name", &C::name, "the parameter")
       .required()
+      .integer("index", &C::index, kIndex, "row, of parameters that belong to a body or joint")
       .number("value", &C::value, "", any(), "new value in SI")
       .vector("vector", &C::vector, "", any(), "new value of a vector parameter in SI")
       .build();
@@ -79,6 +80,7 @@ DefTable spawn_table() {
       .vector("position", &C::vector, "m", any(), "where")
       .required()
       .vector("velocity", &C::velocity, "m/s", any(), "how fast")
+      .text("name", &C::name, "id of the entry of bodies to repeat; absent: the last dynamic one")
       .build();
 }
 DefTable remove_table() {

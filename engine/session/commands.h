@@ -24,4 +24,11 @@ std::span<const CommandType> command_types();
 Command read_command(const boost::json::value& document);
 boost::json::object write_command(const Command& command);
 
+class World;
+struct WorldState;
+/// A command from a user for this state: "index" may be the id of a body or joint instead of its row, and
+/// what set_parameter and spawn take is checked against the table of their system. Error "bad_command" with
+/// pointer, what is allowed and the nearest name.
+Command read_command_for(const World& world, const WorldState& state, const boost::json::value& document);
+
 }  // namespace truestep

@@ -8,6 +8,7 @@
 #include "engine/scene/json/json.h"
 #include "engine/scene/json/json_write.h"
 #include "engine/scene/params/params.h"
+#include "engine/scene/settable.h"
 
 namespace truestep {
 
@@ -45,7 +46,7 @@ json::object describe_integrator(const Integrator& m) {
 }
 
 json::object describe_system(const CatalogueRow& row) {
-  json::array guarantees, methods, fields, observables;
+  json::array guarantees, methods, fields, observables, settable;
   for (const FieldOutput& f : row.outputs->fields) {
     fields.push_back(
         json::object{{"name", f.name}, {"unit", f.unit}, {"width", f.width}, {"description", f.sentence}});
@@ -54,6 +55,13 @@ json::object describe_system(const CatalogueRow& row) {
     observables.push_back(json::object{{"name", o.name}, {"unit", o.unit}, {"description", o.sentence}});
   }
   for (const std::string_view g : row.guarantees) guarantees.emplace_back(g);
+  for (const SettableParameter& p : settable_parameters(row.type)) {
+    const ParamRow* of_scene = row.table->find(p.name);
+    json::object o{{"name", p.name}, {"of", name_of(p.of)}, {"takes", name_of(p.form)}};
+    o["unit"] = p.unit.empty() && of_scene ? std::string_view(of_scene->unit) : p.unit;
+    o["description"] = p.sentence.empty() && of_scene ? std::string_view(of_scene->sentence) : p.sentence;
+    settable.push_back(std::move(o));
+  }
   if (!row.default_integrator.empty()) {
     for (const Integrator& m : integrators()) {
       if (serves(m, row)) methods.push_back(describe_integrator(m));
@@ -70,6 +78,7 @@ json::object describe_system(const CatalogueRow& row) {
           {"rows", row.outputs->rows},
           {"fields", std::move(fields)},
           {"observables", std::move(observables)},
+          {"settable", std::move(settable)},
           {"cost_of_defaults", describe_cost(row.cost(row.table->make().get()))}};
 }
 

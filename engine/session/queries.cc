@@ -115,7 +115,7 @@ class Things {
   Things(const Session& session, const std::vector<std::string>& systems) : session_(session) {
     const World& world = session.world();
     FrameRequest request;
-    request.wishes = Wish::constant | Wish::obstacles;
+    request.wishes = Wish::constant;
     frame_ = session.frame(request);
     for (const std::string& id : systems) require_system(id);
     for (size_t p = 0; p < world.parts().size(); ++p) {
@@ -126,15 +126,27 @@ class Things {
     }
     // Shapes that no system's rows carry belong to all systems.
     if (!systems.empty()) return;
-    for (const DrawnShape& s : frame_->moving.obstacles) {
-      if (s.container) continue;
-      own_.push_back(solid_of(s));
-      items_.push_back({&own_.back(), {s.position, quaternion(s.orientation)}, "", s.id, std::nullopt});
+    for (size_t i = 0; i < world.size(); ++i) {
+      if (!has_solids(world.system(i).ports())) add_obstacles(i);
     }
   }
   const std::vector<Item>& items() const { return items_; }
 
  private:
+  // Whether rows carry all that is there: what such a system draws as obstacles are rows too (planes).
+  static bool has_solids(const Ports& ports) { return ports.bodies && !ports.bodies->access(); }
+
+  void add_obstacles(size_t system) {
+    Drawing& drawing = drawn_.emplace_back();
+    session_.world().system(system).draw(session_.state().systems[system], session_.time(), Wish::obstacles,
+                                         drawing);
+    for (const DrawnShape& s : drawing.obstacles) {
+      if (s.container) continue;
+      own_.push_back(solid_of(s));
+      items_.push_back({&own_.back(), {s.position, quaternion(s.orientation)}, "", s.id, std::nullopt});
+    }
+  }
+
   void require_system(const std::string& id) const {
     std::vector<std::string> ids;
     for (size_t i = 0; i < session_.world().size(); ++i) ids.push_back(session_.world().id(i));
@@ -150,7 +162,7 @@ class Things {
     const State& state = session_.state().systems[part.system];
     const std::string_view system = world.id(part.system);
     const Ports ports = world.system(part.system).ports();
-    if (part.index == 0 && ports.bodies && !ports.bodies->access()) {
+    if (part.index == 0 && has_solids(ports)) {
       const ConstBodies bodies(state, *ports.bodies);
       for (size_t k = 0; k < bodies.count(); ++k) {
         if (bodies.form(k).solid)
@@ -189,7 +201,8 @@ class Things {
 
   const Session& session_;
   FramePtr frame_;
-  std::deque<Solid> own_;  ///< keeps its addresses
+  std::deque<Solid> own_;      ///< keeps its addresses
+  std::deque<Drawing> drawn_;  ///< keeps the ids of obstacles
   std::vector<Item> items_;
 };
 

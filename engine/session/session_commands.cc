@@ -18,41 +18,42 @@ uint64_t Session::command(const Command& command) {
   drain_queue();
   replay_commands();
   const uint64_t sequence = next_sequence_++;
-  // A new command makes a new future: entries journalled for later steps no longer hold.
-  journal_.resize(journal_cursor_);
   mark_journal();
-  if (journal_.size() >= options_.journal_entries) shorten_journal();
   const JournalEntry entry{state_.step, sequence, command};
   for (const auto& sink : sinks_) sink->before_command(entry);
   try {
     world_->apply(state_, command);
   } catch (...) {
+    // Nothing has happened: the future that a seek went back from stays.
     for (const auto& sink : sinks_) sink->command_refused(entry);
     throw;
   }
+  // A new command makes a new future: entries journalled for later steps no longer hold.
+  journal_.resize(journal_cursor_);
   journal_.push_back(entry);
   changed();
   journal_cursor_ = journal_.size();
   // The snapshot of this very step stays: it was taken before the step's commands.
   history_.truncate(state_.step);
   series_.truncate(state_.step);
+  if (journal_.size() > options_.journal_entries) shorten_journal();
   return sequence;
 }
 
 // Divides a long run of commands by snapshots; otherwise the journal could only be cut at the present. Like
 // all snapshots, they are taken before a step's first command.
 void Session::mark_journal() {
-  if (!journal_.empty() && journal_.back().step >= state_.step) return;
+  const auto done = journal_done();
+  if (!done.empty() && done.back().step >= state_.step) return;
   const WorldState* s = history_.at_or_before(state_.step);
   const uint64_t marked = s ? s->step : first_step();
-  const auto since = std::lower_bound(journal_.begin(), journal_.end(), marked,
+  const auto since = std::lower_bound(done.begin(), done.end(), marked,
                                       [](const JournalEntry& e, uint64_t step) { return e.step < step; });
-  if (static_cast<size_t>(journal_.end() - since) >= options_.journal_entries / 8) history_.keep(state_);
+  if (static_cast<size_t>(done.end() - since) >= options_.journal_entries / 8) history_.keep(state_);
 }
 
 // Drops the older half of the journal, up to a snapshot of about that time; if there is none, all of it: the
-// past then begins at the present state. `command` is about to add an entry, and all entries have been
-// carried out.
+// past then begins at the present state. All entries have been carried out.
 void Session::shorten_journal() {
   const WorldState* s = history_.at_or_before(journal_[journal_.size() / 2].step);
   const auto kept = std::find_if(journal_.begin(), journal_.end(),

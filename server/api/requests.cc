@@ -181,7 +181,9 @@ bool boolean_member(const json::object& o, const char* name) {
 }
 
 Task<net::Response> with_session(App& app, EntryPtr entry, AnswerOfSession f) {
-  if (std::unique_lock lock(entry->mutex, std::try_to_lock); lock.owns_lock()) co_return f(*entry);
+  // A step that is not logged yet is logged on a worker, because the network threads never wait for a disk.
+  if (std::unique_lock lock(entry->mutex, std::try_to_lock); lock.owns_lock() && entry->acknowledged())
+    co_return f(*entry);
   co_return co_await with_session_on_worker(app, std::move(entry), std::move(f));
 }
 
@@ -193,7 +195,9 @@ Task<net::Response> with_session(App& app, const net::Request& request, AnswerOf
 Task<net::Response> with_session_on_worker(App& app, EntryPtr entry, AnswerOfSession f) {
   auto work = [&] {
     const std::lock_guard lock(entry->mutex);
-    return f(*entry);
+    net::Response response = f(*entry);
+    entry->acknowledge();
+    return response;
   };
   co_return co_await offload(app.runner.pool(), std::move(work));
 }

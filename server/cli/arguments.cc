@@ -1,6 +1,12 @@
 #include "server/cli/arguments.h"
 
 #include <CLI/CLI.hpp>
+#include <iomanip>
+#include <iostream>
+#include <sstream>
+
+#include "engine/base/text/nearest_name.h"
+#include "server/cli/duration.h"
 
 namespace truestep {
 
@@ -28,6 +34,20 @@ Argument Argument::one_of(std::vector<std::string> words, std::string as) {
   CLI::Validator check = CLI::IsMember(std::move(words));
   if (!as.empty()) check.description(std::move(as));
   option_->check(check);
+  return *this;
+}
+
+Argument Argument::of_time() {
+  // Before the checks of its range, which are those of a number.
+  option_->transform(CLI::Validator(
+      [](std::string& text) {
+        const auto seconds = read_time(text);
+        if (!seconds)
+          return text + " is no time: it is a number of seconds, or has a unit as 250ms, 90s, 5m, 2h, 7d, 3y";
+        text = (std::ostringstream() << std::setprecision(17) << *seconds).str();
+        return std::string();
+      },
+      "or 250ms, 5m, 2h, 7d, 3y"));
   return *this;
 }
 
@@ -82,6 +102,26 @@ std::vector<Arguments::Known> Arguments::subcommands() const {
   return out;
 }
 
+namespace {
+
+// For options that the given command does not have, those that it has and that are named nearly so.
+std::string meant_options(const CLI::App& app) {
+  std::string out;
+  for (const CLI::App* command : app.get_subcommands()) {
+    std::vector<std::string> known;
+    for (const CLI::Option* option : command->get_options()) {
+      for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+    }
+    for (const std::string& word : command->remaining()) {
+      const std::string near = nearest_name(word.substr(0, word.find('=')), known);
+      if (word.starts_with("--") && !near.empty()) out += (out.empty() ? "did you mean " : " and ") + near;
+    }
+  }
+  return out.empty() ? out : out + '?';
+}
+
+}  // namespace
+
 CommandLine::CommandLine(std::string sentence, std::string name, std::string version)
     : app_(std::make_unique<CLI::App>(std::move(sentence), std::move(name))) {
   app_->require_subcommand(1);
@@ -89,9 +129,18 @@ CommandLine::CommandLine(std::string sentence, std::string name, std::string ver
 }
 CommandLine::~CommandLine() = default;
 
+std::string CommandLine::help() const {
+  return app_->help();
+}
+
 bool CommandLine::parse(int argc, char** argv) {
   try {
     app_->parse(argc, argv);
+  } catch (const CLI::ExtrasError& e) {
+    app_->exit(e, std::cout, std::cerr);
+    const std::string hint = meant_options(*app_);
+    if (!hint.empty()) std::cerr << hint << '\n';
+    return false;
   } catch (const CLI::ParseError& e) {
     return app_->exit(e) == 0;
   }

@@ -28,6 +28,8 @@ class Argument {
   Argument in_range(T least, T most);
   /// `as`: how the help lists the words, "{a | b}"; by default in CLI11's way.
   Argument one_of(std::vector<std::string> words, std::string as = {});
+  /// A time in seconds, as a number or with a unit: 250ms, 90s, 5m, 2h, 7d, 3y (of 365.25 days).
+  Argument of_time();
   Argument separated_by(char separator);
   Argument excludes(Argument other);
   Argument needs(Argument other);
@@ -68,6 +70,8 @@ class CommandLine {
   /// Calls the command that was given. Otherwise prints what was asked for (help, version) or what is wrong,
   /// and returns false for the latter.
   bool parse(int argc, char** argv);
+  /// What --help prints.
+  std::string help() const;
 
  private:
   std::unique_ptr<CLI::App> app_;

@@ -7,7 +7,7 @@
 #include "engine/base/version.h"
 #include "server/cli/arguments.h"
 #include "server/cli/completion.h"
-#include "server/cli/describe_commands.h"
+#include "server/cli/describe/describe_commands.h"
 #include "server/cli/exit_codes.h"
 #include "server/cli/input.h"
 #include "server/cli/motion.h"
@@ -53,6 +53,14 @@ int refuse_command(const Arguments& app, const std::string& word) {
   return kExitUsage;
 }
 
+constexpr const char* kExamples =
+    "\nExamples:\n"
+    "  truestep run figure_eight --picture eight.png   simulate a scene of the gallery, draw its end\n"
+    "  truestep validate scene.json                               what is wrong with a scene, and what it "
+    "costs\n"
+    "  truestep serve                                             API and viewer on http://127.0.0.1:8080\n"
+    "\ntruestep gallery lists the scenes that come with the program, truestep COMMAND --help the options.\n";
+
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
@@ -69,6 +77,10 @@ int run_command_line(int argc, char** argv) {
   add_render_command(app, exit_code);
   add_motion_command(app, exit_code);
   add_completion_command(app, exit_code);
+  if (argc == 1) {
+    std::cout << line.help() << kExamples;
+    return kExitOk;
+  }
   if (const std::string word = argc > 1 ? argv[1] : "-"; !word.starts_with('-') && !is_command(app, word))
     return refuse_command(app, word);
   try {

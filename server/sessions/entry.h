@@ -121,6 +121,10 @@ struct SessionEntry {
                                            (poll ? poll->memory_bytes() : 0) + encoded.memory_bytes());
     if (std::abs(now - kept.bytes()) > kWorthAWord) kept.count(now);
   }
+  /// Before a client is told of the present step: makes it survive the process. Under the lock.
+  void acknowledge();
+  /// Whether that would do nothing.
+  bool acknowledged() const;
   /// Call after every change, with or without the lock.
   void publish() {
     version.fetch_add(1, std::memory_order_release);

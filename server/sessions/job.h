@@ -54,6 +54,10 @@ using JobPtr = std::shared_ptr<Job>;
 struct JobQueue {
   std::deque<JobPtr> calls;  ///< run before the next step
   std::deque<JobPtr> runs;
+  /// The present step is one on the way to another.
+  bool seeking() const {
+    return !runs.empty() && runs.front()->kind == Job::Kind::seek && runs.front()->begun;
+  }
   bool scheduled = false;                       ///< a turn is queued or running
   bool wary = false;                            ///< the last step took unexpectedly long
   double used = 0;                              ///< weighted s; turns are ordered by it

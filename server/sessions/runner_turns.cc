@@ -23,9 +23,7 @@ double seconds(Clock::duration d) {
 
 // Tells the keeper how long the steps took, except while seeking.
 void keep_worked(SessionEntry& e, double seconds) {
-  const bool seeking =
-      !e.jobs.runs.empty() && e.jobs.runs.front()->kind == Job::Kind::seek && e.jobs.runs.front()->begun;
-  if (e.keeper && seconds > 0 && !seeking) e.keeper->worked(seconds);
+  if (e.keeper && seconds > 0 && !e.jobs.seeking()) e.keeper->worked(seconds);
 }
 
 void finish(Job& job, Job::End how) {

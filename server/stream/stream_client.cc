@@ -128,6 +128,7 @@ void StreamClient::handle(const v1::ClientMessage& message) {
 void StreamClient::reply(const std::string& request_id) {
   if (request_id.empty()) return;
   v1::ServerMessage reply;
+  entry_->acknowledge();
   reply.mutable_reply()->set_request_id(request_id);
   reply.mutable_reply()->set_step(entry_->session.step_index());
   send(reply);
@@ -160,8 +161,9 @@ void StreamClient::between_steps(const std::string& request_id, std::function<vo
 }
 
 void StreamClient::command(const v1::ClientMessage& message) {
-  between_steps(message.request_id(), [this, c = read_command(parse_json(message.command().json()))] {
-    entry_->session.command(c);
+  between_steps(message.request_id(), [this, document = parse_json(message.command().json())] {
+    Session& session = entry_->session;
+    session.command(read_command_for(session.world(), session.state(), document));
     if (!entry_->session.playing()) send_current_frame();
   });
 }
@@ -269,6 +271,7 @@ bool StreamClient::due(uint64_t) {
 
 void StreamClient::accept(const FramePtr& frame) {
   if (closed_) return;
+  entry_->acknowledge();
   send_topology(*frame);
   if (flow_ == Flow::credit) credit_.fetch_sub(1);
   const auto [blocks, held, kind] = entry_->encoded.get(frame, fields_, base_);
@@ -312,6 +315,7 @@ void StreamClient::accept(const FramePtr& frame) {
 }
 
 void StreamClient::send_playback() {
+  entry_->acknowledge();
   playback_sent_ = Clock::now();
   send(playback_message(entry_->session));
 }
@@ -325,6 +329,7 @@ void StreamClient::bye(std::string_view code, const std::string& reason) {
 
 void StreamClient::notify(std::string_view kind, uint64_t step, const std::string& detail) {
   if (kind != "playback" && kind != "reset" && kind != "seek") {
+    entry_->acknowledge();
     v1::ServerMessage message;
     v1::Event& e = *message.mutable_event();
     e.set_kind(std::string(kind));

@@ -39,7 +39,8 @@ class Commands(unittest.TestCase):
     def says(self, code, words, *arguments, **more):
         done = self.run_truestep(*arguments, **more)
         self.assertEqual(done.returncode, code, done.stdout + done.stderr)
-        self.assertIn(words, done.stdout + done.stderr)
+        for part in [words] if isinstance(words, str) else words:
+            self.assertIn(part, done.stdout + done.stderr)
         return done
 
     # --- expectations
@@ -57,6 +58,66 @@ class Commands(unittest.TestCase):
         self.says(3, "line 3, column 7", "run", "-", text='{\n "a": 1,\n "b": }\n')
         # Columns are characters, not bytes.
         self.says(3, "line 1, column 9", "validate", "-", text='{"ä€𝄞": }')
+
+    def test_what_other_notations_allow_is_named(self):
+        for text, words in (('{"a": 1,}', "a comma before }"), ('{"a": [1, 2,]}', "a comma before ]"), ('{"a": NaN}', "NaN is no JSON number"),
+                            ('{"a": -inf}', "infinity is no JSON number"), ("{'a': 1}", "double quotes"), ('{a: 1}', 'in double quotes: "a"'),
+                            ('{"a": 1 // one\n}', "no comments"), ('{"a": 1, # one\n}', "no comments"), ('{"a": True}', "JSON writes true"),
+                            ('{"a": .5}', "a digit before its point"), ('{"a": +1}', "no plus sign")):
+            self.says(3, [words, "line 1, column"], "validate", "-", text=text)
+        self.says(3, "neither true", "validate", "-", text='{"a": tru}')  # control: nobody's notation
+
+    def test_times_with_units(self):
+        for word, seconds in (("0.5", 0.5), ("250ms", 0.25), ("0.5s", 0.5), ("0.01m", 0.6)):
+            done = self.run_truestep("run", "-", "--seconds", word, "--json", scene=FALLING)
+            self.assertAlmostEqual(json.loads(done.stdout)["time"], seconds, msg=word)
+        self.says(2, ["5x is no time", "5m"], "run", "-", "--seconds", "5x", scene=FALLING)
+        self.says(2, ["not in range"], "run", "-", "--seconds", "-1s", scene=FALLING)
+
+    def test_a_picture_is_a_png(self):
+        self.says(2, ["p.jpg", ".png"], "run", "-", "--picture", "p.jpg", scene=FALLING)
+        self.assertFalse((self.folder / "p.jpg").exists())
+
+    def test_a_picture_of_an_unstable_run_says_its_time(self):
+        stiff = {"time": {"dt": 0.05, "duration": 10}, "systems": [
+            {"type": "mass_spring", "id": "m", "rope": {"from": [0, 0, 0], "to": [1, 0, 0], "links": 5}, "mass": 0.001,
+             "stiffness": 1e6, "pinned": ["first"], "integrator": "euler"}]}
+        self.says(4, ["unstable", "the last picture shows t = "], "render", "-", "-o", "p.png", "--at", "9", scene=stiff)
+        self.assertTrue((self.folder / "p.png").exists())
+        self.says(0, [], "render", "-", "-o", "q.png", "--at", "0.5", scene=FALLING)  # control: nothing to say
+
+    def test_without_a_command_there_are_examples(self):
+        done = self.run_truestep()
+        self.assertEqual(done.returncode, 0)
+        examples = [line.split("  ")[1] for line in done.stdout.splitlines() if line.startswith("  truestep ")]
+        self.assertEqual(len(examples), 3)
+        self.assertEqual(self.run_truestep(*examples[0].split()[1:]).returncode, 0, examples[0])
+
+    def test_systems_answers_for_couplings_documents_and_commands(self):
+        for word in ("contact", "scene", "viewer", "push", "commands", "couplings"):
+            done = self.run_truestep("systems", word)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertGreater(len(done.stdout.splitlines()), 4, word)
+        rigid, whole = (self.run_truestep("systems", "rigid3d", *more).stdout.splitlines() for more in ((), ("--all",)))
+        self.assertLess(len(rigid), 120, "two screens of sixty lines")
+        self.assertGreater(len(whole), 4 * len(rigid))
+        self.assertIn("did you mean", self.run_truestep("systems", "cloth").stderr)
+        self.assertIn("did you mean --seconds?", self.run_truestep("run", "robertson", "--second", "3").stderr)
+        refused = self.run_truestep("validate", "-", scene={"systems": [{"type": "particles", "id": "p", "positions": [[0, 0, 0]],
+                                                                          "integrator": "runge_kutta4"}]})
+        self.assertIn('did you mean "rk4"?', refused.stderr + refused.stdout)
+
+    def test_every_system_and_coupling_has_a_scene_that_runs(self):
+        listed = self.run_truestep("systems").stdout.split("\ncommands\n")[0].splitlines()
+        types = [line.split("\t")[0] for line in listed if "\t" in line]
+        types = [name for name in types if name not in ("scene", "viewer")]
+        self.assertEqual(len(types), 31)
+        for name in types:
+            scene = self.run_truestep("systems", name, "--example")
+            self.assertEqual(scene.returncode, 0, name)
+            self.assertIn(f'"type": "{name}"', scene.stdout)
+            done = self.run_truestep("run", "-", "--steps", "10", "--progress", "none", text=scene.stdout)
+            self.assertEqual((done.returncode, done.stderr), (0, ""), name)
 
     def test_all_faults_of_a_scene_at_once(self):
         scene = {"gravty": 1, "accuracy": {"tolerance": 1e-3, "system": "b"},

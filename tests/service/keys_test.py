@@ -1,12 +1,13 @@
 """Keys own what was made with them; who guesses waits; a file of keys that changes counts at once."""
 import os
 import pathlib
+import subprocess
 import tempfile
 import time
 import unittest
 
 from cases import OSCILLATOR
-from harness import Service, Socket
+from harness import BINARY, Service, Socket
 from patience import patience
 
 STUDY = {"kind": "convergence", "scene": {**OSCILLATOR, "time": {"dt": 0.05, "duration": 1}}}
@@ -16,7 +17,7 @@ def bearer(key):
     return {"Authorization": "Bearer " + key}
 
 
-ALICE, BOB, ROOT, WRONG = (bearer(k) for k in ("alice-key", "bob-key", "root-key", "no-key"))
+ALICE, BOB, ROOT, WRONG = (bearer(k) for k in ("alice-key-of-many-letters", "bob-key-of-many-letters", "root-key-of-many-letters", "no-key-of-anybody-here"))
 
 
 class Keyed(unittest.TestCase):
@@ -24,7 +25,7 @@ class Keyed(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.file = pathlib.Path(folder.name) / "keys"
-        self.file.write_text("alice alice-key\nbob bob-key  # a comment\nroot root-key admin\n")
+        self.file.write_text("alice alice-key-of-many-letters\nbob bob-key-of-many-letters  # a comment\nroot root-key-of-many-letters admin\n")
         self.service = Service("--api-key-file", str(self.file))
         self.addCleanup(self.service.stop)
 
@@ -51,7 +52,7 @@ class Ownership(Keyed):
             target = path.format(id=(study if kind == "operation" else session)["id"], **names)
             for method in sorted(methods, key=lambda m: m == "delete"):
                 if path.endswith("/stream"):
-                    socket = Socket(self.service, target, headers=["Authorization: Bearer bob-key"])
+                    socket = Socket(self.service, target, headers=["Authorization: Bearer bob-key-of-many-letters"])
                     self.assertEqual(socket.status, 404, path)
                     socket.close()
                     continue
@@ -122,27 +123,41 @@ class Changing(Keyed):
         os.replace(new, self.file)
 
     def test_keys_come_and_go_without_a_restart(self):
-        stream = Socket(self.service, self.create(BOB)["links"]["stream"], "truestep.v1.json", ["Authorization: Bearer bob-key"])
+        stream = Socket(self.service, self.create(BOB)["links"]["stream"], "truestep.v1.json", ["Authorization: Bearer bob-key-of-many-letters"])
         stream.message("hello")
         session = self.create(ALICE)
-        self.replace("alice alice-new\ncarol carol-key\n")
-        self.wait_for(bearer("carol-key"), 200)
+        self.replace("alice alice-new-of-many-letters\ncarol carol-key-of-many-letters\n")
+        self.wait_for(bearer("carol-key-of-many-letters"), 200)
         self.assertEqual(self.call("GET", "/v1/systems", BOB).status, 401)
         # What belongs to a name stays with its new key; a stream of a key that is gone ends.
-        self.assertEqual(self.call("GET", session["links"]["self"], bearer("alice-new")).status, 200)
+        self.assertEqual(self.call("GET", session["links"]["self"], bearer("alice-new-of-many-letters")).status, 200)
         with self.assertRaisesRegex(ConnectionError, "1008"):
             while True:
                 stream.message("frame")
 
     def test_a_file_that_cannot_be_used_changes_nothing(self):
         self.wait_for(ALICE, 200)
-        for text in ("# nobody\n", "alice alice-key king\n"):
+        for text in ("# nobody\n", "alice alice-key-of-many-letters king\n", "alice a\n", "bob sha256:abc\n", "bob bob-key-of-many-lett"):
             self.replace(text)
             time.sleep(1.5)
             self.assertEqual(self.call("GET", "/v1/systems", ALICE).status, 200, text)
         self.file.unlink()
         time.sleep(1.5)
         self.assertEqual(self.call("GET", "/v1/systems", ALICE).status, 200)
+
+    def test_a_fifo_in_place_of_the_file_stops_nothing(self):
+        self.wait_for(ALICE, 200)
+        self.file.unlink()
+        os.mkfifo(self.file)
+        time.sleep(1.5)
+        for _ in range(5):
+            self.assertEqual(self.call("GET", "/v1/systems", ALICE).status, 200)
+        self.assertEqual(self.service.stop(), 0)
+        # A start with it is refused, not waited for.
+        refused = subprocess.run([BINARY, "serve", "--port", "0", "--api-key-file", str(self.file)], capture_output=True, text=True,
+                                 timeout=patience(20))
+        self.assertEqual(refused.returncode, 2, refused.stderr)
+        self.assertIn("not a regular file", refused.stderr)
 
 
 class Insecure(unittest.TestCase):

@@ -22,12 +22,13 @@ TEST_F(NetServer, ForeignHostsAndOriginsAreRefused) {
 }
 
 TEST_F(NetServer, KeysAreAskedForWhenConfigured) {
-  std::ofstream(file_) << "# keys\nalice secret-a\nbob sha256:" << sha256_hex("secret-b") << "\n";
+  std::ofstream(file_) << "# keys\nalice alice-secret-for-tests\nbob sha256:" << sha256_hex("secret-b")
+                       << "\n";
   start({.api_key_file = file_.string()});
   EXPECT_EQ(status(get("/ok")), 200) << "an open route";
   EXPECT_EQ(status(get("/who")), 401);
   EXPECT_EQ(status(get("/who", "Authorization: Bearer wrong\r\n")), 401);
-  EXPECT_EQ(body(get("/who", "Authorization: Bearer secret-a\r\n")), "alice");
+  EXPECT_EQ(body(get("/who", "Authorization: Bearer alice-secret-for-tests\r\n")), "alice");
   EXPECT_EQ(body(get("/who", "Authorization: bearer secret-b\r\n")), "bob");
   EXPECT_EQ(status(get("/nothing")), 401) << "which paths exist is not told to strangers";
 }

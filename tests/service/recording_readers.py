@@ -26,19 +26,39 @@ def value(frame, system, field, count):
     return ((frame * 131 + system * 17 + field * 5 + np.arange(count)) % 65521) * 0.25
 
 
-def vtk_blocks(path):
-    """Opens with VTK and yields (time, [(points, {array: values}, verts, lines, polys)]) per step."""
+def opened(path):
+    """A reader that knows the file, and the times of its frames."""
     reader = vtk.vtkHDFReader()
     assert reader.CanReadFile(str(path)), "VTK cannot read the file"
     reader.SetFileName(str(path))
     reader.UpdateInformation()
-    times = reader.GetOutputInformation(0).Get(vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS())
+    return reader, reader.GetOutputInformation(0).Get(vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS()) or [0.0]
+
+
+def parts_of(reader, frames):
+    """The parts of the step that the reader stands at, without the empty block `Steps` that is last in a collection of several frames."""
+    reader.Update()
+    out = reader.GetOutputDataObject(0)
+    if not out.IsA("vtkPartitionedDataSetCollection"):
+        return [out]
+    count = out.GetNumberOfPartitionedDataSets()
+    for k in range(count):
+        assert out.GetNumberOfPartitions(k) == 1, f"block {k} has {out.GetNumberOfPartitions(k)} partitions"
+    parts = [out.GetPartition(k, 0) for k in range(count)]
+    if frames > 1:
+        assert parts.pop().GetNumberOfPoints() == 0, "the last block is not empty"
+        for part in parts:
+            assert part.GetFieldData().GetArray("Time"), "a block has no time"
+    return parts
+
+
+def vtk_blocks(path):
+    """Opens with VTK and yields (time, [(points, {array: values}, verts, lines, polys)]) per step, the first as it is after the information."""
+    reader, times = opened(path)
     for step, t in enumerate(times):
-        reader.SetStep(step)
-        reader.Update()
-        out = reader.GetOutputDataObject(0)
-        composite = out.IsA("vtkPartitionedDataSetCollection")
-        parts = [out.GetPartition(k, 0) for k in range(out.GetNumberOfPartitionedDataSets())] if composite else [out]
+        if step > 0:
+            reader.SetStep(step)
+        parts = parts_of(reader, len(times))
         yield t, [(points_of(p), arrays_of(p), p.GetNumberOfVerts(), p.GetNumberOfLines(), p.GetNumberOfPolys()) for p in parts]
 
 
@@ -78,7 +98,7 @@ def compare(path, systems):
 
 
 def record(loop, folder, points, frames, kind=BOTH):
-    path = Path(folder) / f"{kind}{points}.vtkhdf"
+    path = Path(folder) / f"{kind}{points}x{frames}.vtkhdf"
     subprocess.run([loop, path, str(points), str(frames), kind], check=True, stdout=subprocess.DEVNULL)
     return path
 
@@ -109,31 +129,30 @@ def image_of(data):
 
 def case_grids(loop, folder):
     """Images: in the VTKHDF group without a copy, and exported; every number, and where it lies."""
-    path = record(loop, folder, 40, 7, "grids")
+    for frames in (7, 1):
+        images(record(loop, folder, 40, frames, "grids"), folder, frames)
+
+
+def images(path, folder, frames):
     places = {"plate": ((1, 2, 0), (0.5, 0.25, 1), False), "block": ((-0.5, -1, -1.5), (1, 2, 3), True),
               "rod": ((1, 2, 3), (0.5, 1, 1), False)}
     subprocess.run([READ, path, "export", "vti", Path(folder) / "out"], check=True, stdout=subprocess.DEVNULL)
     with h5py.File(path, "r") as f:
         assert f["VTKHDF/plate/PointData/value"].is_virtual, "no data is copied"
         assert list(f["grids/plate"].attrs["counts"]) == [40, 3, 1] and f["grids/block"].attrs["centring"] == b"cells"
-        reader = vtk.vtkHDFReader()
-        reader.SetFileName(str(path))
-        reader.UpdateInformation()
-        times = reader.GetOutputInformation(0).Get(vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS())
-        assert list(times) == list(f["clock/time"][:])
-        # The first step of several images comes out empty when VTK 9.7 is asked for it first of all.
-        reader.SetStep(1)
-        reader.Update()
-        for step in range(len(times)):
-            reader.SetStep(step)
-            reader.Update()
-            out = reader.GetOutputDataObject(0)
-            assert out.GetNumberOfPartitionedDataSets() == 3
+        reader, times = opened(path)
+        assert len(times) == frames and list(times) == list(f["clock/time"][:])
+        # The step 0 before others and after them.
+        for step in [*range(frames), 0]:
+            if reader.GetStep() != step:
+                reader.SetStep(step)
+            parts = parts_of(reader, frames)
+            assert len(parts) == 3
             for k, name in enumerate(places):
                 exported = vtk.vtkXMLImageDataReader()
                 exported.SetFileName(str(Path(folder) / f"out.{name}.{step:06}.vti"))
                 exported.Update()
-                for image in (out.GetPartition(k, 0), exported.GetOutput()):
+                for image in (parts[k], exported.GetOutput()):
                     origin, spacing, cells, arrays = image_of(image)
                     assert (origin, spacing, cells) == places[name], (name, origin, spacing, cells)
                     for field in ("value", "flux"):

@@ -15,7 +15,7 @@ import tempfile
 import threading
 import time
 
-from harness import Service
+from harness import Service, Socket
 from patience import patience
 
 
@@ -56,7 +56,7 @@ class Course:
     def __init__(self, number, service, twin_service):
         self.number, self.rng = number, random.Random(SEED * 1000 + number)
         scene = dict((ROPE, PILE)[number % 2], name="session %d" % number)
-        self.recording, self.playing = number % 4 == 1, number % 5 == 2
+        self.recording, self.playing, self.watching = number % 4 == 1, number % 5 == 2, number % 10 == 7
         if self.recording:
             scene["recording"] = {}
         self.twin_service = twin_service
@@ -74,9 +74,24 @@ class Course:
         impulse = [self.rng.uniform(-0.01, 0.01), self.rng.uniform(-0.01, 0.01), 0]
         return {"type": "impulse", "system": "body", "index": self.rng.randrange(1, 12), "impulse": impulse}
 
+    def frame(self, service):
+        """The step of the next frame of a stream."""
+        try:
+            if self.stream is None:
+                self.stream = Socket(service, self.path + "/stream", "truestep.v1.json")
+            self.stream.socket.settimeout(0.2)
+            return max(self.step, int(self.stream.message("frame").get("step", 0)))
+        except TimeoutError:
+            # It may have cut a message in two.
+            self.stream.close()
+            self.stream = None
+            return self.step
+        except (OSError, ValueError, IndexError) as e:
+            raise Killed from e
+
     def work(self, service):
         """Until the server dies."""
-        client = Client(service)
+        client, self.stream = Client(service), None
         try:
             while True:
                 dice = self.rng.random()
@@ -91,10 +106,14 @@ class Course:
                 elif self.playing and dice < 0.3:
                     status, answer = client.ask("POST", self.path + "/play", {"speed": 3})
                     assert status == 200, (status, answer)
+                    self.step = answer["step"]
+                elif self.playing and self.watching:
+                    self.step = self.frame(service)
                 elif self.playing:
                     time.sleep(0.01)
                     status, answer = client.ask("GET", self.path)
                     assert status == 200, (status, answer)
+                    self.step = answer["step"]
                 elif dice < 0.25 and not self.recording:
                     status, answer = client.ask("GET", self.path)
                     first = answer["first_step"]

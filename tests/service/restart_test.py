@@ -280,12 +280,12 @@ class Owners(Restarted):
         folder = tempfile.mkdtemp(prefix="truestep")
         self.addCleanup(shutil.rmtree, folder)
         keys = pathlib.Path(folder) / "keys"
-        keys.write_text("alice aaaaaaaaaaaaaaaa\nbob bbbbbbbbbbbbbbbb\nroot cccccccccccccccc admin\n")
+        keys.write_text("alice %s\nbob %s\nroot %s admin\n" % ("a" * 20, "b" * 20, "c" * 20))
         self.options = ("--api-key-file", str(keys))
         super().setUp()
 
     def ask(self, who, method, path, body=None):
-        return self.service.request(method, path, body, {"Authorization": "Bearer " + {"alice": "a", "bob": "b", "root": "c"}[who] * 16})
+        return self.service.request(method, path, body, {"Authorization": "Bearer " + {"alice": "a", "bob": "b", "root": "c"}[who] * 20})
 
     def test_what_a_key_made_is_its_own_after_a_restart(self):
         s = self.ask("alice", "POST", "/v1/sessions", {**ROPE, "recording": {}}).json()

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "engine/base/text/other_words.h"
+
 namespace truestep {
 
 namespace {
@@ -29,6 +31,9 @@ size_t edit_distance(std::string_view a, std::string_view b) {
 
 std::string nearest_name(std::string_view name, std::span<const std::string> names) {
   if (name.size() > 64) return "";
+  for (const std::string_view said : names_for(name)) {
+    if (const auto it = std::find(names.begin(), names.end(), said); it != names.end()) return *it;
+  }
   std::string best;
   size_t best_distance = SIZE_MAX;
   for (const std::string& n : names) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "engine/base/text/encoding.h"
 #include "engine/geometry/read/text_lines.h"
 #include "engine/math/trig.h"
 
@@ -19,7 +20,10 @@ constexpr const char* kChannelNames[] = {"Xposition", "Yposition", "Zposition",
 
 class BvhReader {
  public:
-  explicit BvhReader(std::span<const std::string> lines) : lines_(lines) { skip(); }
+  explicit BvhReader(std::span<const std::string> lines) : lines_(lines) {
+    if (!lines.empty()) at_ = lines[0].size() - without_byte_order_mark(lines[0]).size();
+    skip();
+  }
 
   BvhMotion read() {
     expect("HIERARCHY");
@@ -28,7 +32,7 @@ class BvhReader {
     if (!done() && same_word(peek(), "ROOT"))
       fail("there is a second ROOT; only one skeleton per file is read");
     expect("MOTION");
-    expect("Frames:");
+    label("Frames");
     const double frames = number("the number of frames");
     if (frames != std::floor(frames) || frames < 1)
       fail_before("the number of frames must be a whole number above 0");
@@ -37,7 +41,7 @@ class BvhReader {
     }
     m_.frames = static_cast<size_t>(frames);
     expect("Frame");
-    expect("Time:");
+    label("Time");
     m_.frame_time = number("the frame time");
     if (!(m_.frame_time > 0)) fail_before("the frame time is not above 0");
     // Announced data is not allocated before it is there.
@@ -105,6 +109,18 @@ class BvhReader {
     }
     take();
   }
+  /// A word and its colon, which the number may touch.
+  void label(std::string_view word) {
+    const std::string whole = std::string(word) + ":";
+    if (done()) fail("the file ends where " + whole + " should be");
+    const std::string_view w = peek();
+    if (!same_word(w.substr(0, word.size()), word)) fail(quoted(w) + " instead of " + whole);
+    last_line_ = line_, at_ += word.size();
+    skip();
+    if (done() || lines_[line_][at_] != ':') fail_before(quoted(w) + " instead of " + whole);
+    ++at_;
+    skip();
+  }
   double number(const char* what) {
     if (done()) fail(std::string("the file ends where ") + what + " should be");
     std::string_view word = peek();
@@ -129,6 +145,7 @@ class BvhReader {
     const auto me = static_cast<int32_t>(m_.joints.size());
     BvhJoint j;
     j.name = take_line(), j.parent = parent;
+    if (j.name.empty()) j.name = "joint" + std::to_string(me);
     m_.joints.push_back(std::move(j));
     expect("{");
     bool offset = false, channels = false;
@@ -155,14 +172,31 @@ class BvhReader {
       } else if (same_word(word, "End")) {
         take();
         expect("Site");
-        expect("{");
-        expect("OFFSET");
-        joint_now.end = vector();
-        expect("}");
+        if (joint_now.end) fail_before("there is a second End Site");
+        joint_now.end = end_site();
       } else {
         fail("\"" + std::string(word.substr(0, 40)) + "\" instead of OFFSET, CHANNELS, JOINT, End Site or }");
       }
     }
+  }
+  /// What is between its braces: an offset, and no channels.
+  Vec3 end_site() {
+    if (!done()) take_line();  // a name that some give it
+    expect("{");
+    std::optional<Vec3> offset;
+    while (done() || !same_word(peek(), "}")) {
+      if (!done() && same_word(peek(), "CHANNELS")) {
+        take();
+        if (number("the number of channels") != 0) fail_before("an End Site has no channels");
+        continue;
+      }
+      expect("OFFSET");
+      if (offset) fail_before("there is a second OFFSET");
+      offset = vector();
+    }
+    if (!offset) fail("the End Site has no OFFSET");
+    take();
+    return *offset;
   }
   void read_channels(BvhJoint& j) {
     const double count = number("the number of channels");

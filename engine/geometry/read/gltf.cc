@@ -4,7 +4,9 @@
 #include <optional>
 #include <utility>
 
+#include "engine/base/text/encoding.h"
 #include "engine/geometry/read/gltf/buffers.h"
+#include "engine/geometry/read/gltf/extensions.h"
 #include "engine/geometry/read/gltf/mesh.h"
 #include "engine/geometry/read/gltf/nodes.h"
 
@@ -21,7 +23,7 @@ GltfSkin read_skin(const Value& v, const Buffers& buffers, size_t nodes) {
     skin.joints.push_back(static_cast<uint32_t>(joints[k].index(nodes, "node")));
   if (skin.joints.empty()) fail(joints.where(), "a skin needs joints");
   if (v.member("inverseBindMatrices").there()) {
-    const std::vector<double> all = buffers.numbers(v.member("inverseBindMatrices"), 16, false);
+    const std::vector<double> all = buffers.numbers(v.member("inverseBindMatrices"), 16);
     if (all.size() < 16 * skin.joints.size())
       fail(v.where() + "/inverseBindMatrices", "must have as many as there are joints");
     skin.binds.resize(skin.joints.size());
@@ -53,14 +55,18 @@ GltfAnimation read_animation(const Value& v, const Buffers& buffers, size_t node
       continue;  // belongs to an extension
     }
     const Value sampler = samplers[channels[k].member("sampler").index(samplers.size(), "sampler")];
-    c.times = buffers.numbers(sampler.member("input"), 1, false);
+    c.times = buffers.numbers(sampler.member("input"), 1);
+    if (c.times.front() < 0) fail(sampler.where() + "/input", "times must not be negative");
     for (size_t i = 0; i < c.times.size(); ++i) {
       if (i > 0 && !(c.times[i] > c.times[i - 1])) fail(sampler.where() + "/input", "times must ascend");
     }
     const std::string between = sampler.member("interpolation").text_or("LINEAR");
     using B = GltfChannel::Between;
+    if (between != "LINEAR" && between != "STEP" && between != "CUBICSPLINE") {
+      fail(sampler.where() + "/interpolation", "\"" + between + "\" is none of LINEAR, STEP and CUBICSPLINE");
+    }
     c.between = between == "STEP" ? B::step : between == "CUBICSPLINE" ? B::cubic : B::linear;
-    c.values = buffers.numbers(sampler.member("output"), c.width == 1 ? 1 : c.width, true);
+    c.values = buffers.numbers(sampler.member("output"), c.width == 1 ? 1 : c.width);
     const size_t keys = c.times.size() * (c.between == B::cubic ? 3 : 1);
     if (c.path == P::weights) {
       if (c.values.size() % keys != 0)
@@ -74,35 +80,60 @@ GltfAnimation read_animation(const Value& v, const Buffers& buffers, size_t node
   return animation;
 }
 
-void check_skin_of(const GltfModel& model, size_t k) {
+void check_skin_of(GltfModel& model, size_t k) {
   const GltfNode& node = model.nodes[k];
   if (node.mesh < 0 || node.skin < 0) return;
-  const size_t count = model.skins[static_cast<size_t>(node.skin)].joints.size();
+  GltfSkin& skin = model.skins[static_cast<size_t>(node.skin)];
+  if (!skin.fault.empty()) return;
   for (const auto& joints : model.meshes[static_cast<size_t>(node.mesh)].joints) {
     for (const uint32_t j : joints) {
-      if (j >= count)
-        fail("/nodes/" + std::to_string(k),
-             "a vertex follows joint " + std::to_string(j) + " of " + std::to_string(count));
+      if (j < skin.joints.size()) continue;
+      skin.fault = "/nodes/" + std::to_string(k) + ": a vertex follows joint " + std::to_string(j) + " of " +
+                   std::to_string(skin.joints.size());
+      return;
     }
   }
+}
+
+/// Without a fault: a name that is no text is none.
+std::string name_of(const Value& v) {
+  try {
+    return v.member("name").text_or("");
+  } catch (const GltfFault&) {
+    return "";
+  }
+}
+
+/// All elements of an array; where one cannot be read, one with its fault.
+template <class T>
+std::vector<T> read_all(const Value& array, auto read) {
+  std::vector<T> out;
+  for (size_t k = 0; k < array.size(); ++k) {
+    try {
+      out.push_back(read(array[k]));
+    } catch (const GltfFault& f) {
+      out.emplace_back().fault = f.what();
+      if constexpr (requires { out.back().name; }) out.back().name = name_of(array[k]);
+    }
+  }
+  return out;
 }
 
 GltfModel read_model(const Value& document, std::span<const std::byte> binary) {
   if (!document.member("asset").member("version").text_or("").starts_with("2.")) {
     fail("/asset/version", "must be 2.x");
   }
+  check_extensions(document);
   GltfModel model;
   const Buffers buffers(document, binary);
   model.nodes = read_nodes(document);
   const size_t nodes = model.nodes.size();
-  const Value meshes = document.member("meshes");
-  for (size_t k = 0; k < meshes.size(); ++k) model.meshes.push_back(read_mesh(meshes[k], buffers));
-  const Value skins = document.member("skins");
-  for (size_t k = 0; k < skins.size(); ++k) model.skins.push_back(read_skin(skins[k], buffers, nodes));
-  const Value animations = document.member("animations");
-  for (size_t k = 0; k < animations.size(); ++k) {
-    model.animations.push_back(read_animation(animations[k], buffers, nodes));
-  }
+  model.meshes =
+      read_all<GltfMesh>(document.member("meshes"), [&](const Value& v) { return read_mesh(v, buffers); });
+  model.skins = read_all<GltfSkin>(document.member("skins"),
+                                   [&](const Value& v) { return read_skin(v, buffers, nodes); });
+  model.animations = read_all<GltfAnimation>(
+      document.member("animations"), [&](const Value& v) { return read_animation(v, buffers, nodes); });
   for (size_t k = 0; k < nodes; ++k) {
     const Value n = document.member("nodes")[k];
     if (n.member("mesh").there())
@@ -142,13 +173,17 @@ GltfModel read_document(std::string_view text, std::span<const std::byte> binary
 
 GltfModel read_gltf(std::span<const std::byte> bytes) {
   if (bytes.size() < 12 || little32(bytes, 0) != kGlb) {
-    return read_document({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, {}, 0);
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const std::string_view plain = without_byte_order_mark(text);
+    return read_document(plain, {}, text.size() - plain.size());
   }
   if (little32(bytes, 4) != 2) throw GltfFault("byte 4: the version of the container must be 2");
-  if (little32(bytes, 8) != bytes.size()) {
+  if (little32(bytes, 8) > bytes.size() || little32(bytes, 8) < 12) {
     throw GltfFault("byte 8: the file declares " + std::to_string(little32(bytes, 8)) + " bytes but has " +
                     std::to_string(bytes.size()));
   }
+  // What follows the declared length is no part of the container.
+  bytes = bytes.first(little32(bytes, 8));
   std::optional<std::span<const std::byte>> text;
   std::span<const std::byte> binary;
   size_t text_at = 0;
@@ -165,12 +200,15 @@ GltfModel read_gltf(std::span<const std::byte> bytes) {
     at += 8 + length;
   }
   if (!text) throw GltfFault("byte 12: there is no JSON chunk");
-  return read_document({reinterpret_cast<const char*>(text->data()), text->size()}, binary, text_at);
+  const std::string_view chunk(reinterpret_cast<const char*>(text->data()), text->size());
+  const std::string_view plain = without_byte_order_mark(chunk);
+  return read_document(plain, binary, text_at + chunk.size() - plain.size());
 }
 
 GltfModel read_gltf(std::span<const std::string> lines) {
   std::string all;
   for (const std::string& line : lines) all += line;
+  all = without_byte_order_mark(all);
   const size_t first = all.find_first_not_of(" \t\r\n");
   if (first == std::string::npos) throw GltfFault("byte 0: the file is empty");
   if (all[first] == '{') return read_gltf(std::as_bytes(std::span(all)));

@@ -1,7 +1,9 @@
 // glTF 2.0 (Khronos 2017, ISO/IEC 12113): nodes with their poses, meshes with skin weights and morph targets,
 // skins and animations, from a .glb (a container with a JSON chunk and a binary one) or a .gltf whose buffers
-// are data URIs. Not read: materials, cameras, sparse accessors, compressed meshes, external files. Faults
-// name the byte, or the JSON pointer into the file's document.
+// are data URIs. Extensions that only say how surfaces look are passed over; a file that requires any other
+// but KHR_mesh_quantization is refused. Not read: materials, cameras, compressed meshes, external files.
+// Faults name the byte, or the JSON pointer into the file's document; what is wrong with something that
+// nothing uses is no fault of the file: it is kept beside it.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -24,7 +26,8 @@ struct GltfNode {
   std::string name;
   int32_t parent = -1, mesh = -1, skin = -1;
   Pose local;
-  double scale = 1;  ///< uniform
+  double scale = 1;   ///< uniform
+  std::string fault;  ///< why its pose and scale cannot be used, with the place; empty: they can
 };
 
 struct GltfMesh {
@@ -35,11 +38,13 @@ struct GltfMesh {
   std::vector<std::array<double, 4>> weights;
   std::vector<std::vector<Vec3>> targets;  ///< offsets of the positions
   std::vector<std::string> target_names;   ///< empty, or one per target
+  std::string fault;                       ///< why it cannot be used, with the place; empty: it can
 };
 
 struct GltfSkin {
   std::vector<uint32_t> joints;               ///< nodes
   std::vector<std::array<double, 16>> binds;  ///< inverse bind matrices, columns; empty: identity
+  std::string fault;                          ///< why it cannot be used, with the place; empty: it can
 };
 
 struct GltfChannel {
@@ -53,6 +58,7 @@ struct GltfChannel {
 struct GltfAnimation {
   std::string name;
   std::vector<GltfChannel> channels;
+  std::string fault;  ///< why it cannot be used, with the place; empty: it can
 };
 
 struct GltfModel {
@@ -61,6 +67,11 @@ struct GltfModel {
   std::vector<GltfSkin> skins;
   std::vector<GltfAnimation> animations;
 };
+
+/// Throws the fault that was kept beside something that is now to be used, if there is one.
+inline void require_sound(const std::string& fault) {
+  if (!fault.empty()) throw GltfFault(fault);
+}
 
 /// Bytes of a .glb, or the text of a .gltf. Throws GltfFault.
 GltfModel read_gltf(std::span<const std::byte> bytes);

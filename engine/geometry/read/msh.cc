@@ -143,8 +143,18 @@ SurfaceFile surface_of(const CellFile& mesh) {
   }
   for (const Known& f : faces) {
     const auto p = [&](size_t a) { return kept[f.face[a]]; };
-    out.triangles.push_back({p(0), p(1), p(2)});
-    if (f.face[3] != f.face[2]) out.triangles.push_back({p(0), p(2), p(3)});
+    if (f.face[3] == f.face[2]) {
+      out.triangles.push_back({p(0), p(1), p(2)});
+      continue;
+    }
+    // The diagonal from the first corner, unless it runs outside of the quadrangle.
+    const auto half = [&](size_t a, size_t b, size_t c) {
+      const Vec3& x = out.vertices[p(a)];
+      return cross(out.vertices[p(b)] - x, out.vertices[p(c)] - x);
+    };
+    const size_t from = dot(half(0, 1, 2), half(0, 2, 3)) < 0 ? 1 : 0;
+    out.triangles.push_back({p(from), p(from + 1), p(from + 2)});
+    out.triangles.push_back({p(from), p(from + 2), p((from + 3) % 4)});
   }
   return out;
 }

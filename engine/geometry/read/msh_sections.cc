@@ -1,6 +1,7 @@
 #include "engine/geometry/read/msh_sections.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <limits>
 
 namespace truestep {
@@ -24,8 +25,14 @@ class MshReader {
   explicit MshReader(std::string_view text) : lines_(text) {}
 
   MshSections read() {
-    if (!lines_.next_filled() || lines_.word() != "$MeshFormat")
-      lines_.fail("an MSH file begins with $MeshFormat");
+    std::string_view begin = lines_.next_filled() ? lines_.word() : std::string_view{};
+    if (begin == "$NOD")
+      lines_.fail("version 1 is not supported: use 2.2 or 4.1 (Gmsh's Mesh.MshFileVersion)");
+    if (begin == "$Comments") {
+      skip_to("$EndComments");
+      begin = lines_.next_filled() ? lines_.word() : std::string_view{};
+    }
+    if (begin != "$MeshFormat") lines_.fail("an MSH file begins with $MeshFormat");
     format();
     bool nodes = false, elements = false;
     while (lines_.next_filled()) {
@@ -37,7 +44,7 @@ class MshReader {
         if (!old_) entities();
       } else if (section == "$PartitionedEntities") {
         lines_.fail("partitioned meshes are not read: save the whole one");
-      } else if (section == "$Nodes") {
+      } else if (section == "$Nodes" || (old_ && section == "$ParametricNodes")) {
         if (std::exchange(nodes, true)) lines_.fail("there is a second $Nodes");
         old_ ? old_nodes() : new_nodes();
         sort_tags();
@@ -115,7 +122,9 @@ class MshReader {
         for (int c = 0; c < (dimension == 0 ? 3 : 6); ++c) lines_.coordinate("a coordinate");
         const int64_t groups = lines_.integer("the number of groups", 0, kMostGroups);
         std::vector<MshSections::Group> in;
-        for (int64_t g = 0; g < groups; ++g) in.emplace_back(dimension, tag("the number of a group"));
+        // Negative where the group runs against the entity.
+        for (int64_t g = 0; g < groups; ++g)
+          in.emplace_back(dimension, std::abs(tag("the number of a group")));
         entity_groups_[{dimension, number}] = std::move(in);
       }
     }
@@ -129,6 +138,7 @@ class MshReader {
     out_.tags.emplace_back(number, static_cast<uint32_t>(out_.nodes.size()));
     out_.nodes.push_back(p);
   }
+  /// What follows the coordinates of parametric nodes is passed over.
   void old_nodes() {
     line("the number of nodes");
     const int64_t n = count("the number of nodes", static_cast<int64_t>(kMostFileVertices));
@@ -195,7 +205,7 @@ class MshReader {
       const int64_t type = lines_.integer("the type of an element", 0, 200);
       check_type(type);
       const int64_t tags = lines_.integer("the number of tags", 0, kMostGroups);
-      const int64_t group = tags > 0 ? tag("a tag") : 0;
+      const int64_t group = tags > 0 ? std::abs(tag("a tag")) : 0;
       for (int64_t t = 1; t < tags; ++t) tag("a tag");
       element(type, entity_of(msh_dimension(static_cast<uint8_t>(type)), group));
     }

@@ -1,8 +1,8 @@
 // Surfaces in the Wavefront OBJ format: lines `v x y z` with vertices and `f a b c ...` with faces of three
-// corners or more, each an index from 1, or from the end if negative, with those of texture and normal after
-// slashes, which are ignored. Faces with more corners are cut into a fan from their first one, which is
-// correct if they are convex. Groups, materials, lines and points are skipped; free-form curves and surfaces
-// are not read.
+// corners or more, each an index from 1, or from the end so far if negative, with those of texture and normal
+// after slashes, which are ignored. A line may continue on the next one after a backslash, and a face may
+// come before its vertices. Faces of more than three corners are cut as polygon.h says. Groups, materials,
+// lines, points and tags of subdivision are skipped; free-form curves and surfaces are not read.
 #pragma once
 #include <string_view>
 

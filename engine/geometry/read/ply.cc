@@ -1,9 +1,11 @@
 #include "engine/geometry/read/ply.h"
 
 #include <cmath>
+#include <span>
 
 #include "engine/geometry/read/byte_order.h"
 #include "engine/geometry/read/ply_header.h"
+#include "engine/geometry/read/polygon.h"
 
 namespace truestep {
 
@@ -26,6 +28,10 @@ class TextValues {
     for (double k = 0; k < count; ++k) next(type, what);
   }
   [[noreturn]] void fail(const std::string& message) const { lines_.fail(message); }
+  size_t place() const { return lines_.line(); }
+  [[noreturn]] void fail_at(size_t place, const std::string& message) const {
+    throw MeshFault(MeshFault::Unit::line, place, message);
+  }
 
  private:
   TextLines& lines_;
@@ -68,8 +74,10 @@ class BinaryValues {
     if (bytes_.size() - at_ < length) fail("the file ends in " + what);
     at_ += length;
   }
-  [[noreturn]] void fail(const std::string& message) const {
-    throw MeshFault(MeshFault::Unit::byte, last_ + 1, message);
+  [[noreturn]] void fail(const std::string& message) const { fail_at(place(), message); }
+  size_t place() const { return last_ + 1; }
+  [[noreturn]] void fail_at(size_t place, const std::string& message) const {
+    throw MeshFault(MeshFault::Unit::byte, place, message);
   }
 
  private:
@@ -93,15 +101,8 @@ class PlyReader {
         }
       }
     }
-    // Faces may come before vertices.
-    for (const auto& t : out_.triangles) {
-      for (const uint32_t p : t) {
-        if (p < out_.vertices.size()) continue;
-        values_.fail("a face has vertex " + std::to_string(p) + ", and the file has " +
-                     std::to_string(out_.vertices.size()));
-      }
-    }
     if (out_.vertices.empty()) values_.fail("the file has no vertices");
+    cut_faces();
     return std::move(out_);
   }
 
@@ -139,8 +140,11 @@ class PlyReader {
         continue;
       }
       const double n = length(property, name);
-      if (e.name == "face" && (name == "vertex_indices" || name == "vertex_index")) {
+      const bool indices = name == "vertex_indices" || name == "vertex_index";
+      if (e.name == "face" && indices) {
         face(property.type, n, which);
+      } else if (e.name == "tristrips" && indices) {
+        strips(property.type, n);
       } else {
         values_.skip(property.type, n, name);
       }
@@ -152,26 +156,69 @@ class PlyReader {
       values_.fail("face " + std::to_string(which) + " has " + std::to_string(static_cast<int64_t>(corners)) +
                    " corners: it must have 3 to 10000");
     }
-    std::array<uint32_t, 3> t{};
-    for (size_t k = 0; k < static_cast<size_t>(corners); ++k) {
-      const double p = values_.next(type, what);
-      if (!(p >= 0 && p < static_cast<double>(kMostFileVertices)) || p != std::floor(p))
-        values_.fail(what + " is not the index of a vertex");
-      if (k < 3) {
-        t[k] = static_cast<uint32_t>(p);
-      } else {
-        t = {t[0], t[2], static_cast<uint32_t>(p)};
+    faces_.push_back({corners_.size(), values_.place()});
+    for (size_t k = 0; k < static_cast<size_t>(corners); ++k)
+      corners_.push_back(static_cast<uint32_t>(index(type, 0, what)));
+    count_triangles(static_cast<size_t>(corners) - 2);
+  }
+  double index(PlyType type, double least, const std::string& what) {
+    const double p = values_.next(type, what);
+    if (!(p >= least && p < static_cast<double>(kMostFileVertices)) || p != std::floor(p))
+      values_.fail(what + " is not the index of a vertex");
+    return p;
+  }
+  void count_triangles(size_t more) {
+    triangles_ += more;
+    if (triangles_ > kMostFileTriangles)
+      values_.fail("more than " + std::to_string(kMostFileTriangles) + " triangles");
+  }
+  void strips(PlyType type, double length) {
+    std::array<uint32_t, 2> last{};
+    size_t along = 0;
+    for (double k = 0; k < length; ++k) {
+      const double p = index(type, -1, "a corner of a strip");
+      if (p < 0) {
+        along = 0;
+        continue;
       }
-      if (k < 2) continue;
-      if (out_.triangles.size() == kMostFileTriangles)
-        values_.fail("more than " + std::to_string(kMostFileTriangles) + " triangles");
-      out_.triangles.push_back(t);
+      const auto corner = static_cast<uint32_t>(p);
+      if (along >= 2) {
+        count_triangles(1);
+        faces_.push_back({corners_.size(), values_.place()});
+        // Every second triangle of a strip runs backwards.
+        const bool odd = along % 2 == 1;
+        for (const uint32_t c : {last[odd ? 1 : 0], last[odd ? 0 : 1], corner}) corners_.push_back(c);
+      }
+      last = {last[1], corner}, ++along;
+    }
+  }
+  /// Faces may come before vertices.
+  void cut_faces() {
+    PolygonCutter cutter;
+    out_.triangles.reserve(triangles_);
+    for (size_t f = 0; f < faces_.size(); ++f) {
+      const auto [first, place] = faces_[f];
+      const size_t end = f + 1 < faces_.size() ? faces_[f + 1].first : corners_.size();
+      const std::span<const uint32_t> face(&corners_[first], end - first);
+      for (const uint32_t p : face) {
+        if (p < out_.vertices.size()) continue;
+        values_.fail_at(place, "a face has vertex " + std::to_string(p) + ", and the file has " +
+                                   std::to_string(out_.vertices.size()));
+      }
+      const std::string why = cutter.cut(out_.vertices, face, out_.triangles);
+      if (!why.empty()) values_.fail_at(place, why);
     }
   }
 
+  struct Face {
+    size_t first, place;  ///< of its corners; of the file
+  };
   const PlyHeader& header_;
   Values values_;
   SurfaceFile out_;
+  std::vector<Face> faces_;
+  std::vector<uint32_t> corners_;
+  size_t triangles_ = 0;
 };
 
 }  // namespace

@@ -27,8 +27,11 @@ PlyType read_type(TextLines& lines) {
 }
 
 PlyFormat read_format(TextLines& lines) {
-  if (!lines.next_filled() || lines.word() != "format")
-    lines.fail("the second line must be \"format ascii 1.0\" or similar");
+  std::string_view key;
+  do {
+    key = lines.next_filled() ? lines.word() : std::string_view{};
+  } while (key == "comment" || key == "obj_info");
+  if (key != "format") lines.fail("the second line must be \"format ascii 1.0\" or similar");
   const std::string_view name = lines.word(), version = lines.word();
   if (version != "1.0") lines.fail("version " + quoted(version) + " is not supported: use 1.0");
   if (name == "ascii") return PlyFormat::ascii;

@@ -72,7 +72,13 @@ class TextReader {
   explicit TextReader(std::string_view text) : lines_(text) {}
 
   SurfaceFile read() {
-    while (lines_.next_filled()) solid();
+    lines_.next_filled();
+    while (same_word(lines_.peek(), "solid")) {
+      solid();
+      if (lines_.peek().empty()) lines_.next_filled();
+    }
+    // What some writers leave behind the end is no part of the surface; facets are.
+    if (same_word(lines_.peek(), "facet")) lines_.fail("a facet after the end of its solid");
     if (weld_.out.triangles.empty()) lines_.fail("the file ends without a facet");
     return std::move(weld_.out);
   }
@@ -88,14 +94,29 @@ class TextReader {
       lines_.fail("the file ends where a coordinate should be");
     return lines_.coordinate("a coordinate");
   }
+  /// "endfacet", or "end facet" as some write it.
+  void expect_end(std::string_view of) {
+    const std::string_view w = lines_.next_word();
+    if (w.empty()) lines_.fail("the file ends where end" + std::string(of) + " should be");
+    if (same_word(w, "end") && same_word(lines_.peek(), of)) {
+      lines_.word();
+    } else if (!same_word(w, "end" + std::string(of))) {
+      lines_.fail(quoted(w) + " instead of end" + std::string(of));
+    }
+  }
+  /// Up to its end, to the next solid or to the end of the file.
   void solid() {
     expect("solid");
-    if (!lines_.next_filled()) lines_.fail("the file ends without endsolid");
+    // The name is the rest of the line, unless all is on one.
+    while (!lines_.peek().empty() && !same_word(lines_.peek(), "facet")) lines_.word();
+    if (lines_.peek().empty()) lines_.next_filled();
     while (same_word(lines_.peek(), "facet")) {
       facet();
-      if (lines_.peek().empty() && !lines_.next_filled()) lines_.fail("the file ends without endsolid");
+      if (lines_.peek().empty()) lines_.next_filled();
     }
-    expect("endsolid");
+    if (lines_.peek().empty() || same_word(lines_.peek(), "solid")) return;
+    expect_end("solid");
+    lines_.next_filled();
   }
   void facet() {
     expect("facet");
@@ -115,8 +136,8 @@ class TextReader {
       const double x = number(), y = number(), z = number();
       corner = weld_.vertex({x, y, z});
     }
-    expect("endloop");
-    expect("endfacet");
+    expect_end("loop");
+    expect_end("facet");
     weld_.out.triangles.push_back(triangle);
   }
 
@@ -124,19 +145,31 @@ class TextReader {
   Welder weld_;
 };
 
+/// "solid", then a facet or an end: what a binary file's header may begin with is not followed by these.
+bool is_text(std::string_view bytes) {
+  TextLines lines(bytes);
+  if (!same_word(lines.next_word(), "solid")) return false;
+  constexpr int kMostWords = 100;  // of a name
+  for (int k = 0; k < kMostWords; ++k) {
+    const std::string_view w = lines.next_word();
+    if (w.empty()) return bytes.find('\0') == bytes.npos;
+    if (same_word(w, "facet") || same_word(w, "endsolid") || same_word(w, "end")) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 bool is_binary_stl(std::string_view bytes) {
   if (bytes.size() < kHead + kCount) return false;
   const size_t count = load_number<uint32_t>(bytes.data() + kHead, ByteOrder::little);
-  return bytes.size() == kHead + kCount + kTriangle * count;
+  const size_t length = kHead + kCount + kTriangle * count;
+  return count > 0 && bytes.size() >= length && bytes.size() - length < kTriangle;
 }
 
 SurfaceFile read_stl(std::string_view bytes) {
-  // Binary headers may start with "solid" too: the length decides.
-  if (is_binary_stl(bytes)) return read_binary(bytes);
-  if (same_word(TextLines(bytes).next_word(), "solid")) return TextReader(bytes).read();
-  return read_binary(bytes);
+  // Binary headers may start with "solid" too.
+  return is_text(bytes) && !is_binary_stl(bytes) ? TextReader(bytes).read() : read_binary(bytes);
 }
 
 }  // namespace truestep

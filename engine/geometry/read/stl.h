@@ -9,11 +9,11 @@
 
 namespace truestep {
 
-/// Binary if the length matches the count, text if it starts with "solid". Throws MeshFault with a line or a
-/// byte.
+/// Text if it starts with "solid" and has a facet or an end; binary otherwise, or if the length matches the
+/// count; bytes after the last triangle are ignored. Throws MeshFault with a line or a byte.
 SurfaceFile read_stl(std::string_view bytes);
 
-/// True if the length is that of a binary file.
+/// True if the length is that of a binary file, but for bytes behind it that are no triangle.
 bool is_binary_stl(std::string_view bytes);
 
 }  // namespace truestep

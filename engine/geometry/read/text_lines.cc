@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/base/text/encoding.h"
+
 namespace truestep {
 
 namespace {
@@ -21,6 +23,12 @@ std::string quoted(std::string_view word) {
 
 bool read_double(std::string_view word, double& out) {
   if (word.starts_with('+')) word.remove_prefix(1);
+  const size_t fortran = word.find_first_of("dD");
+  if (fortran != word.npos && word.size() < 40) {
+    std::string plain(word);
+    plain[fortran] = 'e';
+    return plain.find_first_of("dD") == plain.npos && read_double(plain, out);
+  }
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), out);
   if (error == std::errc::result_out_of_range && end == word.data() + word.size()) {
     // Too small to be distinguished from 0, or too large for a double.
@@ -40,6 +48,13 @@ bool same_word(std::string_view a, std::string_view b) {
   return true;
 }
 
+TextLines::TextLines(std::string_view text) : text_(without_byte_order_mark(text)) {
+  const size_t end = text_.find_first_of("\r\n");
+  const bool alone =
+      end != text_.npos && text_[end] == '\r' && end + 1 < text_.size() && text_[end + 1] != '\n';
+  if (alone) ending_ = '\r';
+}
+
 bool TextLines::next() {
   if (text_.empty()) {
     if (!std::exchange(ended_, true)) ++line_;
@@ -47,7 +62,7 @@ bool TextLines::next() {
     return false;
   }
   ++line_;
-  const size_t end = text_.find('\n');
+  const size_t end = text_.find(ending_);
   rest_ = text_.substr(0, end);
   text_.remove_prefix(end == std::string_view::npos ? text_.size() : end + 1);
   return true;

@@ -1,5 +1,6 @@
-// Words of a text line by line, for readers of mesh files; lines count from 1. Blanks are spaces, tabs and a
-// carriage return at a line's end.
+// Words of a text line by line, for readers of files; lines count from 1. A byte order mark is skipped;
+// blanks are spaces, tabs and a carriage return at a line's end. A text whose first line ends with a carriage
+// return alone, as on the Macintosh of old, has lines that end so.
 #pragma once
 #include <string>
 #include <string_view>
@@ -10,7 +11,7 @@ namespace truestep {
 
 class TextLines {
  public:
-  explicit TextLines(std::string_view text) : text_(text) {}
+  explicit TextLines(std::string_view text);
 
   /// Goes to the next line; false at the end of the text, when the line number is one past the last.
   bool next();
@@ -39,12 +40,13 @@ class TextLines {
  private:
   std::string_view text_, rest_;
   size_t line_ = 0;
+  char ending_ = '\n';
   bool ended_ = false;
 };
 
 /// A word for a message: quoted, cut to 40 characters, printable characters only.
 std::string quoted(std::string_view word);
-/// Parses a number; false when the text is not one.
+/// Parses a number, also with Fortran's D for the exponent; false when the text is not one.
 bool read_double(std::string_view word, double& out);
 /// ASCII comparison without case.
 bool same_word(std::string_view a, std::string_view b);

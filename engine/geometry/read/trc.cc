@@ -5,6 +5,9 @@
 #include <optional>
 #include <string_view>
 
+#include "engine/base/text/encoding.h"
+#include "engine/geometry/read/text_lines.h"
+
 namespace truestep {
 
 namespace {
@@ -46,10 +49,16 @@ double require(std::span<const std::string_view> fields, size_t k, size_t line, 
   return *x;
 }
 
+/// Not a number, as C, Python, Matlab and Visual C++ of old write it.
+bool is_nan(std::string_view s) {
+  if (s.starts_with('-') || s.starts_with('+')) s.remove_prefix(1);
+  return same_word(s.substr(0, 3), "nan") || s.starts_with("1.#");
+}
+
 double metres(std::string_view unit, size_t line) {
-  if (unit == "mm") return 0.001;
-  if (unit == "cm") return 0.01;
-  if (unit == "m") return 1;
+  if (same_word(unit, "mm")) return 0.001;
+  if (same_word(unit, "cm")) return 0.01;
+  if (same_word(unit, "m")) return 1;
   throw TrcFault(line, "the unit is \"" + std::string(unit) + "\", not mm, cm or m");
 }
 
@@ -57,7 +66,7 @@ double metres(std::string_view unit, size_t line) {
 
 MarkerTracks read_trc(std::span<const std::string> lines) {
   MarkerTracks out;
-  if (lines.empty() || !trimmed(lines[0]).starts_with("PathFileType")) {
+  if (lines.empty() || !trimmed(without_byte_order_mark(lines[0])).starts_with("PathFileType")) {
     throw TrcFault(1, "a TRC file begins with PathFileType");
   }
   if (lines.size() < 5) throw TrcFault(lines.size(), "the heading must have five lines");
@@ -72,12 +81,14 @@ MarkerTracks read_trc(std::span<const std::string> lines) {
   const double unit = metres(heading[4], 3);
   const auto count = static_cast<size_t>(markers);
   for (const std::string_view name : fields_of(lines[3])) {
-    if (!name.empty() && name != "Frame#" && name != "Time") out.names.emplace_back(name);
+    const bool column = same_word(name, "Frame#") || same_word(name, "Frame") || same_word(name, "Time");
+    if (!name.empty() && !(column && out.names.empty())) out.names.emplace_back(name);
   }
   if (out.names.size() != count) {
     throw TrcFault(4, "there are " + std::to_string(out.names.size()) + " names of " + std::to_string(count) +
                           " markers");
   }
+  std::optional<double> before;
   for (size_t l = 5; l < lines.size(); ++l) {
     if (trimmed(lines[l]).empty()) continue;
     const auto fields = fields_of(lines[l]);
@@ -88,13 +99,20 @@ MarkerTracks read_trc(std::span<const std::string> lines) {
                                 " of the heading");
     }
     ++out.frames;
+    const std::optional<double> time = fields.size() > 1 ? number(fields[1]) : std::nullopt;
+    // Half a frame: times are rounded.
+    if (time && before && !(std::abs((*time - *before) * out.rate - 1) < 0.5)) {
+      throw TrcFault(l + 1, "the time is " + std::string(fields[1]) + " s, and the frame before is not 1 / " +
+                                std::string(heading[0]) + " s earlier");
+    }
+    before = time;
     for (size_t m = 0; m < count; ++m) {
       double x[3] = {};
       int given = 0;
       for (size_t k = 0; k < 3; ++k) {
         const size_t f = 2 + 3 * m + k;
         const std::string_view text = f < fields.size() ? fields[f] : std::string_view();
-        if (text.empty()) continue;
+        if (text.empty() || is_nan(text)) continue;
         const auto value = number(text);
         if (!value || !std::isfinite(*value) || std::abs(*value) > 1e9) {
           throw TrcFault(l + 1, "\"" + std::string(text) + "\" is not a coordinate of " + out.names[m]);

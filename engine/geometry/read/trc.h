@@ -1,7 +1,7 @@
 // Positions of optical markers in the TRC format: five header lines (the third with rate, frames, markers and
 // unit, the fourth with the markers' names), then one line per frame: its number, its time and x, y, z of
-// every marker, separated by tabs. A hidden marker has empty fields, or three zeros as some cameras write
-// them. Anything else is a fault with its line.
+// every marker, separated by tabs. A hidden marker has empty fields, NaN, or three zeros as some cameras
+// write them. Times that are there have to advance at the rate. Anything else is a fault with its line.
 #pragma once
 #include <cstdint>
 #include <span>

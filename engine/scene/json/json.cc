@@ -20,8 +20,7 @@ class Reader : JsonTokens {
       : JsonTokens(text), max_depth_(limits.max_depth), max_values_(limits.max_values) {}
 
   json::value document() {
-    if (end_ - p_ >= 3 && std::memcmp(p_, "\xEF\xBB\xBF", 3) == 0)
-      fail("byte_order_mark", "the text starts with a byte order mark");
+    if (end_ - p_ >= 3 && std::memcmp(p_, "\xEF\xBB\xBF", 3) == 0) p_ += 3;
     json::value result(json::make_shared_resource<json::monotonic_resource>());
     skip_space();
     if (p_ == end_) fail("syntax", "the document is empty");

@@ -6,6 +6,7 @@
 #include "engine/base/errors.h"
 #include "engine/base/text/utf8.h"
 #include "engine/scene/json/json.h"
+#include "engine/scene/json/json_habits.h"
 
 namespace truestep {
 namespace {
@@ -43,7 +44,11 @@ void JsonTokens::fail_at(const char* where, const char* code, const std::string&
   Issue issue;
   issue.pointer = pointer;
   issue.code = code;
-  issue.message = what + " (" + place_of({begin_, offset}) + ", byte " + std::to_string(offset) + ")";
+  const std::string_view all(begin_, static_cast<size_t>(end_ - begin_));
+  std::string habit;
+  if (issue.code == "syntax") habit = foreign_notation(all.substr(0, offset), all.substr(offset));
+  issue.message = (habit.empty() ? what : habit) + " (" + place_of({begin_, offset}) + ", byte " +
+                  std::to_string(offset) + ")";
   std::string_view near(where, std::min<size_t>(20, static_cast<size_t>(end_ - where)));
   near = near.substr(0, std::min({near.size(), find_invalid_utf8(near), near.find_first_of("\r\n")}));
   issue.value = std::string(near);

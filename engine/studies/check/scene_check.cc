@@ -6,6 +6,7 @@
 #include "engine/base/errors.h"
 #include "engine/base/hash.h"
 #include "engine/scene/json/json_write.h"
+#include "engine/studies/check/refusals.h"
 #include "engine/studies/scene_variant.h"
 
 namespace truestep {
@@ -60,6 +61,20 @@ void apply(const SceneChange& change, Trial& trial) {
   }
 }
 
+/// The commands of a document, which it then no longer has.
+std::vector<TestCommand> take_commands(json::value& document) {
+  std::vector<TestCommand> out;
+  std::vector<Issue> issues;
+  json::object* o = document.if_object();
+  const json::value* test = o ? o->if_contains("test") : nullptr;
+  if (!test) return out;
+  for (const json::value& c : test->at("commands").as_array())
+    out.push_back(read_test_command(c, "/test/commands/" + std::to_string(out.size()), issues));
+  if (!issues.empty()) throw Error("scene_invalid", "a change makes a command that cannot be read", issues);
+  o->erase("test");
+  return out;
+}
+
 std::string joined(const std::string& a, const std::string& b) {
   return a.empty() || b.empty() ? a + b : a + ", " + b;
 }
@@ -81,10 +96,6 @@ std::optional<double> measured(const TrialResult& r, const std::string& quantity
     if (v.expected.quantity == quantity) return v.measured;
   }
   return std::nullopt;
-}
-
-std::string described(const Issue& i) {
-  return i.pointer + ": " + i.message;
 }
 
 }  // namespace
@@ -139,11 +150,11 @@ void SceneCheck::add_runs(const json::value& scene, size_t of_case, std::optiona
 void SceneCheck::add_run(const json::value& scene, Run run) {
   const TestCase& c = test_.cases[run.of_case];
   run.trial.document = scene;
-  run.trial.commands = test_.commands;
+  run.trial.plan = c.plan;
   run.trial.sleepers = test_.still.has_value();
   if (c.expect) run.trial.document.as_object()["expect"] = *c.expect;
   // What cannot be built measures nothing: that is no fault of its own.
-  if (c.refused && !c.expect && run.trial.document.is_object())
+  if (c.is_refused() && !c.expect && run.trial.document.is_object())
     run.trial.document.as_object().erase("expect");
   std::vector<SceneChange> changes = c.changes;
   run.label = c.name.empty() && test_.cases.size() > 1 ? "case " + std::to_string(run.of_case) : c.name;
@@ -157,7 +168,10 @@ void SceneCheck::add_run(const json::value& scene, Run run) {
     changes.insert(changes.end(), k.changes.begin(), k.changes.end());
     run.label = joined("control " + std::to_string(*run.control), run.label);
   }
+  json::value& document = run.trial.document;
+  if (!test_.commands.empty()) set_at(document, "/test", json::object{{"commands", test_.commands}});
   for (const SceneChange& change : changes) apply(change, run.trial);
+  run.trial.commands = take_commands(document);
   runs_.push_back(std::move(run));
 }
 
@@ -169,21 +183,15 @@ void SceneCheck::judge(const Run& run, std::vector<CheckFinding>& out) const {
                        const std::string& detail) {
     out.push_back({run.label, kind, value, wanted, detail});
   };
-  if (c.refused) {
-    const auto is = [](const std::string& wanted, const std::string& found) {
-      return wanted.empty() || wanted == found;
-    };
-    const auto other = [&](const Issue& i) {
-      return !is(c.refused->code, i.code) || !is(c.refused->pointer, i.pointer) ||
-             !is(c.refused->did_you_mean, i.did_you_mean);
-    };
+  if (c.is_refused()) {
+    const auto other = c.refused ? other_fault(r.refused, *c.refused) : std::nullopt;
+    const std::string differ = c.faults.empty() ? "" : differing_faults(r.refused, c.faults);
     if (!r.refusal) {
       add("refused", std::nullopt, "a refusal", "the scene is accepted");
-    } else if (const auto at = std::find_if(r.refused.begin(), r.refused.end(), other);
-               at != r.refused.end()) {
-      add("refused", std::nullopt,
-          joined(c.refused->pointer, joined(c.refused->code, c.refused->did_you_mean)),
-          "it is refused for " + joined(at->code, at->did_you_mean) + " at " + described(*at));
+    } else if (other) {
+      add("refused", std::nullopt, described(*c.refused), "it is refused for " + described(*other));
+    } else if (!differ.empty()) {
+      add("refused", std::nullopt, "", differ);
     }
     return;
   }
@@ -193,12 +201,15 @@ void SceneCheck::judge(const Run& run, std::vector<CheckFinding>& out) const {
   }
   if (r.failure) {
     // A control may show that a run ends, also where that is allowed.
-    if (c.instability == TestEnding::runs || (run.control && c.instability == TestEnding::may_fail))
-      add("instability", std::nullopt, "", *r.failure);
+    if (c.instability == TestEnding::runs || (run.control && c.instability == TestEnding::may_fail) ||
+        r.failure->find(c.says) == std::string::npos)
+      add("instability", std::nullopt, c.says, *r.failure);
     return;
   }
   if (c.instability == TestEnding::fails)
     add("instability", std::nullopt, "an instability", "the run goes on to its end");
+  for (const std::string& what : r.commands) add("commands", std::nullopt, "a refusal", what);
+  for (const std::string& what : r.plan) add("plan", std::nullopt, "", what);
   if (!r.not_finite.empty()) add("not_finite", std::nullopt, "", r.not_finite + " is not finite");
   if (test_.still && r.moved > *test_.still)
     add("still", r.moved, "at most " + number(*test_.still),
@@ -282,7 +293,7 @@ void SceneCheck::judge_control(size_t control, std::vector<CheckFinding>& out) c
   // A control that could not be run shows nothing, unless that is what it names.
   if (k.fails.empty()) {
     for (const Run& run : runs_) {
-      if (run.control != control || !run.result.refusal || test_.cases[run.of_case].refused) continue;
+      if (run.control != control || !run.result.refusal || test_.cases[run.of_case].is_refused()) continue;
       out.push_back(
           {label, "control", std::nullopt, "a run", "it is refused: " + described(run.result.refused[0])});
       return;

@@ -13,8 +13,8 @@ namespace truestep {
 /// One thing that is not as it should be.
 struct CheckFinding {
   std::string variation;  ///< "precision = \"f32\", dt = 0.01"; empty: the scene as it stands
-  std::string
-      quantity;  ///< of an expectation, or: instability, refused, not_finite, still, same, agree, control
+  std::string quantity;   ///< of an expectation, or: instability, refused, commands, plan, not_finite, still,
+                          ///< same, agree, control
   std::optional<double> measured;
   std::string wanted;  ///< "at most 0.01"
   std::string detail;  ///< a sentence

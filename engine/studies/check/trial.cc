@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <numeric>
 
 #include "engine/base/interrupt.h"
 #include "engine/scene/admission.h"
 #include "engine/session/commands.h"
 #include "engine/session/describe.h"
 #include "engine/session/snapshot/snapshot.h"
+#include "engine/studies/check/refusals.h"
 #include "engine/studies/check/sleepers.h"
 #include "engine/studies/precision/accuracy.h"
 
@@ -26,19 +28,12 @@ double cpu_seconds() {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-/// A command and the step before which it is carried out.
-struct Due {
-  uint64_t step;
-  Command command;
-};
-std::vector<Due> read_commands(const std::vector<json::object>& documents, double dt) {
-  std::vector<Due> out;
-  for (json::object o : documents) {
-    const double t = o.at("at_time").to_number<double>();
-    o.erase("at_time");
-    out.push_back({static_cast<uint64_t>(std::llround(std::max(0.0, t) / dt)), read_command(o)});
-  }
-  std::stable_sort(out.begin(), out.end(), [](const Due& a, const Due& b) { return a.step < b.step; });
+/// Indices of commands in the order of their times.
+std::vector<size_t> in_order(const std::vector<TestCommand>& commands) {
+  std::vector<size_t> out(commands.size());
+  std::iota(out.begin(), out.end(), size_t{0});
+  std::stable_sort(out.begin(), out.end(),
+                   [&](size_t a, size_t b) { return commands[a].at_time < commands[b].at_time; });
   return out;
 }
 
@@ -49,22 +44,26 @@ class Run {
         out_(out),
         arena_(std::make_shared<const ThreadArena>(trial.threads)),
         expectations_(scene),
-        commands_(read_commands(trial.commands, scene.header.time.dt)),
+        commands_(in_order(trial.commands)),
         steps_(static_cast<uint64_t>(std::llround(scene.header.time.duration / scene.header.time.dt))),
         scene_(std::move(scene)),
         session_(start()) {}
 
   void go() {
     const bool every = expectations_.needs_every_step();
+    look_at_plan();
     look();
     for (uint64_t n = 0; n < steps_; ++n) {
       interruption_point();
       if (trial_.resumed && n == (steps_ + 1) / 2) resume();
-      for (; next_ < commands_.size() && commands_[next_].step <= n; ++next_)
-        session_->command(commands_[next_].command);
+      for (; next_ < commands_.size() && step_of(commands_[next_]) <= n; ++next_) carry_out(commands_[next_]);
       if (session_->step(1) == 0) break;
       if (every || n + 1 == steps_) look();
       if (trial_.sleepers) sleepers_.add(*session_, arena_);
+    }
+    if (!session_->failure()) {
+      for (; next_ < commands_.size(); ++next_)
+        out_.commands.push_back("command " + std::to_string(commands_[next_]) + " comes after the end");
     }
     session_->examine();
     if (session_->failure())
@@ -93,6 +92,41 @@ class Run {
     session_ = std::move(next);
   }
 
+  /// The step before which a command is carried out.
+  uint64_t step_of(size_t command) const {
+    const double t = std::max(0.0, trial_.commands[command].at_time);
+    return static_cast<uint64_t>(std::llround(t / scene_.header.time.dt));
+  }
+
+  void carry_out(size_t index) {
+    const TestCommand& c = trial_.commands[index];
+    const std::string name = "command " + std::to_string(index) + ' ';
+    try {
+      session_->command(read_command(c.command));
+    } catch (const Error& e) {
+      if (!c.refused) throw;
+      const std::vector<Issue> faults = faults_of(e);
+      const auto other = other_fault(faults, *c.refused);
+      if (other) out_.commands.push_back(name + "is refused for " + described(*other));
+      return;
+    }
+    if (c.refused) out_.commands.push_back(name + "is carried out");
+  }
+
+  void look_at_plan() {
+    for (const NamedText& wanted : trial_.plan) {
+      std::string found = "no such stage runs";
+      for (const World::PlanEntry& e : session_->world().plan()) {
+        if (e.row.status != PlanRow::Status::runs) continue;
+        if (e.row.name != wanted.name && e.system + '.' + e.row.name != wanted.name) continue;
+        found = e.row.reason;
+        if (found.find(wanted.text) != std::string::npos) break;
+      }
+      if (found.find(wanted.text) == std::string::npos)
+        out_.plan.push_back(wanted.name + ": " + found + ", wanted " + wanted.text);
+    }
+  }
+
   void look() {
     const Observables seen =
         session_->observe([this](std::string_view name) { return expectations_.wants(name); });
@@ -106,7 +140,7 @@ class Run {
   TrialResult& out_;
   std::shared_ptr<const ThreadArena> arena_;
   Expectations expectations_;
-  std::vector<Due> commands_;
+  std::vector<size_t> commands_;
   uint64_t steps_;
   Scene scene_;
   std::unique_ptr<Session> session_;
@@ -128,8 +162,7 @@ TrialResult run_trial(const Trial& trial) {
     throw;
   } catch (const Error& e) {
     out.refusal = e.what();
-    out.refused = e.issues();
-    if (out.refused.empty()) out.refused.push_back({"", e.code(), e.what(), "", "", "", ""});
+    out.refused = faults_of(e);
   }
   out.cpu_seconds = cpu_seconds() - begun;
   return out;

@@ -15,8 +15,9 @@ struct Trial {
   boost::json::value document;  ///< a scene
   int threads = 1;
   bool resumed = false;  ///< saved halfway and continued by another session
-  std::vector<boost::json::object> commands;
-  bool sleepers = false;  ///< whether what sleeps is woken to see whether it moves
+  std::vector<TestCommand> commands;
+  std::vector<NamedText> plan;  ///< reasons that stages are to have
+  bool sleepers = false;        ///< whether what sleeps is woken to see whether it moves
 };
 
 struct TrialResult {
@@ -26,6 +27,8 @@ struct TrialResult {
   std::optional<std::string> refusal;  ///< the sentence above them
   std::optional<std::string> failure;  ///< the instability that ended the run
   std::string not_finite;              ///< an observable
+  std::vector<std::string> commands;   ///< what came of those that should have been refused
+  std::vector<std::string> plan;       ///< stages without the reason that they should have
   double moved = 0, moved_at = 0;      ///< m in 0.4 s by a sleeping row once woken, and when (s)
   double cpu_seconds = 0;
 };

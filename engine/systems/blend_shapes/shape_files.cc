@@ -23,15 +23,17 @@ std::string listed(const std::vector<std::string>& names) {
 /// The mesh of this name; without a name, the first one.
 GltfMesh mesh_of(const std::vector<std::string>& lines, const std::string& name, const std::string& at) {
   GltfModel model;
+  std::vector<std::string> names;
   try {
     model = read_gltf(lines);
+    for (GltfMesh& mesh : model.meshes) {
+      names.push_back(mesh.name);
+      if (!name.empty() && mesh.name != name) continue;
+      require_sound(mesh.fault);
+      return std::move(mesh);
+    }
   } catch (const GltfFault& f) {
     refuse(at + "/gltf", "bad_gltf", f.what(), "", "");
-  }
-  std::vector<std::string> names;
-  for (GltfMesh& mesh : model.meshes) {
-    if (name.empty() || mesh.name == name) return std::move(mesh);
-    names.push_back(mesh.name);
   }
   if (name.empty()) refuse(at + "/gltf", "bad_gltf", "the file has no mesh", "", "");
   refuse(at + "/mesh", "unknown_name", "the file has no mesh \"" + name + '"', name, listed(names));

@@ -6,6 +6,7 @@
 #include "engine/base/text/short_number.h"
 #include "engine/kernels/molecular/normal.h"
 #include "engine/neighbours/point_grid.h"
+#include "engine/systems/molecular/text_box.h"
 #include "engine/systems/molecular/topology.h"
 #include "engine/systems/molecular/xyz.h"
 
@@ -241,7 +242,8 @@ double shortest_distance(const MolecularDef& def) {
 
 Vec3 box_edges(const MolecularDef& d) {
   if (d.box) return *d.box;
-  return d.lattice && d.lattice->cells.size() == 3 ? extent(*d.lattice) : Vec3{};
+  if (d.lattice && d.lattice->cells.size() == 3) return extent(*d.lattice);
+  return box_of_text(d);
 }
 
 size_t atom_count(const MolecularDef& d) {
@@ -264,12 +266,15 @@ void check_atoms(const MolecularDef& d, const DefTable::Report& report) {
   if (!check_sources(d, report)) return;
   const size_t n = atom_count(d);
   if (n == 0) return report("", "there are no atoms: give lattice, positions, xyz or water");
-  if (n > kMost) return report("/lattice/cells", "there are more than " + std::to_string(kMost) + " atoms");
+  if (n > kMost)
+    return report("/lattice/cells",
+                  std::string("there are more than ").append(std::to_string(kMost)) + " atoms");
   if (!d.velocities.empty() && d.velocities.size() != d.positions.size()) {
     return report("/velocities", "needs as many velocities as positions, or none");
   }
   if (d.sides == Sides::periodic) {
-    if (!d.box && !d.lattice) return report("/box", "a periodic box needs edges");
+    if (!check_text_box(d, box_edges(d), report)) return;
+    if (!d.box && !d.lattice && box_of_text(d) == Vec3{}) return report("/box", "a periodic box needs edges");
     const Vec3 e = cell_of(d).edges;
     const double least = std::min({e.x, e.y, e.z});
     if (!(least >= 2 * d.cutoff)) {

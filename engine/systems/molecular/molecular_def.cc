@@ -205,7 +205,9 @@ const DefTable& molecular_table() {
                "one per position, or one for all; absent: the first kind")
         .vectors("velocities", &D::velocities, "m/s", any(), {0, 4'000'000}, "one per position, or none")
         .text("xyz", &D::xyz,
-              "atoms in the text format XYZ: their number, a comment, then name x y z per line")
+              "atoms in the text format XYZ: their number, a comment, then name x y z per line; or extended "
+              "XYZ, "
+              "whose Properties say which columns are these, and whose Lattice is the periodic box")
         .number("xyz_unit", &D::xyz_unit, "m", above(0), "unit of length in the text; default one angstrom")
         .object("water", &D::water, water_table(), "rigid molecules of water")
         .objects("bonds", &D::bonds, bond_table(), {0, 1'000'000},
@@ -213,7 +215,7 @@ const DefTable& molecular_table() {
         .objects("angles", &D::angles, angle_table(), {0, 1'000'000}, "springs of angles")
         .objects("dihedrals", &D::dihedrals, dihedral_table(), {0, 1'000'000}, "rotation about bonds")
         .choice("sides", &D::sides, {"open", "periodic"}, "no box, or a periodic box")
-        .vector("box", &D::box, "m", above(0), "edges; absent: the lattice's extent")
+        .vector("box", &D::box, "m", above(0), "edges; absent: the lattice's extent, or the Lattice of xyz")
         .vector("center", &D::center, "m", any(), "of the box, if edges are given")
         .number("cutoff", &D::cutoff, "m", above(0), "distance beyond which pairs exert no force")
         .number("skin", &D::skin, "m", above(0), "neighbours are listed up to cutoff + skin")

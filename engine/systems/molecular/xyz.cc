@@ -1,68 +1,83 @@
 #include "engine/systems/molecular/xyz.h"
 
-#include <charconv>
 #include <cmath>
+
+#include "engine/geometry/read/text_lines.h"
+#include "engine/systems/molecular/xyz_comment.h"
 
 namespace truestep::molecular {
 namespace {
 
-/// Takes a line off the text.
-std::string_view take_line(std::string_view& text) {
-  const size_t end = text.find('\n');
-  std::string_view line = text.substr(0, end);
-  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-  if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-  return line;
+/// The words of a line of an atom as far as they are needed; false when one is missing.
+bool take_words(TextLines& lines, size_t last, std::vector<std::string_view>& words) {
+  words.clear();
+  while (words.size() <= last) {
+    words.push_back(lines.word());
+    if (words.back().empty()) return false;
+  }
+  return true;
 }
 
-/// Takes a word off the line; empty when there is none left.
-std::string_view take_word(std::string_view& line) {
-  const size_t begin = line.find_first_not_of(" \t");
-  if (begin == std::string_view::npos) return {};
-  line.remove_prefix(begin);
-  const size_t end = std::min(line.find_first_of(" \t"), line.size());
-  const std::string_view word = line.substr(0, end);
-  line.remove_prefix(end);
-  return word;
+std::string name_of(std::string_view word, bool number, size_t line) {
+  if (!number) return std::string(word);
+  double z = 0;
+  const bool whole = read_double(word, z) && z >= 1 && z < 1000 && z == std::floor(z);
+  const std::string_view symbol = whole ? element_symbol(static_cast<size_t>(z)) : std::string_view{};
+  if (symbol.empty()) throw XyzFault(line, quoted(word) + " is not an atomic number");
+  return std::string(symbol);
 }
 
-template <class T>
-bool read_number(std::string_view word, T& out) {
-  if (!word.empty() && word.front() == '+') word.remove_prefix(1);
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), out);
-  return error == std::errc() && end == word.data() + word.size() && !word.empty();
+size_t read_count(TextLines& lines) {
+  double count = 0;
+  if (!lines.next() || !read_double(lines.word(), count) || count != std::floor(count))
+    throw XyzFault(1, "expected the number of atoms");
+  if (!(count >= 1 && count <= static_cast<double>(kMostXyzAtoms))) {
+    throw XyzFault(1, "the number of atoms must be from 1 to " + std::to_string(kMostXyzAtoms));
+  }
+  return static_cast<size_t>(count);
+}
+
+std::string_view read_comment(TextLines& lines) {
+  return lines.next() ? lines.whole() : std::string_view{};
 }
 
 }  // namespace
 
 XyzAtoms read_xyz(std::string_view text) {
-  std::string_view line = take_line(text);
-  size_t count = 0;
-  if (!read_number(take_word(line), count)) throw XyzFault(1, "expected the number of atoms");
-  if (count == 0 || count > kMostXyzAtoms) {
-    throw XyzFault(1, "the number of atoms must be from 1 to " + std::to_string(kMostXyzAtoms));
-  }
-  take_line(text);
+  TextLines lines(text);
+  const size_t count = read_count(lines);
+  const XyzColumns columns = xyz_columns(read_comment(lines));
+  const size_t last = std::max(columns.name, columns.position + 2);
   XyzAtoms out;
+  std::vector<std::string_view> words;
   for (size_t i = 0; i < count; ++i) {
     const size_t number = i + 3;
-    if (text.empty()) {
+    if (!lines.next()) {
       throw XyzFault(number,
                      "the text ends after " + std::to_string(i) + " of " + std::to_string(count) + " atoms");
     }
-    line = take_line(text);
-    const std::string_view name = take_word(line);
-    if (name.empty()) throw XyzFault(number, "expected a name and three coordinates");
+    if (!take_words(lines, last, words)) {
+      throw XyzFault(number, words.size() == 1 ? "expected a name and three coordinates"
+                             : last == 3       ? "expected three finite coordinates after the name"
+                                               : "expected " + std::to_string(last + 1) + " columns or more");
+    }
     double at[3];
-    for (double& c : at) {
-      if (!read_number(take_word(line), c) || !std::isfinite(c)) {
-        throw XyzFault(number, "expected three finite coordinates after the name");
+    for (size_t c = 0; c < 3; ++c) {
+      if (!read_double(words[columns.position + c], at[c]) || !std::isfinite(at[c])) {
+        throw XyzFault(number, last == 3 ? "expected three finite coordinates after the name"
+                                         : quoted(words[columns.position + c]) + " is not a coordinate");
       }
     }
-    out.names.emplace_back(name);
+    out.names.push_back(name_of(words[columns.name], columns.number, number));
     out.positions.push_back({at[0], at[1], at[2]});
   }
   return out;
+}
+
+XyzLattice read_xyz_lattice(std::string_view text) {
+  TextLines lines(text);
+  read_count(lines);
+  return xyz_lattice(read_comment(lines));
 }
 
 }  // namespace truestep::molecular

@@ -133,6 +133,7 @@ const DefTable& body_table() {
   using D = BodyDef;
   static const DefTable t = [] {
     TableOf<D> table("a rigid body");
+    table.text("id", &D::id, "name for commands");
     body_rows(table).check([](const D& d, const DefTable::Report& report) {
       bool chain = false;
       for (const ShapeDef& s : d.shapes) chain = chain || std::holds_alternative<ChainDef>(s);
@@ -258,6 +259,12 @@ void check(const Rigid2dDef& d, const DefTable::Report& report) {
   const double n = counts(d).bodies;
   if (n > kMostBodies) report("/generators", "the system has more than a million bodies");
   if (n == 0) report("", "no bodies and no generators: nothing to simulate");
+  for (size_t i = 0; i < d.generators.size(); ++i) {
+    const auto& body = std::visit([](const auto& g) -> const BodyDef& { return g.body; }, d.generators[i]);
+    if (!body.id.empty())
+      report("/generators/" + std::to_string(i) + "/body/id",
+             "an id is of one body: only listed bodies have one");
+  }
   std::set<std::string> ids;
   for (size_t i = 0; i < d.joints.size(); ++i) {
     const std::string at = "/joints/" + std::to_string(i);

@@ -36,6 +36,7 @@ using ShapeDef = std::variant<CircleDef, CapsuleDef, BoxDef, PolygonDef, ChainDe
 enum class Motion : uint8_t { dynamic, kinematic, fixed };
 
 struct BodyDef {
+  std::string id;
   Motion motion = Motion::dynamic;
   Vec3 position, velocity;
   double angle = 0, angular_velocity = 0;

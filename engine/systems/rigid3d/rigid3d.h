@@ -93,7 +93,8 @@ class Rigid3d final : public StagedSystem, public BodyOwner, public BodySleep {
   bool all_asleep(const State& s) const;
   void set_parameter(State& s, const Command& c) const;
   size_t checked_body(const State& s, const Command& c) const;
-  void set_motor(State& s, const Command& c) const;
+  /// `parameter`: the command's name without the degree of freedom before it.
+  void set_motor(State& s, const Command& c, std::string_view parameter) const;
   void observe_joints(const State& s, Observables& out) const;
   /// Energy in J of the springs of unbroken joints, sum of k s^2 / 2.
   double spring_energy(const State& s) const;

@@ -14,6 +14,12 @@ std::optional<Vec3> place_on(const State& s, const Command& c, size_t body) {
   return r.apply_inverse(*c.at - load3(s.f64(columns::position).data(), body));
 }
 
+// "motor_speed" of "motor_speed" and "turn.motor_speed"; empty when the name is not of a motor.
+std::string_view motor_parameter(std::string_view name) {
+  name.remove_prefix(name.rfind('.') + 1);
+  return name == "motor_speed" || name == "motor_target" || name == "max_motor" ? name : "";
+}
+
 }  // namespace
 
 /// Row of the command; refused unless the body is dynamic.
@@ -112,7 +118,7 @@ void Rigid3d::set_parameter(State& s, const Command& c) const {
     store3(s.f64(columns::gravity).data(), 0, c.vector);
     return wake_all();
   }
-  if (c.name == "motor_speed" || c.name == "motor_target" || c.name == "max_motor") return set_motor(s, c);
+  if (const std::string_view name = motor_parameter(c.name); !name.empty()) return set_motor(s, c, name);
   const bool turn = c.name == "angular_velocity";
   if (!turn && c.name != "velocity") {
     refuse_command("name", "unknown_parameter", "there is no parameter \"" + c.name + "\" to set",

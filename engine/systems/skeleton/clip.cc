@@ -45,9 +45,6 @@ SkeletonDef with_file(SkeletonDef def, std::optional<Recording>& file) {
   for (const RecordedJoint& b : file->joints) {
     JointDef j;
     j.id = b.name;
-    for (int n = 2; std::ranges::any_of(def.joints, [&](const JointDef& o) { return o.id == j.id; }); ++n) {
-      j.id = b.name + "_" + std::to_string(n);
-    }
     if (b.parent >= 0) j.parent = def.joints[static_cast<size_t>(b.parent)].id;
     // The root's position comes from its channels alone.
     j.offset = b.offset * def.motion->scale;
@@ -95,8 +92,6 @@ Clip::Clip(const MotionDef& def, const Recording& file, const Model& model, Driv
                     n.text, "", "", ""});
     }
   }
-  // The file's joints match the model's one by one if it was built from them, even if names repeat.
-  const bool own = model.ids.size() == file.joints.size() && def.names.empty();
   for (size_t b = 0; b < file.joints.size(); ++b) {
     std::string to = file.joints[b].name;
     if (!def.names.empty()) {
@@ -104,8 +99,7 @@ Clip::Clip(const MotionDef& def, const Recording& file, const Model& model, Driv
       if (n == def.names.end()) continue;
       to = n->text;
     }
-    auto joint = model.find(to);
-    if (own && !joint) joint = b;
+    const auto joint = model.find(to);
     if (!joint) continue;
     const bool ball = model.joints[*joint].kind == JointKind::ball;
     if (!ball && (file.values.empty() || model.joints[*joint].kind == JointKind::fixed)) continue;

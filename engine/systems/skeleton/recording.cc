@@ -2,12 +2,32 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
+#include "engine/base/text/short_number.h"
 #include "engine/kernels/animation/rotations.h"
 
 namespace truestep::skeleton {
 
 using namespace animation;
+
+namespace {
+
+/// Files may give one name to several joints: those after the first get a number that no other name has.
+void number_names(std::vector<RecordedJoint>& joints) {
+  std::set<std::string> given, taken;
+  for (const RecordedJoint& j : joints) given.insert(j.name);
+  for (RecordedJoint& j : joints) {
+    const std::string name = j.name;
+    for (int n = 2; !taken.insert(j.name).second; ++n) {
+      do {
+        j.name = name + "_" + std::to_string(n);
+      } while (given.contains(j.name) && ++n);
+    }
+  }
+}
+
+}  // namespace
 
 Recording recording_of(const BvhMotion& m) {
   Recording out;
@@ -16,6 +36,7 @@ Recording recording_of(const BvhMotion& m) {
     const bool moves = std::ranges::any_of(j.channels, [](BvhChannel c) { return static_cast<int>(c) < 3; });
     out.joints.push_back({j.name, j.parent, j.offset, {}, j.end, moves});
   }
+  number_names(out.joints);
   for (size_t f = 0; f < m.frames; ++f) {
     for (size_t j = 0; j < m.joints.size(); ++j) {
       const Pose local = m.local(f, j);
@@ -61,6 +82,20 @@ void sample(const GltfChannel& c, double t, double* out) {
   }
 }
 
+/// Exporters write scales with every other channel; one that changes something cannot be followed.
+void require_constant_scale(const GltfChannel& c, const GltfNode& node) {
+  const size_t row = c.width, step = c.between == GltfChannel::Between::cubic ? 3 : 1;
+  for (size_t key = 0; key < c.times.size(); ++key) {
+    for (size_t k = 0; k < row; ++k) {
+      const double s = c.values[(key * step + (step == 3 ? 1 : 0)) * row + k];
+      if (std::abs(s - node.scale) <= 1e-3 * node.scale) continue;
+      throw GltfFault("/animations: the scale of node \"" + node.name + "\" becomes " + short_number(s) +
+                      " at " + short_number(c.times[key]) + " s; bones keep theirs, " +
+                      short_number(node.scale));
+    }
+  }
+}
+
 /// The relevant nodes, parents first.
 std::vector<uint32_t> nodes_of(const GltfModel& m, const GltfAnimation* animation) {
   std::vector<uint8_t> wanted(m.nodes.size(), 0);
@@ -102,6 +137,8 @@ Recording recording_of(const GltfModel& m, const std::string& name, double rate)
     if (!animation && (name.empty() || a.name == name)) animation = &a;
   }
   if (!name.empty() && !animation) throw GltfFault("/animations: none is called \"" + name + "\"");
+  if (animation) require_sound(animation->fault);
+  if (!m.skins.empty()) require_sound(m.skins[0].fault);
   const std::vector<uint32_t> nodes = nodes_of(m, animation);
   if (nodes.empty()) throw GltfFault("/nodes: the file has neither a skin nor an animation of nodes");
   Recording out;
@@ -110,34 +147,36 @@ Recording recording_of(const GltfModel& m, const std::string& name, double rate)
   std::vector<double> scale(m.nodes.size(), 1);  // for everything attached to the node
   for (const uint32_t k : nodes) {
     const GltfNode& node = m.nodes[k];
+    require_sound(node.fault);
     const double outer = node.parent < 0 ? 1 : scale[static_cast<size_t>(node.parent)];
     scale[k] = outer * node.scale;
     place[k] = static_cast<int32_t>(out.joints.size());
     out.joints.push_back({node.name, node.parent < 0 ? -1 : place[static_cast<size_t>(node.parent)],
                           node.local.position * outer, node.local.orientation, std::nullopt, false});
   }
-  double first = 0, last = 0;
+  number_names(out.joints);
+  double last = 0;
   std::vector<const GltfChannel*> shifted(m.nodes.size()), turned(m.nodes.size());
   if (animation) {
-    bool any = false;
     for (const GltfChannel& c : animation->channels) {
-      if (place[c.node] < 0 || c.path == GltfChannel::Path::weights || c.path == GltfChannel::Path::scale)
+      if (place[c.node] < 0 || c.path == GltfChannel::Path::weights) continue;
+      if (c.path == GltfChannel::Path::scale) {
+        require_constant_scale(c, m.nodes[c.node]);
         continue;
+      }
       (c.path == GltfChannel::Path::rotation ? turned : shifted)[c.node] = &c;
-      first = any ? std::min(first, c.times.front()) : c.times.front(),
-      last = any ? std::max(last, c.times.back()) : c.times.back();
-      any = true;
+      last = std::max(last, c.times.back());
     }
     constexpr double kMostFrames = 1e6, kMostTurns = 2e7;
-    const double frames = std::round((last - first) * rate) + 1;
+    // From time 0, whenever its first key is: what comes before a key is as at that key.
+    const double frames = std::round(last * rate) + 1;
     if (frames > kMostFrames || frames * static_cast<double>(nodes.size()) > kMostTurns) {
-      throw GltfFault("/animations: it lasts " + std::to_string(last - first) +
-                      " s, which gives too many frames");
+      throw GltfFault("/animations: it lasts " + std::to_string(last) + " s, which gives too many frames");
     }
     out.frames = static_cast<size_t>(frames);
   }
   for (size_t f = 0; f < out.frames; ++f) {
-    const double t = first + static_cast<double>(f) * out.frame_time;
+    const double t = static_cast<double>(f) * out.frame_time;
     for (size_t i = 0; i < nodes.size(); ++i) {
       const uint32_t k = nodes[i];
       RecordedJoint& joint = out.joints[i];
@@ -183,6 +222,7 @@ RecordedSkin skin_of(const GltfModel& m, const std::string& animation) {
     if (node.mesh < 0 || node.skin != 0) continue;
     const GltfMesh& mesh = m.meshes[static_cast<size_t>(node.mesh)];
     const GltfSkin& skin = m.skins[0];
+    require_sound(mesh.fault);
     const auto base = static_cast<uint32_t>(out.vertices.size());
     if (mesh.joints.size() != mesh.positions.size()) continue;
     for (size_t v = 0; v < mesh.positions.size(); ++v) {

@@ -8,7 +8,7 @@
 namespace truestep::skeleton {
 
 struct RecordedJoint {
-  std::string name;
+  std::string name;  ///< unique: the second one of a name ends with _2
   int32_t parent = -1;
   Vec3 offset;              ///< the file's unit, in the parent's frame
   Quat rest;                ///< in the parent's frame

@@ -140,7 +140,15 @@ json::object typed_schema(const Types& types) {
   json::array commands;
   for (const auto& t : types) {
     json::object s = schema_of(*t.table);
-    s["properties"].as_object()["type"] = json::object{{"const", t.name}};
+    json::object& members = s["properties"].as_object();
+    members["type"] = json::object{{"const", t.name}};
+    if (json::value* row = members.if_contains("index")) {
+      json::value description = row->as_object()["description"];
+      *row = json::object{
+          {"oneOf", json::array{std::move(*row),
+                                json::object{{"type", "string"}, {"maxLength", 64}, {"description", "id"}}}},
+          {"description", std::move(description)}};
+    }
     if (!s.contains("required")) s["required"] = json::array{};
     s["required"].as_array().emplace_back("type");
     commands.push_back(std::move(s));

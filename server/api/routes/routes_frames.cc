@@ -103,6 +103,7 @@ Response latest_frame(SessionEntry& e, const Request& request, Media media) {
 // The state at an earlier step, computed without holding the session's lock.
 WorldState state_of(SessionEntry& entry, uint64_t step) {
   std::unique_lock lock(entry.mutex);
+  entry.acknowledge();
   if (step > entry.session.step_index()) throw Error("not_found", "the session has not reached this step");
   const Past past = entry.session.past(step);
   lock.unlock();

@@ -187,9 +187,10 @@ Task<Response> end(App& app, const Request& request) {
 
 Task<Response> command(App& app, const Request& request) {
   EntryPtr entry = co_await session_of(app, request);
-  const Command c = read_command(co_await long_json_body(app, request));
+  const json::value body = co_await long_json_body(app, request);
   json::object answer;
   std::function<void(SessionEntry&)> carry_out = [&](SessionEntry& e) {
+    const Command c = read_command_for(e.session.world(), e.session.state(), body);
     answer = {{"sequence", e.session.command(c)}, {"step", e.session.step_index()}};
   };
   const JobPtr job = co_await app.runner.call(entry, std::move(carry_out));

@@ -38,8 +38,9 @@ class SceneSource final : public PictureSource {
     }
     return draw_list_of(*world_, *session_.frame(request_), look_);
   }
-  std::optional<std::string> failure() const override {
-    return session_.failure() ? std::optional(session_.failure()->detail) : std::nullopt;
+  std::optional<End> failure() const override {
+    if (!session_.failure()) return std::nullopt;
+    return End{session_.failure()->detail, session_.time()};
   }
 
  private:

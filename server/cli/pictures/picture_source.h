@@ -16,8 +16,12 @@ class PictureSource {
   virtual double end() const = 0;
   /// The drawing at time t, or at the last frame before it.
   virtual DrawList at(double t) = 0;
+  struct End {
+    std::string why;
+    double time;  ///< s, of the last picture there is
+  };
   /// Why there are no pictures after some time: the scene became unstable.
-  virtual std::optional<std::string> failure() const { return std::nullopt; }
+  virtual std::optional<End> failure() const { return std::nullopt; }
 };
 
 /// A scene file, a gallery name, "-", or a recording. `threads` 0: all. Errors as for load_scene_document and

@@ -41,13 +41,21 @@ DrawCamera steady_camera(PictureSource& source, const RenderOptions& o, double f
   return picture::camera_for(all, static_cast<double>(size.width) / size.height);
 }
 
+// What cut the run short, and when the last picture is of; the exit code.
+int report_failure(const PictureSource& source) {
+  const auto why = source.failure();
+  if (!why) return kExitOk;
+  std::cerr << "unstable: " << why->why << "\nthe last picture shows t = " << why->time << " s\n";
+  return kExitUnstable;
+}
+
 int render_one(PictureSource& source, const RenderOptions& o, PictureSize size) {
   PictureRenderer renderer(size.width, size.height);
   DrawList list = source.at(*o.at);
   aim(o.picture, list);
   write_png(o.output, renderer.render_rgba(list), size);
   std::cout << o.output << '\n';
-  return kExitOk;
+  return report_failure(source);
 }
 
 int render(const RenderOptions& o) {
@@ -74,20 +82,17 @@ int render(const RenderOptions& o) {
   if (!first.camera && count > 1) camera = steady_camera(*source, o, from, to, size);
   for (uint64_t k = 0; k < count && !interrupted(); ++k) {
     DrawList list = source->at(from + spacing * static_cast<double>(k));
-    if (source->failure() && k > 0) break;
     aim(o.picture, list);
     if (camera) list.camera = camera;
     files->add(renderer.render_rgba(list));
+    if (source->failure()) break;
     progress.update(k + 1, "");
   }
   progress.finish();
   files->finish();
   std::cout << files->summary() << '\n';
-  if (const auto why = source->failure()) {
-    std::cerr << "unstable: " << *why << '\n';
-    return kExitUnstable;
-  }
-  return interrupted() ? kExitInterrupted : kExitOk;
+  const int code = report_failure(*source);
+  return code == kExitOk && interrupted() ? kExitInterrupted : code;
 }
 
 }  // namespace
@@ -106,11 +111,13 @@ void add_render_command(Arguments app, int& exit_code) {
       .in_range(1e-9, 1e12)
       .shows_default();
   const Argument from =
-      c.add_option("--from", o->from, "simulated time of the first picture, s").in_range(0.0, 1e12);
+      c.add_option("--from", o->from, "simulated time of the first picture, s").in_range(0.0, 1e12).of_time();
   const Argument to = c.add_option("--to", o->to, "simulated time of the last picture, s (default: the end)")
-                          .in_range(0.0, 1e12);
+                          .in_range(0.0, 1e12)
+                          .of_time();
   c.add_option("--at", o->at, "one picture, of this simulated time, s")
       .in_range(0.0, 1e12)
+      .of_time()
       .excludes(from)
       .excludes(to);
   c.add_option("--threads", o->threads, "threads of the simulation (default: all)").in_range(1, 1024);

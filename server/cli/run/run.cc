@@ -1,5 +1,7 @@
 #include "server/cli/run/run.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -21,6 +23,7 @@
 #include "server/cli/pictures/picture_options.h"
 #include "server/cli/progress.h"
 #include "server/cli/run/run_outputs.h"
+#include "server/cli/run/run_report.h"
 #include "server/cli/run/series_csv.h"
 
 namespace truestep {
@@ -42,27 +45,6 @@ struct RunOptions {
   int threads = 0;
   bool json = false;
 };
-
-/// Whether the run reached the end, to which the scene's expectations refer.
-enum class Reach : uint8_t { whole, cut_short };
-constexpr const char* kNotJudged = "ended before the duration";
-
-void print_verdicts(const std::vector<Verdict>& verdicts, Reach reach, std::ostream& out) {
-  for (const Verdict& v : verdicts) {
-    const char* word = reach == Reach::cut_short ? "-       " : v.met ? "ok      " : "MISSED  ";
-    out << word << v.expected.quantity << " = ";
-    if (v.measured)
-      out << *v.measured;
-    else
-      out << "(no such quantity)";
-    if (v.drift_scale == 0.0) out << " (absolute: it starts at 0)";
-    if (v.expected.min) out << ", at least " << *v.expected.min;
-    if (v.expected.max) out << ", at most " << *v.expected.max;
-    if (v.expected.equals) out << ", expected " << *v.expected.equals << " +- " << v.expected.tolerance;
-    if (reach == Reach::cut_short) out << ": not judged: " << kNotJudged;
-    out << '\n';
-  }
-}
 
 json::array describe_verdicts(const std::vector<Verdict>& verdicts, Reach reach) {
   json::array a;
@@ -95,6 +77,8 @@ bool step_taken(Session& session) try {
 }
 
 int run(const RunOptions& options) {
+  if (!options.picture.empty() && !options.picture.ends_with(".png"))
+    throw Error("bad_request", "--picture " + options.picture + ": a picture is a .png file");
   picture_size(options.look);
   DrawList unused;
   aim(options.look, unused);  // reports errors before anything is computed
@@ -173,14 +157,12 @@ int run(const RunOptions& options) {
     std::cout << write_json(o) << '\n';
   } else {
     // When the series goes to standard output, the report goes elsewhere.
-    std::ostream& report = options.csv == "-" ? std::cerr : std::cout;
-    report << "steps   " << session.step_index() << "\ntime    " << session.time() << " s\nwall    " << wall
-           << " s\nhash    " << hex64(session.hash()) << '\n';
-    const Observables final_values = reported(session.observe());
-    for (const Observation& v : final_values.rows())
-      report << v.name << " = " << v.value << ' ' << v.unit << '\n';
-    if (!accuracy.empty()) report << "chosen  " << write_json(accuracy.at("chosen")) << '\n';
-    print_verdicts(verdicts, reach, report);
+    const bool aside = options.csv == "-";
+    RunReport report(aside ? std::cerr : std::cout, is_terminal(aside ? STDERR_FILENO : STDOUT_FILENO));
+    report.head(session, wall);
+    report.values(reported(session.observe()));
+    if (!accuracy.empty()) report.chosen(write_json(accuracy.at("chosen")));
+    report.verdicts(verdicts, reach);
     for (const SessionWarning& w : session.warnings())
       std::cerr << "warning: system \"" << w.system
                 << "\", from t = " << static_cast<double>(w.first_step) * dt << " s: " << w.warning.detail
@@ -205,7 +187,8 @@ void add_run_command(Arguments app, int& exit_code) {
   c.add_option("scene", options->scene, "scene file, gallery name, or - for standard input").required();
   const Argument seconds =
       c.add_option("--seconds", options->seconds, "simulated seconds (default: the scene's duration)")
-          .in_range(0.0, 1e12);
+          .in_range(0.0, 1e12)
+          .of_time();
   c.add_option("--steps", options->steps, "steps instead of seconds")
       .in_range(int64_t{0}, int64_t{1} << 60)
       .excludes(seconds);

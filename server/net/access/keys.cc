@@ -2,12 +2,10 @@
 
 #include <sys/stat.h>
 
-#include <fstream>
-#include <sstream>
+#include <ctime>
 
 #include "engine/base/errors.h"
 #include "engine/base/log.h"
-#include "server/net/access/digest.h"
 
 namespace truestep::net {
 
@@ -16,38 +14,6 @@ constexpr auto kLookEvery = std::chrono::seconds(1);
 // Two writes within the resolution of a file's time stamp look like one.
 constexpr int64_t kTimeResolution = 2;  // s
 }  // namespace
-
-KeyRing KeyRing::load(const std::string& path) {
-  std::ifstream in(path);
-  if (!in) throw Error("bad_request", "the key file " + path + " cannot be read");
-  KeyRing ring;
-  std::string line;
-  for (int number = 1; std::getline(in, line); ++number) {
-    std::istringstream words(line.substr(0, line.find('#')));
-    std::string name, key, scope, more;
-    if (!(words >> name)) continue;
-    if (!(words >> key)) std::swap(name, key);
-    words >> scope;
-    if ((!scope.empty() && scope != "admin") || words >> more) {
-      throw Error("bad_request", "line " + std::to_string(number) + " of the key file " + path +
-                                     " is not NAME KEY, NAME KEY admin or KEY");
-    }
-    std::string digest = key.starts_with("sha256:") ? key.substr(7) : sha256_hex(key);
-    if (name.empty()) name = digest.substr(0, 12);
-    ring.keys_.push_back(
-        {{std::move(name), scope.empty() ? Caller::Scope::own : Caller::Scope::all}, std::move(digest)});
-  }
-  if (ring.keys_.empty()) throw Error("bad_request", "the key file " + path + " holds no key");
-  return ring;
-}
-
-const Caller* KeyRing::find(std::string_view digest) const {
-  const Caller* found = nullptr;
-  for (const Key& k : keys_) {
-    if (equal_constant_time(k.digest, digest)) found = &k.caller;
-  }
-  return found;
-}
 
 KeyFile::KeyFile(std::string path) : path_(std::move(path)) {
   if (!asks()) return;

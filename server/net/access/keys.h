@@ -14,14 +14,19 @@
 namespace truestep::net {
 
 /// The keys of a file. A line is "NAME KEY", "NAME KEY admin" or "KEY", where any key may be given as
-/// "sha256:HEX"; '#' starts a comment. Keys of one name see the same sessions; an admin key sees everybody's.
-/// Only digests stay in memory; every key is compared in constant time.
+/// "sha256:" and 64 hexadecimal digits, and has at least 20 characters otherwise; '#' starts a comment. Keys
+/// of one name see the same sessions; an admin key sees everybody's. Only digests stay in memory; every key
+/// is compared in constant time.
 class KeyRing {
  public:
-  /// Throws Error("bad_request") when the file cannot be read, has a malformed line or holds no key.
+  static constexpr size_t kShortestKey = 20;  ///< characters
+  /// Throws Error("bad_request") when the file cannot be read whole, has a malformed line or holds no key.
   static KeyRing load(const std::string& path);
+  /// The same of a file's text; `what` names it in errors.
+  static KeyRing read(std::string_view text, const std::string& what);
   /// The owner of the key with this digest (the first 12 digits name a key without a name); null: nobody.
   const Caller* find(std::string_view digest) const;
+  size_t size() const { return keys_.size(); }
 
  private:
   struct Key {

@@ -52,7 +52,7 @@ bool split_target(Request& request) {
   request.raw_path = request.target.substr(0, question);
   std::string_view path = request.raw_path;
   while (path.size() > 1 || !request.segments.empty()) {
-    path.remove_prefix(1);  // the slash
+    path = path.substr(1);  // the slash
     const size_t slash = std::min(path.find('/'), path.size());
     std::string_view segment;
     if (!decode(path.substr(0, slash), request.decoded_, segment, Plus::keep)) return false;

@@ -61,24 +61,27 @@ LoggedCourse follow(const SavedState& state, uint64_t from, std::span<const LogR
   for (const JournalEntry& e : c.journal) {
     if (e.step < from) throw contradiction();
   }
+  // A command that was carried out discards the recorded future; what follows it in the log confirms it.
+  const auto confirm = [&] {
+    if (!c.unconfirmed) return;
+    std::erase_if(c.journal, [&](const JournalEntry& e) { return e.step > c.unconfirmed->step; });
+    c.journal.push_back(std::move(*c.unconfirmed));
+    c.unconfirmed.reset();
+  };
   for (const LogRecord& r : records) {
+    if (r.kind == LogRecord::Kind::refused) {
+      if (!c.unconfirmed || c.unconfirmed->sequence != r.sequence) throw contradiction();
+      c.unconfirmed.reset();
+    }
+    confirm();
     if (r.kind == LogRecord::Kind::continues || r.kind == LogRecord::Kind::anew) continue;
     if (r.step < from || r.step > kMostStep) throw contradiction();
     if (r.kind == LogRecord::Kind::command) {
-      // A command discards the recorded future, even if it was refused.
-      std::erase_if(c.journal, [&](const JournalEntry& e) { return e.step > r.step; });
-      c.journal.push_back({r.step, r.sequence, command_of(r.text)});
+      c.unconfirmed = {r.step, r.sequence, command_of(r.text)};
       c.last_sequence = std::max(c.last_sequence, r.sequence);
-    } else if (r.kind == LogRecord::Kind::refused) {
-      if (c.journal.empty() || c.journal.back().sequence != r.sequence) throw contradiction();
-      c.journal.pop_back();
     }
     c.step = r.step;
     c.furthest = std::max(c.furthest, r.step);
-  }
-  if (!records.empty() && records.back().kind == LogRecord::Kind::command) {
-    c.unconfirmed = std::move(c.journal.back());
-    c.journal.pop_back();
   }
   return c;
 }

@@ -71,6 +71,15 @@ void SessionKeeper::stands() {
   if (write({LogRecord::Kind::stands, step, 0, ""})) told_step_ = step;
 }
 
+bool SessionKeeper::acknowledged() const {
+  const uint64_t step = session_.step_index();
+  return told_step_ == step || step < base_step_ || !problem_.empty();
+}
+
+void SessionKeeper::acknowledge() {
+  if (!acknowledged()) stands();
+}
+
 void SessionKeeper::worked(double seconds) {
   worked_ += seconds;
   const auto now = SteadyClock::now();
@@ -158,6 +167,8 @@ void SessionKeeper::save_beside() {
     return;
   }
   const double begun = thread_cpu_seconds();
+  // Until the state is written, the log before it is all that leads here.
+  stands();
   ++number_;
   base_step_ = session_.step_index();
   worked_ = 0;

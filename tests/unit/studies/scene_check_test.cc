@@ -79,6 +79,54 @@ TEST(SceneCheck, ScenesThatMustBeRefusedAndCases) {
   EXPECT_EQ(findings(R"({"instability": "expected"})", 1).size(), 1u);
 }
 
+TEST(SceneCheck, FaultsAreThoseOfTheListAndNoOthers) {
+  const auto faults = [](const std::string& list) {
+    return findings(R"({"cases": [{"set": {"/gravty": 1, "/systems/0/bodies/0/radius": -1}, "faults": [)" +
+                        list + "]}]}",
+                    1)
+        .size();
+  };
+  const std::string key = R"({"pointer": "/gravty", "did_you_mean": "gravity"})",
+                    radius = R"({"pointer": "/systems/0/bodies/0/radius", "says": "-1"})";
+  EXPECT_EQ(faults(radius + ", " + key), 0u);
+  EXPECT_EQ(faults(key), 1u) << "there is another";
+  EXPECT_EQ(faults(radius + ", " + key + ", {}"), 1u) << "there are but two";
+  EXPECT_EQ(faults(key + R"(, {"says": "-2"})"), 1u);
+}
+
+TEST(SceneCheck, CommandsMayHaveToBeRefusedAndAreChangedAsTheScene) {
+  const auto command = [](const std::string& members, const std::string& more = "", size_t runs = 1) {
+    return findings(
+        R"({"commands": [{"at_time": 0.5, "type": "impulse", "system": "a", "impulse": [0, 1000, 0], )" +
+            members + "}]" + more + "}",
+        runs);
+  };
+  EXPECT_TRUE(command(R"("index": 7, "refused": {"pointer": "/index"})").empty());
+  for (const char* other : {R"("index": 7, "refused": {"pointer": "/type"})",
+                            R"("index": 0, "refused": {"pointer": "/index"})"}) {
+    const auto found = command(other);
+    ASSERT_FALSE(found.empty()) << other;
+    EXPECT_EQ(found[0].quantity, "commands") << other;
+  }
+  EXPECT_EQ(command(R"("index": 7)").at(0).quantity, "refused");
+  const std::string varied = R"(, "vary": {"/test/commands/0/impulse/1": [0, 1000]})";
+  EXPECT_EQ(command(R"("index": 0)", varied, 2).size(), 1u);
+}
+
+TEST(SceneCheck, StagesOfThePlanHaveTheirReasons) {
+  boost::json::value scene = parse_json(
+      R"({"time": {"dt": 0.01, "duration": 0.01}, "systems": [{"type": "oscillator", "id": "o", "stiffness": 100}]})");
+  const auto reasons = [&](const char* plan) {
+    scene.as_object()["test"] = parse_json(std::string(R"({"plan": {)") + plan + "}}");
+    SceneCheck check(scene);
+    check.run(0);
+    return check.findings().size();
+  };
+  EXPECT_EQ(reasons(R"("integrate": "rk4", "o.integrate": "")"), 0u);
+  EXPECT_EQ(reasons(R"("integrate": "bdf2")"), 1u);
+  EXPECT_EQ(reasons(R"("p.integrate": "rk4")"), 1u);
+}
+
 TEST(SceneCheck, CarriesOutCommands) {
   const auto pushed = findings(
       R"({"commands": [{"at_time": 0.5, "type": "impulse", "system": "a", "index": 0, "impulse": [0, 1000, 0]}]})",

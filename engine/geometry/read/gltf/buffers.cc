@@ -1,5 +1,6 @@
 #include "engine/geometry/read/gltf/buffers.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace truestep::gltf {
@@ -30,6 +31,7 @@ std::vector<std::byte> from_base64(std::string_view text, const std::string& whe
 
 namespace {
 
+/// Floats and integers of 32 bits are never fractions.
 double component_at(const std::byte* p, int type, bool normalised) {
   uint32_t bits = 0;
   const size_t size = type <= 5121 ? 1 : type <= 5123 ? 2 : 4;
@@ -53,93 +55,113 @@ double component_at(const std::byte* p, int type, bool normalised) {
   }
 }
 
+size_t size_of(int component, const Value& at) {
+  switch (component) {
+    case 5120:
+    case 5121:
+      return 1;
+    case 5122:
+    case 5123:
+      return 2;
+    case 5125:
+    case 5126:
+      return 4;
+    default:
+      fail(at.where(), "is not a component type of glTF");
+  }
+}
+
+size_t columns_of(const Value& type, size_t wanted) {
+  static constexpr std::pair<const char*, size_t> kTypes[] = {
+      {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT4", 16}};
+  const std::string text = type.text_or("");
+  for (const auto& [name, count] : kTypes) {
+    if (text == name && count == wanted) return count;
+  }
+  fail(type.where(), "\"" + text + "\" is the wrong type here");
+}
+
+size_t count_of(const Value& v) {
+  const double count = v.number();
+  if (!(count >= 1) || count != std::floor(count)) fail(v.where(), "must be a whole number above 0");
+  return static_cast<size_t>(count);
+}
+
 }  // namespace
 
 Buffers::Buffers(const Value& document, std::span<const std::byte> binary) : document_(document) {
   const Value buffers = document_.member("buffers");
   for (size_t k = 0; k < buffers.size(); ++k) {
-    const Value uri = buffers[k].member("uri");
-    std::vector<std::byte> bytes;
-    if (uri.there()) {
-      const std::string text = uri.text_or("");
-      const size_t comma = text.find(";base64,");
-      if (!text.starts_with("data:") || comma == std::string::npos) {
-        fail(uri.where(), "only data URIs in base64 are read, not external files");
+    Buffer& b = buffers_.emplace_back();
+    try {
+      const Value uri = buffers[k].member("uri");
+      if (uri.there()) {
+        const std::string text = uri.text_or("");
+        const size_t comma = text.find(";base64,");
+        if (!text.starts_with("data:") || comma == std::string::npos) {
+          fail(uri.where(), "only data URIs in base64 are read, not external files");
+        }
+        b.bytes = from_base64(std::string_view(text).substr(comma + 8), uri.where());
+      } else if (k == 0 && !binary.empty()) {
+        b.bytes.assign(binary.begin(), binary.end());
+      } else {
+        fail(buffers[k].where(), "has no data");
       }
-      bytes = from_base64(std::string_view(text).substr(comma + 8), uri.where());
-    } else if (k == 0) {
-      bytes.assign(binary.begin(), binary.end());
-    } else {
-      fail(buffers[k].where(), "has no data");
+      const double length = buffers[k].member("byteLength").number();
+      if (!(length >= 0) || length > static_cast<double>(b.bytes.size())) {
+        fail(buffers[k].where() + "/byteLength",
+             "there are only " + std::to_string(b.bytes.size()) + " bytes");
+      }
+    } catch (const GltfFault& f) {
+      b.fault = f.what();
     }
-    const double length = buffers[k].member("byteLength").number();
-    if (!(length >= 0) || length > static_cast<double>(bytes.size())) {
-      fail(buffers[k].where() + "/byteLength", "there are only " + std::to_string(bytes.size()) + " bytes");
-    }
-    buffers_.push_back(std::move(bytes));
   }
 }
 
-std::vector<double> Buffers::numbers(const Value& reference, size_t width, bool normalised_integers) const {
-  const Value accessors = document_.member("accessors"), views = document_.member("bufferViews");
+bool Buffers::has_data(const Value& reference) const {
+  const Value accessors = document_.member("accessors");
   const Value a = accessors[reference.index(accessors.size(), "accessor")];
-  if (a.member("sparse").there()) fail(a.where() + "/sparse", "sparse accessors are not read");
-  static constexpr std::pair<const char*, size_t> kTypes[] = {
-      {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}, {"MAT4", 16}};
-  const std::string type = a.member("type").text_or("");
-  size_t columns = 0;
-  for (const auto& [name, count] : kTypes) {
-    if (type == name) columns = count;
-  }
-  if (columns == 0 || (width != 0 && columns != width)) {
-    fail(a.where() + "/type", "\"" + type + "\" is the wrong type here");
-  }
-  const auto component = static_cast<int>(a.member("componentType").number());
-  size_t size = 0;
-  switch (component) {
-    case 5120:
-    case 5121:
-      size = 1;
-      break;
-    case 5122:
-    case 5123:
-      size = 2;
-      break;
-    case 5125:
-    case 5126:
-      size = 4;
-      break;
-    default:
-      fail(a.where() + "/componentType", "is not a component type of glTF");
-  }
-  const double count = a.member("count").number();
-  if (!(count >= 1) || count != std::floor(count))
-    fail(a.where() + "/count", "must be a whole number above 0");
-  const Value view = views[a.member("bufferView").index(views.size(), "buffer view")];
-  const std::vector<std::byte>& buffer = buffers_[view.member("buffer").index(buffers_.size(), "buffer")];
-  const double offset = view.member("byteOffset").number_or(0), inside = a.member("byteOffset").number_or(0);
+  return a.member("bufferView").there() || a.member("sparse").there();
+}
+
+/// A file of a few bytes may ask for the same accessor, or for zeros, again and again.
+void Buffers::spend(const Value& accessor, double numbers) const {
+  constexpr double kMostNumbers = 5e7;
+  spent_ += numbers;
+  if (spent_ > kMostNumbers) fail(accessor.where(), "more than fifty million numbers are read from the file");
+}
+
+std::vector<double> Buffers::read(const Rows& rows) const {
+  const Value views = document_.member("bufferViews");
+  const Value view = views[rows.view.index(views.size(), "buffer view")];
+  const Buffer& buffer = buffers_[view.member("buffer").index(buffers_.size(), "buffer")];
+  require_sound(buffer.fault);
+  const double offset = view.member("byteOffset").number_or(0);
+  const double inside = rows.holder.member("byteOffset").number_or(0);
   const double length = view.member("byteLength").number();
-  const double row = static_cast<double>(size * columns);
-  const double stride = view.member("byteStride").number_or(row);
+  const size_t size = size_of(rows.component, rows.holder.member("componentType"));
+  const double row = static_cast<double>(size * rows.columns);
+  double stride = rows.strided ? view.member("byteStride").number_or(row) : row;
+  if (stride == 0) stride = row;
   if (!(offset >= 0) || !(inside >= 0) || !(length >= 0) ||
-      offset + length > static_cast<double>(buffer.size())) {
-    fail(view.where(), "reaches beyond its buffer of " + std::to_string(buffer.size()) + " bytes");
+      offset + length > static_cast<double>(buffer.bytes.size())) {
+    fail(view.where(), "reaches beyond its buffer of " + std::to_string(buffer.bytes.size()) + " bytes");
   }
   if (!(stride >= row) || stride != std::floor(stride) || inside != std::floor(inside) ||
-      offset != std::floor(offset) || inside + (count - 1) * stride + row > length) {
-    fail(a.where(),
+      offset != std::floor(offset) ||
+      inside + (static_cast<double>(rows.count) - 1) * stride + row > length) {
+    fail(rows.holder.where(),
          "reaches beyond its buffer view of " + std::to_string(static_cast<size_t>(length)) + " bytes");
   }
-  const auto rows = static_cast<size_t>(count);
   std::vector<double> out;
-  out.reserve(rows * columns);
-  const std::byte* at = buffer.data() + static_cast<size_t>(offset) + static_cast<size_t>(inside);
-  for (size_t r = 0; r < rows; ++r) {
-    for (size_t c = 0; c < columns; ++c) {
+  out.reserve(rows.count * rows.columns);
+  const std::byte* at = buffer.bytes.data() + static_cast<size_t>(offset) + static_cast<size_t>(inside);
+  for (size_t r = 0; r < rows.count; ++r) {
+    for (size_t c = 0; c < rows.columns; ++c) {
       const std::byte* p = at + r * static_cast<size_t>(stride) + c * size;
-      const double x = component_at(p, component, normalised_integers);
+      const double x = component_at(p, rows.component, rows.normalised);
       if (!(std::abs(x) <= kMostValue)) {
-        fail(a.where(), "element " + std::to_string(r) + " is not finite or too large");
+        fail(rows.holder.where(), "element " + std::to_string(r) + " is not finite or too large");
       }
       out.push_back(x);
     }
@@ -147,8 +169,44 @@ std::vector<double> Buffers::numbers(const Value& reference, size_t width, bool 
   return out;
 }
 
+void Buffers::read_sparse(const Value& accessor, Rows rows, std::vector<double>& out) const {
+  const Value sparse = accessor.member("sparse"), at = sparse.member("indices"),
+              values = sparse.member("values");
+  const size_t all = rows.count, count = count_of(sparse.member("count"));
+  if (count > all) fail(sparse.where() + "/count", "is more than the accessor has");
+  const auto kind = static_cast<int>(at.member("componentType").number());
+  const std::vector<double> places = read({at.member("bufferView"), at, kind, false, 1, count, false});
+  rows.view = values.member("bufferView"), rows.holder = values, rows.count = count, rows.strided = false;
+  const std::vector<double> given = read(rows);
+  for (size_t k = 0; k < count; ++k) {
+    if (!(places[k] >= 0 && places[k] < static_cast<double>(all)) || places[k] != std::floor(places[k]) ||
+        (k > 0 && !(places[k] > places[k - 1]))) {
+      fail(at.where(), "element " + std::to_string(k) + " is not an index above the one before and below " +
+                           std::to_string(all));
+    }
+    std::copy_n(&given[k * rows.columns], rows.columns, &out[static_cast<size_t>(places[k]) * rows.columns]);
+  }
+}
+
+std::vector<double> Buffers::numbers(const Value& reference, size_t width) const {
+  const Value accessors = document_.member("accessors");
+  const Value a = accessors[reference.index(accessors.size(), "accessor")];
+  const size_t columns = columns_of(a.member("type"), width);
+  const auto component = static_cast<int>(a.member("componentType").number());
+  size_of(component, a.member("componentType"));
+  const size_t count = count_of(a.member("count"));
+  const Rows rows{a.member("bufferView"), a, component, a.member("normalized").flag(), columns, count, true};
+  std::vector<double> out;
+  if (rows.view.there()) out = read(rows);
+  spend(a, static_cast<double>(count) * static_cast<double>(columns));
+  // Nothing in the file bounds the number of zeros.
+  if (!rows.view.there()) out.resize(count * columns);
+  if (a.member("sparse").there()) read_sparse(a, rows, out);
+  return out;
+}
+
 std::vector<Vec3> Buffers::vectors(const Value& reference) const {
-  const std::vector<double> all = numbers(reference, 3, true);
+  const std::vector<double> all = numbers(reference, 3);
   std::vector<Vec3> out(all.size() / 3);
   for (size_t k = 0; k < out.size(); ++k) out[k] = {all[3 * k], all[3 * k + 1], all[3 * k + 2]};
   return out;

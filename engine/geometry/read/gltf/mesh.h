@@ -4,7 +4,7 @@
 
 namespace truestep::gltf {
 
-/// All primitives as one; anything but triangles is a fault.
+/// All primitives of triangles, their strips and fans as one; points and lines are passed over.
 GltfMesh read_mesh(const Value& mesh, const Buffers& buffers);
 
 }  // namespace truestep::gltf

@@ -71,7 +71,11 @@ std::vector<GltfNode> read_nodes(const Value& document) {
   for (size_t k = 0; k < n; ++k) {
     GltfNode& node = all[k];
     node.name = nodes[k].member("name").text_or("node" + std::to_string(k));
-    place(nodes[k], node);
+    try {
+      place(nodes[k], node);
+    } catch (const GltfFault& f) {
+      node.fault = f.what();
+    }
     const Value children = nodes[k].member("children");
     for (size_t c = 0; c < children.size(); ++c) {
       GltfNode& child = all[children[c].index(n, "node")];

@@ -6,8 +6,8 @@
 
 namespace truestep::gltf {
 
-/// In the file's order, without meshes and skins; a cycle, or a transform that is not a pose with a uniform
-/// scale, is a fault.
+/// In the file's order, without meshes and skins; a cycle is a fault, a transform that is not a pose with a
+/// uniform scale one of its node.
 std::vector<GltfNode> read_nodes(const Value& document);
 
 }  // namespace truestep::gltf

@@ -56,11 +56,18 @@ class Value {
     return x;
   }
   double number_or(double otherwise) const { return v_ ? number() : otherwise; }
+  /// False without a value.
+  bool flag() const {
+    if (!v_) return false;
+    if (!v_->is_bool()) fail(where_, "is neither true nor false");
+    return v_->get_bool();
+  }
   /// An integer from 0 to below `count`.
   size_t index(size_t count, const char* what) const {
     const double x = number();
     if (!(x >= 0 && x < static_cast<double>(count)) || x != std::floor(x)) {
-      fail(where_, "there is no " + std::string(what) + " " + std::to_string(x));
+      fail(where_, "there is no " + std::string(what) + " " +
+                       (x == std::floor(x) ? std::to_string(static_cast<int64_t>(x)) : std::to_string(x)));
     }
     return static_cast<size_t>(x);
   }

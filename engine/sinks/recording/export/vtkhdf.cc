@@ -131,7 +131,8 @@ void write_block(hid_t file, hid_t block, const RecordedPart& system, const std:
   write_steps(block, system, times);
 }
 
-// An image: [T, N, w] as [T, z, y, x, w] without the axes that the grid lacks.
+// An image: [T, N, w] as [T, z, y, x, w] without the axes that the grid lacks; readers take what has one step
+// for something without time, so that a single frame has no T either.
 void write_image(hid_t block, const RecordedPart& part, const std::vector<double>& times) {
   const uint64_t frames = times.size();
   const Lattice& l = part.lattice;
@@ -155,22 +156,42 @@ void write_image(hid_t block, const RecordedPart& part, const std::vector<double
   h5_attribute(block, "Origin", origin, 3);
   h5_attribute(block, "Spacing", spacing, 3);
   h5_attribute(block, "Direction", direction, 9);
-  std::vector<hsize_t> shape{frames};
+  std::vector<hsize_t> shape;
+  if (frames > 1) shape.push_back(frames);
   for (const size_t axis : {2, 1, 0}) {
     if (l.counts[axis] > 1) shape.push_back(l.counts[axis]);
   }
   const char* kind = cells ? "CellData" : "PointData";
-  H5 data = h5_group(block, kind), steps = h5_group(block, "Steps");
+  H5 data = h5_group(block, kind);
+  for (const RecordedField& f : part.fields) {
+    write_view(data, f.name, part_path(part) + "/" + f.name + "/value", f, {frames, part.max_rows}, shape);
+  }
+  if (frames == 1) return;
+  H5 steps = h5_group(block, "Steps");
   const int64_t count = static_cast<int64_t>(frames);
   h5_attribute(steps, "NSteps", &count, 0);
   h5_dataset(steps, "Values", H5T_NATIVE_DOUBLE, {frames}, times.data());
   H5 offsets = h5_group(steps, std::string(kind) + "Offsets");
   std::vector<int64_t> step(frames);
   std::iota(step.begin(), step.end(), 0);
-  for (const RecordedField& f : part.fields) {
-    write_view(data, f.name, part_path(part) + "/" + f.name + "/value", f, {frames, part.max_rows}, shape);
-    write_ids(offsets, f.name.c_str(), step);
-  }
+  for (const RecordedField& f : part.fields) write_ids(offsets, f.name.c_str(), step);
+}
+
+// VTK 9.7 takes a collection for one without time on the first update after its information, unless the
+// collection itself has Steps; and every group of a collection is one of its blocks. So there is a last,
+// empty block of that name, which 9.4 to 9.6 read as what it is.
+void write_steps_block(hid_t file, hid_t root, size_t index, const std::vector<double>& times) {
+  H5 block = h5_group(root, "Steps");
+  RecordedPart nothing;
+  nothing.id = "Steps";
+  write_block(file, block, nothing, times);
+  const float no_points[3] = {};
+  h5_dataset(block, "Points", H5T_NATIVE_FLOAT, {0, 3}, no_points);
+  const int64_t at = static_cast<int64_t>(index), count = static_cast<int64_t>(times.size());
+  h5_attribute(block, "Index", &at, 0);
+  h5_attribute(block, "NSteps", &count, 0);
+  h5_ok(H5Lcreate_soft("/VTKHDF/Steps/Steps/Values", block, "Values", H5P_DEFAULT, H5P_DEFAULT),
+        "link the times");
 }
 
 bool has_points(const RecordedPart& s) {
@@ -217,6 +238,10 @@ void write_vtkhdf(hid_t file, const RecordingLayout& layout, uint64_t frames) {
     write_any(block, *systems[i]);
     const int64_t index = static_cast<int64_t>(i);
     h5_attribute(block, "Index", &index, 0);
+  }
+  if (frames > 1) {
+    write_steps_block(file, root, names.size(), times);
+    names.push_back("Steps");
   }
   H5 assembly = h5_group(root, "Assembly");
   for (const std::string& name : names) {

@@ -118,26 +118,46 @@ void Rigid3d::joint_loads(const State& s, JointLoad what, std::span<double> out)
   }
 }
 
-void Rigid3d::set_motor(State& s, const Command& c) const {
+namespace {
+
+constexpr std::string_view kFreedoms[6] = {"x.", "y.", "z.", "turn_x.", "turn_y.", "turn_z."};
+
+// Whether "turn." of "turn.motor_speed" means the drive along this row; nothing means every drive.
+bool names_drive(std::string_view freedom, uint32_t row) {
+  return freedom.empty() || freedom == kFreedoms[row] || freedom == (row < 3 ? "slide." : "turn.");
+}
+
+}  // namespace
+
+void Rigid3d::set_motor(State& s, const Command& c, std::string_view parameter) const {
   const size_t k = checked_command_row(c, joints_.joints.size(), "joint");
   const Joint& j = joints_.joints[k];
-  const bool strength = c.name == "max_motor";
+  const bool strength = parameter == "max_motor";
+  const std::string_view freedom = std::string_view(c.name).substr(0, c.name.size() - parameter.size());
   if (strength && c.value < 0)
     refuse_command("value", "out_of_range", "the maximum of the motor must be at least 0");
-  const auto wants = c.name == "motor_speed" ? Drive::Wants::speed : Drive::Wants::place;
-  size_t changed = 0;
+  const auto wants = parameter == "motor_speed" ? Drive::Wants::speed : Drive::Wants::place;
+  const bool pose = j.form == Joint::Form::pose;
+  std::vector<uint32_t> chosen;
   for (uint32_t d = j.first_drive; d < j.first_drive + j.drives; ++d) {
     const Drive& drive = joints_.drives[d];
     if (!(drive.laws & Drive::kMotor) || (!strength && drive.wants != wants)) continue;
-    if (j.form == Joint::Form::pose && (strength || drive.row > 2)) continue;
-    const double axes[3] = {c.vector.x, c.vector.y, c.vector.z};
-    const double value = j.form == Joint::Form::pose ? axes[drive.row] : c.value;
-    s.f64(columns::drive_motor)[2 * static_cast<size_t>(d) + (strength ? 1 : 0)] = value;
-    ++changed;
+    if (pose && (strength || drive.row > 2)) continue;
+    if (names_drive(freedom, drive.row)) chosen.push_back(d);
   }
-  if (changed == 0) {
+  if (chosen.empty()) {
     refuse_command("index", "no_motor", "joint " + std::to_string(k) + " has no motor that takes " + c.name,
                    "a joint with motor_speed or motor_target in the scene");
+  }
+  if (chosen.size() > 1 && !pose) {
+    refuse_command("name", "ambiguous",
+                   "joint " + std::to_string(k) + " has several motors that take " + c.name,
+                   "slide., turn., x., y., z., turn_x., turn_y. or turn_z. before " + std::string(parameter));
+  }
+  for (const uint32_t d : chosen) {
+    const double axes[3] = {c.vector.x, c.vector.y, c.vector.z};
+    s.f64(columns::drive_motor)[2 * static_cast<size_t>(d) + (strength ? 1 : 0)] =
+        pose ? axes[joints_.drives[d].row] : c.value;
   }
   for (const uint32_t body :
        {s.span<uint32_t>(columns::joint_bodies)[2 * k], s.span<uint32_t>(columns::joint_bodies)[2 * k + 1]}) {

@@ -1,4 +1,4 @@
-#include "server/cli/describe_commands.h"
+#include "server/cli/describe/describe_commands.h"
 
 #include <iostream>
 
@@ -6,6 +6,7 @@
 #include "engine/scene/json/json.h"
 #include "engine/scene/json/json_write.h"
 #include "engine/session/describe.h"
+#include "server/cli/describe/describe_types.h"
 #include "server/cli/exit_codes.h"
 #include "server/cli/input.h"
 
@@ -60,85 +61,6 @@ int validate(const Options& options) {
   return valid ? kExitOk : kExitInvalidScene;
 }
 
-void print_parameters(const json::array& rows, const std::string& indent) {
-  for (const json::value& v : rows) {
-    const json::object& r = v.as_object();
-    std::cout << indent << r.at("name").as_string().c_str() << " (" << r.at("kind").as_string().c_str();
-    if (r.contains("unit")) std::cout << ", " << r.at("unit").as_string().c_str();
-    if (r.contains("required")) std::cout << ", required";
-    if (r.contains("default")) std::cout << ", default " << write_json(r.at("default"));
-    if (r.contains("allowed")) std::cout << ", " << r.at("allowed").as_string().c_str();
-    if (r.contains("choices")) std::cout << ", one of " << write_json(r.at("choices"));
-    std::cout << "): " << r.at("description").as_string().c_str() << '\n';
-    if (r.contains("parameters")) print_parameters(r.at("parameters").as_array(), indent + "  ");
-    if (r.contains("types")) {
-      for (const auto& [type, nested] : r.at("types").as_object()) {
-        std::cout << indent << "  type " << type << ":\n";
-        print_parameters(nested.as_array(), indent + "    ");
-      }
-    }
-  }
-}
-
-void print_outputs(const Outputs& out) {
-  const auto tail = [](std::string_view sentence) {
-    if (!sentence.empty()) std::cout << ": " << sentence;
-    std::cout << '\n';
-  };
-  std::cout << "\nfields (of probes, recordings and streams; \"index\" of a probe is a row)\n  a row is "
-            << out.rows << '\n';
-  for (const FieldOutput& f : out.fields) {
-    std::cout << "  " << f.name << " (" << f.unit << (f.width > 1 ? " x " + std::to_string(f.width) : "")
-              << ')';
-    tail(f.sentence);
-  }
-  std::cout << "\nobservables (as <id>.<name>; a scene's energy.* are sums over its systems)\n";
-  for (const OutputInfo& o : out.observables) {
-    std::cout << "  " << o.name << " (" << o.unit << ')';
-    tail(o.sentence);
-  }
-}
-
-int systems(const Options& options) {
-  if (options.name.empty()) {
-    if (options.json) {
-      std::cout << write_json(describe_systems()) << '\n';
-    } else {
-      for (const CatalogueRow& row : catalogue()) std::cout << row.type << "\t" << row.sentence << '\n';
-    }
-    return kExitOk;
-  }
-  const CatalogueRow* row = find_system_type(options.name);
-  if (!row) {
-    std::string all;
-    for (const CatalogueRow& r : catalogue()) all += (all.empty() ? "" : ", ") + std::string(r.type);
-    std::vector<std::string> names;
-    for (const CatalogueRow& r : catalogue()) names.emplace_back(r.type);
-    throw Error("not_found", "there is no system type " + options.name + "; there are: " + all +
-                                 did_you_mean(options.name, names));
-  }
-  const json::object d = describe_system(*row);
-  if (options.json) {
-    std::cout << write_json(d) << '\n';
-    return kExitOk;
-  }
-  std::cout << row->type << ": " << row->sentence << "\n\nparameters\n";
-  print_parameters(d.at("parameters").as_array(), "  ");
-  if (!d.at("integrators").as_array().empty()) {
-    std::cout << "\nintegrators (default " << row->default_integrator << ")\n";
-    for (const json::value& m : d.at("integrators").as_array()) {
-      std::cout << "  " << m.at("name").as_string().c_str() << ": " << m.at("title").as_string().c_str()
-                << ", order " << m.at("order").as_int64() << '\n';
-    }
-    for (const std::string_view own : row->own_integrators)
-      std::cout << "  " << own << ": of this system only\n";
-  }
-  print_outputs(*row->outputs);
-  std::cout << "\nguarantees\n";
-  for (const std::string_view g : row->guarantees) std::cout << "  " << g << '\n';
-  return kExitOk;
-}
-
 int show_gallery(const Options& options) {
   if (!options.name.empty()) {
     const GalleryScene* g = find_gallery_scene(options.name);
@@ -174,8 +96,7 @@ void add_describe_commands(Arguments app, int& exit_code) {
   add("validate", "errors and warnings of a scene, its plan and its cost", validate)
       .add_option("scene", options->name, "scene file, gallery name, or - for standard input")
       .required();
-  add("systems", "the kinds of systems, or one kind with its parameters", systems)
-      .add_option("type", options->name, "a system type");
+  add_systems_command(app, exit_code);
   add("gallery", "the scenes that come with the program, or one scene's document", show_gallery)
       .add_option("name", options->name, "a gallery scene");
   add("schema", "the JSON Schema of a scene", [](const Options&) {
