@@ -223,7 +223,7 @@ void BodyTouchSearch::look_at_hull(const BodyTouchQuery& q, uint32_t hull,
       HullContact now = hull_distance(y1, end, c.count, -hit->n);
       if (!(now.apart > 0) || dot(now.n, hit->n) < 0.5) now = *hit;
       BodyTouch t;
-      t.link = {c.rows, now.w, static_cast<uint32_t>(c.count), body, {}};
+      t.link = {c.rows, now.w, static_cast<uint32_t>(c.count), body};
       t.n = -now.n, t.reach = q.reach, t.s = hit->s;
       t.place = corner.at - m.end.inverse_direction(now.n) * corner.radius;
       const Vec3 touching = t.link.blend([&](size_t row) {
@@ -254,7 +254,7 @@ void BodyTouchSearch::look_at_edge(const BodyTouchQuery& q, const PointEdge& edg
           m.end.direction(e.outward), q.reach + e.radius, q.reach + e.radius + std::max(q.reach, kNear));
       if (!meet) continue;
       BodyTouch t;
-      t.link = {{edge[0], edge[1], edge[1]}, {1 - meet->along, meet->along, 0}, 2, body, {}};
+      t.link = {{edge[0], edge[1], edge[1]}, {1 - meet->along, meet->along, 0}, 2, body};
       t.n = meet->n, t.reach = q.reach, t.s = meet->s;
       t.place = m.end.inverse_point(meet->place + meet->n * e.radius);
       const Vec3 touching = t.link.blend([&](size_t row) {
