@@ -1,5 +1,5 @@
-// Points that hit the links of a tree, hang on them or carry them: momentum, faces that nothing passes, the
-// laws of a hit.
+// Points that hit the links of a tree or hang on them: momentum, faces that nothing passes. (The laws of a
+// hit and springs that carry are in tests/scenes/couplings.)
 #include <cmath>
 
 #include "engine/collision/point_distance.h"
@@ -62,30 +62,6 @@ TEST(LinkContacts, NoBallPassesALink) {
   }
 }
 
-// A ball hits a hinged rod at a = 0.8 m from the hinge: there the rod has the effective mass M = I / a^2, and
-// for e = 1 v' = (m - M) / (m + M) v (Landau, Lifshitz, Mechanics, section 17 with one coordinate each).
-TEST(LinkContacts, ABallBouncesOffAHingedRod) {
-  for (const double e : {1.0, 0.5}) {
-    char law[160];
-    std::snprintf(
-        law, sizeof law,
-        R"({"type": "contact", "id": "c", "a": "ball", "b": "rod", "restitution": %g, "friction": 0, "rest_speed": 0})",
-        e);
-    SceneRun run(R"({"gravity": [0, 0, 0], "time": {"dt": 0.001}, "systems": [
-        {"type": "particles", "id": "ball", "mass": 0.7, "radius": 0.05, "positions": [[-0.3, -0.8, 0]], "velocities": [[2, 0, 0]]},
-        {"type": "articulation", "id": "rod", "links": [{"parent": "ground", "mass": 3,
-          "shapes": [{"type": "box", "half_extents": [0.02, 0.5, 0.02], "position": [0, -0.5, 0]}]}]}],
-      "couplings": [)" +
-                 std::string(law) +
-                 R"(], "probes": [{"id": "ball", "system": "ball", "fields": ["velocity"]}]})");
-    const double inertia = 3 * ((0.04 * 0.04 + 1) / 12 + 0.25), M = inertia / 0.64, m = 0.7;
-    while (run.observe("c.impulse.sum") == 0 && run.session.step_index() < 1000) run.session.step(1);
-    EXPECT_NEAR(run.observe("ball.velocity.x"), (m - e * M) / (m + M) * 2, 1e-12) << e;
-    EXPECT_NEAR(run.observe("rod.angular_momentum.z"), 0.8 * m * (1 + e) * M / (m + M) * 2, 1e-9) << e;
-    EXPECT_NEAR(run.observe("c.energy.lost"), 0.5 * m * M / (m + M) * 4 * (1 - e * e), 1e-12) << e;
-  }
-}
-
 // A rope that hangs on a hand: the two places coincide to rounding, and momentum is as without the hook.
 TEST(LinkContacts, ARopeHooksOn) {
   SceneRun run(scene_of(
@@ -111,20 +87,6 @@ TEST(LinkContacts, ARopeHooksOn) {
   EXPECT_LT(norm(after.linear - before.linear), 1e-9);
   EXPECT_LT(norm(after.angular - before.angular), 1e-6);
   EXPECT_GT(run.observe("hook.impulse.sum"), 0.1);
-}
-
-// A hand on a spring to a pinned point: m g = k stretch at rest.
-TEST(LinkContacts, ASpringCarriesALink) {
-  SceneRun run(scene_of(
-      R"({"type": "mass_spring", "id": "pin", "free": {"points": [[0, 2, 0]]}, "pins": [0]},
-      {"type": "articulation", "id": "slide", "links": [{"parent": "ground", "joint": "prismatic", "axis": [0, 1, 0], "q": [1],
-        "mass": 2, "inertia": [0.1, 0.1, 0.1]}]})",
-      R"({"type": "attachment", "id": "s", "a": "slide", "b": "pin", "stiffness": 200, "damping": 10})",
-      0.004, "[0, -9.81, 0]"));
-  run.session.step(2500);
-  Observables out;
-  const ConstBodies b(run.session.state().systems[1], *run.world->system(1).ports().bodies);
-  EXPECT_NEAR(b.place(0).y, 1 - 2 * 9.81 / 200, 1e-5);
 }
 
 }  // namespace

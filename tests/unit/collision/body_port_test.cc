@@ -1,5 +1,5 @@
 // Points and bodies through their ports: the effect of an impulse, single precision, momentum, faces that
-// nothing passes, links, and rejected sides.
+// nothing passes, links. (Bounces, slopes and rejected sides are in tests/scenes.)
 #include <cmath>
 
 #include "engine/base/random.h"
@@ -208,43 +208,6 @@ TEST(BodyContact, NothingFastPassesAThinPlate) {
   }
 }
 
-// e = 1 in free fall: each touch is answered at its own time.
-TEST(BodyContact, ElasticBouncesKeepTheHeight) {
-  SceneRun run(R"({"time": {"dt": 0.004}, "systems": [
-      {"type": "particles", "id": "ball", "radius": 0.1, "positions": [[0, 1.1, 0]]},
-      {"type": "rigid3d", "id": "floor", "bodies": [{"type": "box", "half_extents": [2, 1, 2], "position": [0, -1, 0],
-        "motion": "fixed"}]}],
-    "couplings": [{"type": "contact", "a": "ball", "b": "floor", "restitution": 1, "friction": 0}]})");
-  const double before = run.observe("ball.energy.total");
-  for (int k = 0; k < 1000; ++k) {
-    run.session.step(1);
-    // Four bounces; each time of touch is found on a straight path, from which a parabola departs by g h^2 /
-    // 8.
-    ASSERT_NEAR(run.observe("ball.energy.total"), before, 0.01 * before) << k;
-  }
-}
-
-// A block on an incline, here a particle on a tilted box: it stays for mu > tan(angle) and slides for less.
-TEST(BodyContact, FrictionHoldsOnAnIncline) {
-  for (const double mu : {0.4, 0.2}) {
-    char scene[1024];
-    // tan = 0.3; the particle touches the face at the box's middle.
-    std::snprintf(scene, sizeof scene, R"({"time": {"dt": 0.004}, "systems": [
-        {"type": "particles", "id": "p", "radius": 0.05, "positions": [[%.12f, %.12f, 0]]},
-        {"type": "rigid3d", "id": "slope", "bodies": [{"type": "box", "half_extents": [5, 0.5, 5], "axis": [0, 0, 1],
-          "angle": 0.29145679447786715, "motion": "fixed"}]}],
-      "couplings": [{"type": "contact", "a": "p", "b": "slope", "restitution": 0, "friction": %g}],
-      "probes": [{"id": "p", "system": "p", "fields": ["position", "velocity"]}]})",
-                  -0.55 * 0.287347885566345, 0.55 * 0.957826285221151, mu);
-    SceneRun run(scene);
-    const Vec3 start{run.observe("p.position.x"), run.observe("p.position.y"), 0};
-    run.session.step(250);
-    const Vec3 end{run.observe("p.position.x"), run.observe("p.position.y"), 0};
-    const double a = std::max(0.0, 9.81 * (0.287347885566345 - mu * 0.957826285221151));
-    EXPECT_NEAR(norm(end - start), 0.5 * a, 2e-3) << mu;
-  }
-}
-
 // A corner comes down on a cloth of two triangles whose points it never meets.
 TEST(BodyContact, CornersDoNotPassCoarseCloth) {
   SceneRun run(R"({"time": {"dt": 0.004, "substeps": 4}, "systems": [
@@ -287,47 +250,6 @@ TEST(BodyAttachment, RopeHoldsACrateAndKeepsMomentum) {
   EXPECT_LT(norm(after.linear - before.linear), 1e-12 * before.scale * 10);
   EXPECT_LT(norm(after.angular - before.angular), 1e-12 * before.turning * 10);
   EXPECT_GT(run.observe("hook.impulse.sum"), 0.1);
-}
-
-// A crate on a spring from a pinned point: m g = k stretch at rest.
-TEST(BodyAttachment, SpringCarriesItsWeight) {
-  SceneRun run(R"({"time": {"dt": 0.004}, "systems": [
-      {"type": "mass_spring", "id": "pin", "free": {"points": [[0, 2, 0]]}, "pins": [0]},
-      {"type": "rigid3d", "id": "crate", "bodies": [{"type": "box", "half_extents": [0.1, 0.1, 0.1], "mass": 2,
-        "position": [0, 1, 0]}]}],
-    "couplings": [{"type": "attachment", "id": "s", "a": "crate", "b": "pin", "stiffness": 200, "damping": 10}],
-    "probes": [{"id": "c", "system": "crate"}]})");
-  run.session.step(2500);
-  // The damping between the two kicks takes (c h / m)^2 / 8 of the stretch.
-  EXPECT_NEAR(run.observe("c.position.y"), 1 - 2 * 9.81 / 200, 1e-5);
-}
-
-TEST(BodySides, RefusalsSayWhatIsAllowed) {
-  const auto refused = [](const std::string& systems, const std::string& coupling) {
-    try {
-      SceneRun run(R"({"time": {"dt": 0.004}, "systems": [)" + systems + R"(], "couplings": [)" + coupling +
-                   "]}");
-    } catch (const Error& e) {
-      return e.issues().empty() ? std::string(e.what()) : e.issues()[0].pointer + " " + e.issues()[0].allowed;
-    }
-    return std::string();
-  };
-  const std::string body = R"({"type": "rigid3d", "id": "a", "bodies": [{"type": "sphere"}]})";
-  const std::string more = R"({"type": "rigid3d", "id": "b", "bodies": [{"type": "sphere"}]})";
-  const std::string rope =
-      R"({"type": "mass_spring", "id": "b", "rope": {"from": [0, 0, 0], "to": [1, 0, 0]}})";
-  const std::string implicit =
-      R"({"type": "mass_spring", "id": "b", "integrator": "implicit_euler", "rope": {"from": [0, 0, 0], "to": [1, 0, 0]}})";
-  const std::string flat = R"({"type": "oscillator", "id": "b"})";
-  const std::string contact = R"({"type": "contact", "a": "a", "b": "b"})";
-  EXPECT_NE(refused(body + "," + more, contact).find("system of points"), std::string::npos);
-  EXPECT_NE(refused(body + "," + flat, contact).find("mass_spring"), std::string::npos);
-  EXPECT_NE(refused(body + "," + implicit, contact).find("explicit"), std::string::npos);
-  EXPECT_EQ(refused(body + "," + rope, contact), "");
-  EXPECT_EQ(refused(body + "," + rope, R"({"type": "attachment", "a": "a", "b": "b"})"), "");
-  EXPECT_NE(refused(body + "," + rope, R"({"type": "attachment", "a": "a", "b": "b", "a_points": [3]})")
-                .find("/couplings/0/a_points/0"),
-            std::string::npos);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Points that hit bodies of the plane: momentum, outlines and corners that nothing passes, sleepers that
-// wake.
+// Points that hit bodies of the plane: momentum, outlines and corners that nothing passes. (That sleepers
+// wake is in tests/scenes/couplings/chain_holds_and_sleeper_wakes_2d.json.)
 #include <cmath>
 
 #include "engine/geometry/transform.h"
@@ -83,25 +83,6 @@ TEST(FlatBodies, ACornerDoesNotPassARope) {
     ASSERT_GT(least, 0.02 - 1e-3) << k;
   }
   EXPECT_GT(run.observe("c.impulse.sum"), 0.5);
-}
-
-// A chain is a wall on its left side; a sleeping body wakes where a ball hits it.
-TEST(FlatBodies, ChainsHoldAndSleepersWake) {
-  SceneRun run(R"({"time": {"dt": 0.004}, "systems": [
-      {"type": "particles", "id": "ball", "mass": 50, "radius": 0.1, "positions": [[0.1, 6, 0], [3, 1, 0]]},
-      {"type": "rigid2d", "id": "flat", "bodies": [{"motion": "fixed", "shapes": [{"type": "chain", "points": [[-5, 0, 0], [0, 0, 0], [5, 0, 0]]}]},
-        {"position": [0, 0.5, 0], "shapes": [{"type": "box"}], "density": 100}]}],
-    "couplings": [{"type": "contact", "id": "c", "a": "ball", "b": "flat", "restitution": 0}]})");
-  bool slept = false;
-  for (int k = 0; k < 500; ++k) {
-    run.session.step(1);
-    const auto asleep = run.observe("flat.awake") == 0;
-    slept |= asleep;
-    const ConstPoints p(run.session.state().systems[0], *run.world->system(0).ports().points);
-    for (size_t i = 0; i < p.count; ++i) ASSERT_GT(p.place(i).y, 0.09) << k;
-  }
-  EXPECT_TRUE(slept);
-  EXPECT_GT(run.observe("c.impulse.sum"), 50);
 }
 
 }  // namespace

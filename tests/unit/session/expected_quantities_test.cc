@@ -75,16 +75,5 @@ TEST(ExpectedQuantities, SeeEnergyFromNothing) {
   EXPECT_EQ(measured(e), 0) << "what a motor gives is none";
 }
 
-TEST(ExpectedQuantities, ThatCannotBeReadAreFaultsOfTheScene) {
-  for (const char* text : {"max(a.x", "a.x +", "drift(a.x + 1)", "blur(a.x)", "max(a.x, t, 2)", ""}) {
-    boost::json::value scene = boost::json::parse(
-        R"({"systems": [{"type": "oscillator"}], "expect": [{"quantity": "", "min": 0}]})");
-    scene.at("expect").as_array()[0].as_object()["quantity"] = text;
-    const SceneReport report = read_scene(scene);
-    ASSERT_FALSE(report.scene.has_value()) << text;
-    EXPECT_EQ(report.errors.at(0).pointer, "/expect/0/quantity") << text;
-  }
-}
-
 }  // namespace
 }  // namespace truestep
