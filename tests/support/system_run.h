@@ -36,6 +36,12 @@ struct SystemRun {
     held().observe(state, t(), out);
     return out.find(name).value();
   }
+  /// NAN when there is none of that name.
+  double observed(const std::string& name) const {
+    Observables out;
+    held().observe(state, t(), out);
+    return out.find(name).value_or(NAN);
+  }
   Vec3 observe3(const std::string& name) const {
     return {observe(name + ".x"), observe(name + ".y"), observe(name + ".z")};
   }
