@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-#include "tests/support/world_run.h"
+#include "engine/session/world/world.h"
 
 namespace truestep::test {
 
@@ -16,19 +16,21 @@ inline std::string write_number(double v) {
   return text;
 }
 
-struct OdeRun : testing_rig::WorldRun {
+class OdeRun {
+ public:
   /// `system`: the JSON object of the system without its type and id; `threads` of the arena.
   explicit OdeRun(const std::string& system, double dt = 0.1, int threads = 1)
-      : WorldRun(R"({"schema_version": "1.0", "time": {"dt": )" + write_number(dt) +
-                     R"(}, "systems": [{"type": "ode", "id": "s", )" + system + "}]}",
-                 threads) {}
+      : world_(parse_scene(R"({"schema_version": "1.0", "time": {"dt": )" + write_number(dt) +
+                           R"(}, "systems": [{"type": "ode", "id": "s", )" + system + "}]}")),
+        arena_(threads),
+        state(world_.initial_state()) {}
 
   OdeRun& steps(int n) {
-    WorldRun::steps(n);
+    for (int k = 0; k < n; ++k) world_.step(state, workspace, arena_, {});
     return *this;
   }
   double value(const std::string& name) const {
-    const auto v = world.observe(state).find("s." + name);
+    const auto v = world_.observe(state).find("s." + name);
     EXPECT_TRUE(v.has_value()) << name;
     return v.value_or(0);
   }
@@ -36,9 +38,18 @@ struct OdeRun : testing_rig::WorldRun {
     Command c;
     c.kind = CommandKind::set_parameter;
     c.system = "s", c.name = name, c.value = to;
-    world.apply(state, c);
+    world_.apply(state, c);
   }
-  const State& columns() const { return s(); }
+  const World& world() const { return world_; }
+  const State& columns() const { return state.systems[0]; }
+
+ private:
+  World world_;
+  ThreadArena arena_;
+
+ public:
+  WorldState state;
+  Workspace workspace;
 };
 
 /// The errors with which a system is refused, when parsed or built.
