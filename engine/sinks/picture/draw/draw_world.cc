@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "engine/base/errors.h"
@@ -13,7 +12,9 @@
 #include "engine/sinks/picture/draw/draw_elements.h"
 #include "engine/sinks/picture/draw/draw_grid.h"
 #include "engine/sinks/picture/draw/draw_liquid.h"
+#include "engine/sinks/picture/draw/draw_names.h"
 #include "engine/sinks/picture/draw/draw_plot.h"
+#include "engine/sinks/picture/draw/draw_scale.h"
 #include "engine/sinks/picture/draw/draw_strings.h"
 #include "engine/sinks/picture/draw/draw_systems.h"
 #include "engine/sinks/picture/geometry.h"
@@ -35,7 +36,7 @@ std::vector<float> take_values(const World& world, const Frame& frame, const Fie
                                const std::vector<uint32_t>& rows, const ViewerParams& viewer,
                                DrawPoints& points) {
   const FieldInfo& field = world.parts()[at.part].info().fields[at.field];
-  points.scalar_label = label_of(viewer, viewer.color_by, field.unit);
+  apply_scale(points, viewer, field, viewer.color_by);
   return picked(element_values(world, frame, at), rows);
 }
 
@@ -44,13 +45,10 @@ DrawPoints points_of(const World& world, const Frame& frame, size_t p, const Vie
   const PartInfo& info = world.parts()[p].info();
   DrawPoints points;
   points.positions = FrameValues(frame, p, info.find(Meaning::position)).floats();
-  points.color_map = viewer.color_map;
-  if (const auto& range = viewer.range; !range.empty())
-    points.scalar_min = static_cast<float>(range[0]), points.scalar_max = static_cast<float>(range[1]);
   if (const auto f = color_field(info, color_by)) {
     points.scalar = magnitudes(FrameValues(frame, p, f).floats(), info.fields[*f].width);
     if (points.scalar.size() * 3 == points.positions.size()) {
-      points.scalar_label = label_of(viewer, color_by, info.fields[*f].unit);
+      apply_scale(points, viewer, info.fields[*f], color_by);
     } else {
       points.scalar.clear();
     }
@@ -291,8 +289,9 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
   // A range and a legend belong to the field named by the scene.
   ViewerParams viewer = header.viewer;
   if (look.color_by && *look.color_by != viewer.color_by)
-    viewer.color_by = *look.color_by, viewer.range.clear(), viewer.legend.clear();
-  if (viewer.range.empty()) viewer.range = common_range(world, frame, viewer.color_by);
+    viewer.color_by = *look.color_by, viewer.range.clear(), viewer.legend.clear(), viewer.names.clear(),
+    viewer.color_map = ColorMap::automatic;
+  if (viewer.range.empty()) viewer.range = common_range(world, frame, viewer);
   list.up = up_of(header);
   if (look.theme == PictureLook::Theme::dark)
     list.background_top = {0.09f, 0.105f, 0.13f}, list.background_bottom = {0.145f, 0.165f, 0.20f};
@@ -309,12 +308,16 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
     const size_t before = list.shapes.size();
     const auto rows = [&](Meaning m) { return FrameValues(frame, p, info.find(m)); };
     add_bodies(list, frame.constant->parts[p],
-               {rows(Meaning::position), rows(Meaning::orientation), rows(Meaning::asleep)}, points);
+               {rows(Meaning::position), rows(Meaning::orientation), rows(Meaning::asleep)}, points,
+               places[p]);
+    const PartDrawing& drawing = frame.constant->parts[p];
+    const bool main = world.parts()[p].index == 0;
+    if (const auto color = bodies_color(drawing, places[p]); main && color && points.scalar.empty())
+      systems.push_back({spaced(world.parts()[p].id), *color});
     // Rows that only carry bodies are not framed either; coloured ones provide the colour bar.
     const bool only_bodies = list.shapes.size() > before && points.radius == 0 && points.lines.empty() &&
                              points.triangles.empty() && points.scalar.empty();
     if (points.positions.empty() || only_bodies) continue;
-    const PartDrawing& drawing = frame.constant->parts[p];
     if (!drawing.plot.empty()) {
       plot.add(points.positions);
       if (axes.empty()) axes = drawing.plot;
@@ -326,17 +329,19 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
     }
     if (!points.color) points.color = picture::palette(places[p]);
     if (viewer.liquid == Liquid::surface && list.shapes.size() == before) wrap_liquid(points, drawing.space);
-    const bool main = world.parts()[p].index == 0;
     // Rows drawn by other shapes show no colour of their own.
     const bool visible = points.radius > 0 || !points.lines.empty() || !points.triangles.empty();
     if (main && visible && !colored && list.shapes.size() == before && drawing.plot.empty())
       systems.push_back({spaced(world.parts()[p].id), own_color(world, frame, p).value_or(*points.color)});
     if (const auto place = name_place(points, list.up); main && visible && colored && place)
       colored_systems.push_back({spaced(world.parts()[p].id), *place});
+    if (look.trails)
+      look.trails->add_to(list, p, frame, points.positions, colored ? std::nullopt : points.color);
     list.points.push_back(std::move(points));
   }
   add_strings(list, world, frame);
   add_legend(list, systems);
+  add_kinds_legend(list);
   bool grids_alone = list.points.empty() && list.shapes.empty() && frame.moving.obstacles.empty();
   for (size_t p = 0; p < world.parts().size(); ++p) {
     const PartInfo& info = world.parts()[p].info();
@@ -368,10 +373,8 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
   // Names are outside a plot's frame: an automatic camera leaves room for them.
   if (!list.labels.empty() && list.camera) frame_as(list, *std::exchange(list.camera, std::nullopt));
   if (viewer.labels) add_names(list, colored_systems);
-  char time[48];
-  // Planets take years, atoms picoseconds.
-  const bool usual = frame.time == 0 || (frame.time >= 0.001 && frame.time < 1e5);
-  std::snprintf(time, sizeof time, usual ? "t = %.3f s" : "t = %.4g s", frame.time);
+  if (viewer.probe_labels) add_probe_labels(list, world, frame);
+  const std::string time = time_text(frame.time, header.time.duration);
   const std::string& name = header.title.empty() ? header.name : header.title;
   list.caption = name.empty() ? time : name + "   " + time;
   return list;
