@@ -22,8 +22,8 @@ constexpr uint32_t kSmokeHex[] = {0xe9eef3, 0xc9cfd6, 0xa3aab3, 0x7d858f, 0x5a62
 constexpr uint32_t kSnowHex[] = {0xffffff, 0xf1f7fc, 0xd9e8f4, 0xb3d1e8, 0x84b3d6, 0x5590bf, 0x2f6a9c};
 constexpr uint32_t kSandHex[] = {0x6b4a25, 0x8f6636, 0xb08449, 0xcda463, 0xe2c488, 0xf3e2b8};
 // Kinds that have a colour of their own, by their names.
-constexpr const char* kNaturalNames[] = {"fluid", "water", "oil", "snow", "sand", "foam", "smoke", "ice"};
-constexpr uint32_t kNaturalHex[] = {0x2f86c9, 0x2f86c9, 0xd9a52b, 0xf4f9fd, 0xd8b06a, 0xe9c4a0, 0x7d858f, 0xb3d1e8};
+constexpr const char* kNaturalNames[] = {"fluid", "water", "oil", "snow", "sand", "foam", "smoke", "ice", "Sun", "Mercury", "Venus", "Earth", "Mars", "Jupiter", "Saturn", "Uranus", "Neptune"};
+constexpr uint32_t kNaturalHex[] = {0x2f86c9, 0x2f86c9, 0xd9a52b, 0xf4f9fd, 0xd8b06a, 0xe9c4a0, 0x7d858f, 0xb3d1e8, 0xf2b233, 0x9a8f86, 0xdfb06c, 0x3f7fd0, 0xc9552f, 0xbf8a58, 0xd6bd7c, 0x6fc0cd, 0x4463c9};
 // clang-format on
 
 }  // namespace truestep::picture

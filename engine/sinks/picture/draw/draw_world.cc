@@ -29,6 +29,8 @@ constexpr size_t kNet = 1500;        // from this many lines on they form a net 
                                      // possible
 constexpr size_t kMarked = 128;      // points
 constexpr double kGridFill = 0.8;    // for a field's picture: caption and colour bar are below it
+constexpr double kMarkShare = 0.08;  // longest line of a mark, of the size of what is drawn
+constexpr double kWide = 2.5;        // a container this many times wider than what is in it is not framed
 constexpr double kFlatFov = 12;      // degrees: a planar scene shows its faces, not its sides
 
 /// Values of lines or triangles colour those that are drawn: `rows` of them; unless the points have values.
@@ -210,8 +212,8 @@ double reach_down(const DrawShape& s, const Vec3& up) {
   }
 }
 
-/// Longest line of a mark (m): a fraction of the size of what is drawn.
-double mark_size(const DrawList& list) {
+/// m, across what is drawn; 0.2 / kMarkShare if that is nothing.
+double size_of(const DrawList& list) {
   Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = -low;
   const auto cover = [&](const Vec3& p) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
@@ -227,7 +229,7 @@ double mark_size(const DrawList& list) {
     }
   }
   const double size = norm(high - low);
-  return std::isfinite(size) && size > 0 ? 0.08 * size : 0.2;
+  return std::isfinite(size) && size > 0 ? size : 0.2 / kMarkShare;
 }
 
 // The ground lies below everything drawn.
@@ -352,13 +354,17 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
   }
   grids_alone = grids_alone && !list.points.empty();
   if (grids_alone) list.fill = std::min(list.fill, kGridFill);
+  const double seen = list.points.empty() && list.shapes.empty() ? HUGE_VAL : size_of(list);
   for (const DrawnShape& s : frame.moving.obstacles) {
     list.shapes.push_back(shape_of(s));
+    // A wide container would make what lives in it small.
+    if (s.container && 2 * norm(s.size) > kWide * seen)
+      list.shapes.back().framing = DrawShape::Framing::ignored;
     has_plane |= s.kind == DrawnShape::Kind::plane;
   }
   if (const double low = lowest_point(list); !has_plane && !grids_alone && std::isfinite(low))
     list.ground_height = low - 0.05;
-  add_marks(list, frame.moving, mark_size(list), joint_colors(list, world, frame, viewer));
+  add_marks(list, frame.moving, kMarkShare * size_of(list), joint_colors(list, world, frame, viewer));
   if (look.view != PictureLook::View::scene) {
     if (look.view != PictureLook::View::all) list.facing = side_of(look.view, list.up);
   } else if (viewer.camera) {
