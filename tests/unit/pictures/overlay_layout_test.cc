@@ -42,7 +42,7 @@ TEST(OverlayLayout, WordsAreApartForAnyLengthAndSize) {
     const int width = 320 + static_cast<int>(upto(1600)), height = 200 + static_cast<int>(upto(900));
     const DrawList list = words(upto(120), upto(20), upto(24));
     const OverlayLayout layout = layout_overlay(list, nullptr, width, height);
-    SCOPED_TRACE(testing::Message() << width << " x " << height << ": " << list.caption);
+    SCOPED_TRACE(::testing::Message() << width << " x " << height << ": " << list.caption);
     expect_apart(layout, width, height);
     EXPECT_FALSE(layout.caption.empty());
   }
@@ -50,12 +50,12 @@ TEST(OverlayLayout, WordsAreApartForAnyLengthAndSize) {
 
 TEST(OverlayLayout, AShortTitleIsInOneLineAndALongOneAboveItsTime) {
   EXPECT_EQ(layout_overlay(words(10, 0, 8), nullptr, 640, 360).caption.size(), 1u);
-  const OverlayLayout layout = layout_overlay(words(60, 0, 8), nullptr, 640, 360);
+  const OverlayLayout layout = layout_overlay(words(70, 0, 8), nullptr, 640, 360);
   ASSERT_EQ(layout.caption.size(), 2u);
   EXPECT_EQ(layout.caption[1].text, "t = 12.345 s");
   ASSERT_TRUE(layout.bar);
   // Control: in one line it would lie on the bar.
-  const double one = picture::text_width(words(60, 0, 8).caption, 7);
+  const double one = picture::text_width(words(70, 0, 8).caption, 7);
   EXPECT_GT(layout.caption[0].x + one, layout.bar->bar.left);
 }
 

@@ -11,7 +11,8 @@
 namespace truestep {
 namespace {
 
-std::string scene(const std::string& systems, const std::string& viewer, const std::string& more = "") {
+std::string colored_scene(const std::string& systems, const std::string& viewer,
+                          const std::string& more = "") {
   return R"({"schema_version": "1.0", "name": "t", "time": {"dt": 0.001, "duration": 1}, "gravity": [0, 0, 0], )" +
          more + R"("systems": [)" + systems + R"(], "viewer": )" + viewer + "}";
 }
@@ -23,7 +24,8 @@ const char* kTwoMaterials =
   {"shape": "box", "center": [0.75, 0.5, 0], "half_extents": [0.1, 0.1, 1], "material": "sand"}]})";
 
 TEST(PictureColors, MaterialsAreNamedInTheLegendNotOnABar) {
-  const DrawList list = test::PictureSession(scene(kTwoMaterials, R"({"color_by": "material"})"), 1).list();
+  const DrawList list =
+      test::PictureSession(colored_scene(kTwoMaterials, R"({"color_by": "material"})"), 1).list();
   ASSERT_EQ(list.legend.size(), 2u);
   EXPECT_EQ(list.legend[0].text, "fluid");
   EXPECT_EQ(list.legend[1].text, "sand");
@@ -39,21 +41,17 @@ TEST(PictureColors, AnotherFieldHasABar) {
   PictureLook look;
   look.color_by = "density";
   const DrawList list =
-      test::PictureSession(scene(kTwoMaterials, R"({"color_by": "material"})"), 1).list(look);
+      test::PictureSession(colored_scene(kTwoMaterials, R"({"color_by": "material"})"), 1).list(look);
   EXPECT_TRUE(list.legend.empty());
   EXPECT_EQ(list.points.front().scalar_label, "density (kg/m^3)");
 }
 
-const char *kEddies = R"({"type": "grid_fluid", "id": "flow", "cells": [16, 16], "size": [1, 1],
-  "sides": {"x_min": {"kind": "periodic"}, "y_min": {"kind": "periodic"}},
-  "initial": {"x": "sin(2*pi*y)",
-           "y" : "0.2*sin(2*pi*x) + 0.1*sin(4*pi*x)"
-}
-})";
+const char* kEddies = R"json({"type": "grid_fluid", "id": "flow", "cells": [16, 16], "size": [1, 1],
+  "side": {"kind": "periodic"}, "initial": ["sin(2*pi*y)", "0.2*sin(2*pi*x) + 0.1*sin(4*pi*x)"]})json";
 
 TEST(PictureColors, ADeviationIsAsFarToBothSidesOfZero) {
   const auto drawn = [](const std::string& viewer) {
-    DrawList list = test::PictureSession(scene(kEddies, viewer), 0).list();
+    DrawList list = test::PictureSession(colored_scene(kEddies, viewer), 0).list();
     return list.points.front();
   };
   const DrawPoints vorticity = drawn(R"({"color_by": "vorticity"})");
@@ -71,23 +69,24 @@ const char* kThree = R"({"type": "nbody", "id": "bodies", "gravitational_constan
 TEST(PictureColors, NamesDivideTheRange) {
   const DrawList list =
       test::PictureSession(
-          scene(kThree, R"({"color_by": "id", "names": ["first", "rest"], "range": [0, 2]})"), 0)
+          colored_scene(kThree, R"({"color_by": "id", "names": ["first", "rest"], "range": [0, 2]})"), 0)
           .list();
   ASSERT_EQ(list.legend.size(), 2u);
   EXPECT_EQ(list.legend[1].text, "rest");
-  EXPECT_THROW(parse_scene(scene(kThree, R"({"names": ["first", "rest"]})")), Error);
+  EXPECT_THROW(parse_scene(colored_scene(kThree, R"({"names": ["first", "rest"]})")), Error);
 }
 
 TEST(PictureNames, ProbesNameWhatTheyWatch) {
   const std::string probes =
       R"("probes": [{"id": "the_sun", "system": "bodies", "index": 0}, {"id": "last", "system": "bodies", "index": -1}], )";
-  const DrawList list = test::PictureSession(scene(kThree, R"({"probe_labels": true})", probes), 0).list();
+  const DrawList list =
+      test::PictureSession(colored_scene(kThree, R"({"probe_labels": true})", probes), 0).list();
   ASSERT_EQ(list.labels.size(), 2u);
   EXPECT_EQ(list.labels[0].text, "the sun");
   EXPECT_EQ(list.labels[0].at.x, -1);
   EXPECT_EQ(list.labels[1].text, "last");
   EXPECT_EQ(list.labels[1].at.x, 0);
-  EXPECT_TRUE(test::PictureSession(scene(kThree, "{}", probes), 0).list().labels.empty());
+  EXPECT_TRUE(test::PictureSession(colored_scene(kThree, "{}", probes), 0).list().labels.empty());
 }
 
 TEST(PictureNames, TimesAreInTheUnitOfTheRun) {
@@ -99,7 +98,7 @@ TEST(PictureNames, TimesAreInTheUnitOfTheRun) {
 }
 
 TEST(PictureTrails, LeadToWhereThePointsAre) {
-  test::PictureSession session(scene(kThree, R"({"trail": 0.05})"), 0);
+  test::PictureSession session(colored_scene(kThree, R"({"trail": 0.05})"), 0);
   const auto trails = TrailSink::of(session.session().world());
   ASSERT_TRUE(trails);
   session.session().add_sink(trails);
@@ -120,7 +119,7 @@ TEST(PictureTrails, LeadToWhereThePointsAre) {
   // Going back takes back what was later.
   session.session().reset();
   EXPECT_EQ(session.list(look).points.size(), before);
-  EXPECT_FALSE(TrailSink::of(*std::make_shared<const World>(parse_scene(scene(kThree, "{}")))));
+  EXPECT_FALSE(TrailSink::of(*std::make_shared<const World>(parse_scene(colored_scene(kThree, "{}")))));
 }
 
 }  // namespace

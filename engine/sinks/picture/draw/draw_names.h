@@ -2,6 +2,7 @@
 #pragma once
 #include <string>
 
+#include "engine/session/world/frame.h"
 #include "engine/session/world/world.h"
 #include "engine/sinks/picture/draw/draw_list.h"
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/session/world/frame.h"
 #include "engine/session/world/world.h"
 #include "engine/sinks/picture/draw/draw_list.h"
 

@@ -57,7 +57,7 @@ class Layout {
       : list_(list),
         width_(width),
         height_(height),
-        capital_(std::max(7.0, height / 54.0)),
+        capital_(std::max(7.0, std::min(height / 54.0, width / 60.0))),
         margin_(1.6 * capital_) {}
 
   OverlayLayout make(const View* view) {
@@ -81,9 +81,8 @@ class Layout {
     const double largest = std::max(std::abs(scale->low), std::abs(scale->high));
     const std::string most = end_of(scale->high, largest);
     ColorBar bar{*scale, {left, top, right, bottom}, {}, {}, {}};
-    bar.label = {scale->label, left, top - 0.8 * small, small};
-    if (const double w = text_width(scale->label, small); w > length)
-      bar.label.x = std::max(margin_, right - w);
+    const std::string label = shortened(scale->label, small, std::max<double>(length, 0.45 * width_));
+    bar.label = {label, std::min(left, right - text_width(label, small)), top - 0.8 * small, small};
     bar.low = {end_of(scale->low, largest), left, base, small};
     bar.high = {most, right - text_width(most, small), base, small};
     add_panel(around(around(bar.bar, bar.label.bounds()), around(bar.low.bounds(), bar.high.bounds())));
