@@ -41,7 +41,11 @@ void add_probe_labels(DrawList& list, const World& world, const Frame& frame) {
       const size_t k = 3 * static_cast<size_t>(row);
       std::string name = probe.id;
       std::replace(name.begin(), name.end(), '_', ' ');
-      list.labels.push_back({name, {at.at(k), at.at(k + 1), at.at(k + 2)}, DrawLabel::Side::beside, {}, frame.constant->parts[p].point_radius});
+      list.labels.push_back({name,
+                             {at.at(k), at.at(k + 1), at.at(k + 2)},
+                             DrawLabel::Side::beside,
+                             {},
+                             frame.constant->parts[p].point_radius});
     }
   }
 }

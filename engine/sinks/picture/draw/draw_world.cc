@@ -23,15 +23,15 @@ namespace truestep {
 
 namespace {
 
-constexpr double kLinePixels = 3.5;  // of ropes, rods and curves
-constexpr double kMarkPixels = 9;    // of the points of a net without a size
-constexpr size_t kNet = 1500;        // from this many lines on they form a net and are drawn as thin as
-                                     // possible
-constexpr size_t kMarked = 128;      // points
-constexpr double kGridFill = 0.8;    // for a field's picture: caption and colour bar are below it
-constexpr double kMarkShare = 0.08;  // longest line of a mark, of the size of what is drawn
-constexpr double kWide = 2.5;        // a container this many times wider than what is in it is not framed
-constexpr double kFlatFov = 12;      // degrees: a planar scene shows its faces, not its sides
+constexpr double kLinePixels = 3.5;     // of ropes, rods and curves
+constexpr double kMarkPixels = 9;       // of the points of a net without a size
+constexpr size_t kNet = 1500;           // from this many lines on they form a net and are drawn as thin as
+                                        // possible
+constexpr size_t kMarked = 128;         // points
+constexpr double kGridFill = 0.8;       // for a field's picture: caption and colour bar are below it
+constexpr double kMarkShare = 0.08;     // longest line of a mark, of the size of what is drawn
+constexpr double kWideContainer = 2.5;  // a container this many times wider than what is in it is not framed
+constexpr double kFlatFov = 12;         // degrees: a planar scene shows its faces, not its sides
 
 /// Values of lines or triangles colour those that are drawn: `rows` of them; unless the points have values.
 std::vector<float> take_values(const World& world, const Frame& frame, const FieldPlace& at,
@@ -358,7 +358,7 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
   for (const DrawnShape& s : frame.moving.obstacles) {
     list.shapes.push_back(shape_of(s));
     // A wide container would make what lives in it small.
-    if (s.container && 2 * norm(s.size) > kWide * seen)
+    if (s.container && 2 * norm(s.size) > kWideContainer * seen)
       list.shapes.back().framing = DrawShape::Framing::ignored;
     has_plane |= s.kind == DrawnShape::Kind::plane;
   }

@@ -13,7 +13,7 @@ namespace {
 constexpr size_t kMostRows = 64;               // of a part with trails
 constexpr double kSamples = 200;               // of a trail
 constexpr int kShades = 5;                     // from the oldest to the newest
-constexpr double kTrailPixels = 2;                  // width
+constexpr double kTrailPixels = 2;             // width
 constexpr float kLeast = 0.15f, kMost = 0.8f;  // how much of its colour is left
 
 }  // namespace

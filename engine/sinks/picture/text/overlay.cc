@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "engine/sinks/picture/color_map.h"
-#include "engine/sinks/picture/text/overlay_layout.h"
 #include "engine/sinks/picture/text/font.h"
+#include "engine/sinks/picture/text/overlay_layout.h"
 
 namespace truestep::picture {
 namespace {
