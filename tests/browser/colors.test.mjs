@@ -90,6 +90,22 @@ test("the low end of a colour map has the colour of its legend", async () => {
   assert.ok(purple.length > 0.6 * own.count, `${purple.length} of ${own.count} pixels are purple`);
 });
 
+test("kinds have names beside their colours instead of a bar", async () => {
+  const box = (x, material) => ({ shape: "box", center: [x, 0.5, 0], half_extents: [0.2, 0.2, 1], material });
+  const both = { type: "mpm", id: "both", dimension: 2, low: [0, 0, 0], high: [1, 1, 0], cell: 0.05, bodies: [box(0.25, "fluid"), box(0.75, "sand")] };
+  await open(page, url, { ...still, viewer: { color_by: "material" }, systems: [both] });
+  await until(page, async () => (await page.$$("#scale em > span")).length === 2, "two names");
+  assert.deepEqual(await page.$$eval("#scale em > span", (names) => names.map((name) => name.textContent)), ["fluid", "sand"]);
+  assert.ok(await page.locator("#scale > i").isHidden());
+  const shot = await pixels(page, kFree);
+  const [fluid, sand] = [shot.where((r, g, b) => b > 90 && b > 1.5 * r), shot.where((r, g, b) => r > 90 && r > 1.3 * b)];
+  assert.ok(fluid.length > 2000 && sand.length > 2000, `${fluid.length} pixels of fluid, ${sand.length} of sand`);
+  // Control: amounts have a bar.
+  await open(page, url, { ...still, viewer: { color_by: "density" }, systems: [both] });
+  await until(page, () => page.locator("#scale > i").isVisible(), "a bar");
+  assert.equal((await page.$$("#scale em > span")).length, 0);
+});
+
 test("black balls are seen on a dark ground", async () => {
   const balls = { type: "particles", id: "balls", positions: [[-0.5, 0.5, 0], [0.5, 0.5, 0]], radius: 0.3, draw_radius: 0.3, color: [0, 0, 0] };
   await open(page, url, { ...still, gravity: [0, 0, 0], systems: [balls] });

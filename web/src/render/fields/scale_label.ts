@@ -1,5 +1,5 @@
 // What a colour bar is labelled with.
-import type { ViewerSettings } from "../client/rest";
+import type { ViewerSettings } from "../../client/rest";
 
 /** What stands beside the colour bar of a field: the scene's legend or else the field's name, and the unit; pure numbers have none. */
 export function scaleLabel({ color_by, legend }: ViewerSettings, field: string, unit: string, isLength = false): string {
