@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
 import { test } from "node:test";
-import { arrows, axisOf, balanced, chapterOf, chooseAtFirst, colorStops, endsOf, evenStreamlines, Extent, gapsIn, infoOf, kindAt, levelLine, matches, packScene, particleSurface, placeOf, readAddress, relative, scaleLabel, scaleOf, schemeOf, speedAtFirst, speedsFor, streamline, timeText, triangleValues, unpackScene, fieldsOf, JointValues, jointValues, Past, upOf, writeAddress } from "../build/view.mjs";
+import { arrows, axisOf, balanced, chapterOf, chooseAtFirst, colorStops, endsOf, evenStreamlines, Extent, gapsIn, infoOf, kindAt, levelLine, matches, packScene, particleSurface, placeOf, readAddress, relative, scaleLabel, scaleOf, schemeOf, speedAtFirst, speedsFor, streamline, tickTexts, timeText, triangleValues, unpackScene, fieldsOf, JointValues, jointValues, Past, upOf, writeAddress } from "../build/view.mjs";
 
 const front = { right: [1, 0, 0], above: [0, 1, 0], back: [0, 0, 1] };
 
@@ -185,6 +185,9 @@ test("times are told in the unit of the run", () => {
   assert.equal(timeText(1.2e-11, 3e-11), "12.00 ps");
   assert.equal(timeText(0, 2e-12), "0.00 ps");
   assert.equal(timeText(0), "0.000 s");
+  assert.deepEqual(tickTexts([0, 0.5, 1]), ["0 s", "0.5 s", "1 s"]);
+  assert.deepEqual(tickTexts([0, 1e7, 2e7]), ["0 days", "116 days", "231 days"]);
+  assert.deepEqual(tickTexts([]), []);
 });
 
 test("a scene says whether gravity pulls and how long it lasts", () => {

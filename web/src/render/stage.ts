@@ -379,7 +379,7 @@ export class Stage {
     if (this.axes.length === 0 && this.settings.labels !== false) labels.push(...namesOf(views));
     for (const view of views) labels.push(...view.curves());
     if (this.settings.probe_labels) labels.push(...probeLabels(this.info.probes, this.views));
-    this.labelled = labels.some((label) => label.kind === "name");
+    this.labelled = labels.some(({ kind }) => kind === "name" || kind === "row");
     this.labels.set(labels);
   }
 

@@ -11,7 +11,7 @@ export * as colorStops from "../render/fields/color_stops";
 export { packScene, readAddress, unpackScene, writeAddress } from "./address/address";
 export { balanced, colorOfKind, kindAt, schemeOf } from "../render/fields/scheme";
 export { chapterOf, matches } from "./gallery";
-export { timeText } from "./time_text";
+export { tickTexts, timeText } from "./time_text";
 export { chooseAtFirst, endsOf, gapsIn, relative, scaleOf } from "./plot_model";
 export { fieldsOf } from "./fields";
 export { Past } from "./past";

@@ -8,6 +8,7 @@ import type { Observables } from "../client/gen/truestep/v1/stream_pb";
 import { quantity } from "../studies/numbers";
 import { byId, make } from "./dom";
 import { chooseAtFirst, gapsIn, relative, scaleOf, seriesLabel } from "./plot_model";
+import { tickTexts } from "./time_text";
 
 const kPoints = 3000;
 const kSeries = 6;
@@ -190,7 +191,7 @@ export class Plot {
         cursor: { y: false, points: { size: 6 } },
         scales: { x: { time: false, range: (_, low, high) => [Math.min(low, 0.5 * high > low ? 0 : low), high > low ? high : low + 1e-9] } },
         axes: [
-          { ...axis, size: 22, values: (_, ticks) => ticks.map((t) => `${String(+t.toPrecision(6)).replace("-", "−")} s`), space: 60 },
+          { ...axis, size: 22, values: (_, ticks) => tickTexts(ticks), space: 60 },
           {
             ...axis, space: 26,
             size: (_self, labels) => 14 + 6.4 * Math.max(2, ...(labels ?? []).map((label) => label.length)),

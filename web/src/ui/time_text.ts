@@ -10,10 +10,18 @@ const units: [least: number, size: number, name: string][] = [
   [0, 1e-12, "ps"],
 ];
 
+const unitOf = (run: number): (typeof units)[number] => (run > 0 ? units.find(([least]) => run >= least) : undefined) ?? units[2]!;
+
+/** Times of an axis, s, in the unit of the last one. */
+export function tickTexts(times: readonly number[]): string[] {
+  const [, size, name] = unitOf(Math.max(0, ...times.map(Math.abs)));
+  return times.map((t) => `${String(+(t / size).toPrecision(size === 1 ? 6 : 3)).replace("-", "−")} ${name}`);
+}
+
 /** `time` s of a run of `duration` s. */
 export function timeText(time: number, duration = 0): string {
   const run = Math.max(Math.abs(time), Number.isFinite(duration) ? duration : 0);
-  const [, size, name] = (run > 0 ? units.find(([least]) => run >= least) : undefined) ?? units[2]!;
+  const [, size, name] = unitOf(run);
   const value = time / size;
   if (Math.abs(value) >= 1e6) return `${value.toPrecision(4)} ${name}`;
   return `${value.toFixed(size === 1 ? 3 : run / size < 100 ? 2 : 1)} ${name}`;
