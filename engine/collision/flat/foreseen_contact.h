@@ -24,8 +24,8 @@ struct PlaneMotion {
 
 /// Turns the normal and moves the points (about the centre of a, as is `apart`, the centre of b) to where
 /// they are `ahead` (s) later if both bodies go on; separations stay. `radius_a` and `radius_b` (m) are the
-/// outlines' rounding.
-inline void foresee(Contact& c, Vec2& apart, const PlaneMotion& a, const PlaneMotion& b, double radius_a,
+/// outlines' rounding. Returns how far it went (s): no farther than the normal may turn.
+inline double foresee(Contact& c, Vec2& apart, const PlaneMotion& a, const PlaneMotion& b, double radius_a,
                     double radius_b, double ahead) {
   const Vec2 n = c.normal, relative = b.velocity - a.velocity;
   const auto velocity = [&](Side side, Vec2 at) {
@@ -35,7 +35,7 @@ inline void foresee(Contact& c, Vec2& apart, const PlaneMotion& a, const PlaneMo
   if (c.face == Face::none) {
     const ContactPoint& p = c.point[0];
     const double length = radius_a + radius_b + p.separation;
-    if (!(length > 0)) return;
+    if (!(length > 0)) return 0;
     const Vec2 on_a = p.at - (radius_a + 0.5 * p.separation) * n;
     turn = cross(n, velocity(Side::b, on_a + length * n) - velocity(Side::a, on_a)) / length;
   }
@@ -55,6 +55,7 @@ inline void foresee(Contact& c, Vec2& apart, const PlaneMotion& a, const PlaneMo
     p.at = corner + ahead * velocity(p.corner_of, corner) - radius * c.normal;
   }
   apart = apart + ahead * relative;
+  return ahead;
 }
 
 }  // namespace truestep::flat

@@ -284,7 +284,8 @@ void Solver<T>::weigh_contacts() {
 }
 
 template <class T>
-void Solver<T>::substep(const Model& model, const SolverSettings& settings, const ThreadArena& arena) {
+void Solver<T>::substep(const Model& model, const SolverSettings& settings, T elapsed,
+                        const ThreadArena& arena) {
   const T h = static_cast<T>(settings.h), inverse_h = static_cast<T>(1 / settings.h);
   const T push_out_speed = static_cast<T>(settings.push_out_speed);
   const SoftConstraint<T> soft{static_cast<T>(settings.joint.bias_rate),
@@ -325,7 +326,7 @@ void Solver<T>::substep(const Model& model, const SolverSettings& settings, cons
   for (int i = 0; i < sweeps; ++i) {
     each_colour_back(arena, contacts_, contact_colours_, [&](ContactPack<T>& p) {
       if (i + all < sweeps && !p.crowded) return;
-      solve_contacts<Pass::bias>(p, rows, moved, inverse_h, push_out_speed, start);
+      solve_contacts<Pass::bias>(p, rows, moved, inverse_h, push_out_speed, start, elapsed + T(0.5) * h);
     });
   }
 
@@ -351,7 +352,7 @@ void Solver<T>::substep(const Model& model, const SolverSettings& settings, cons
   each_colour(arena, hinges_, hinge_colours_,
               [&](HingePack<T>& p) { solve_hinges<Pass::relax>(p, rows, moved, soft, h); });
   each_colour_back(arena, contacts_, contact_colours_, [&](ContactPack<T>& p) {
-    if (solve_contacts<Pass::relax>(p, rows, moved, inverse_h, push_out_speed, start)) deep_ = true;
+    if (solve_contacts<Pass::relax>(p, rows, moved, inverse_h, push_out_speed, start, elapsed + h)) deep_ = true;
   });
 }
 
@@ -381,7 +382,7 @@ void Solver<T>::solve(const Model& model, State& state, const Pairs& pairs, Hand
     const Wide<T> left = depth_left(contacts_[p], separation, static_cast<T>(settings.push_out_speed));
     if (any_below(left, Wide<T>::zero())) deep_ = true;
   }
-  for (int i = 0; i < settings.steps; ++i) substep(model, settings, arena);
+  for (int i = 0; i < settings.steps; ++i) substep(model, settings, static_cast<T>(i * settings.h), arena);
   if (springs_) kick(JointPass::kick, h);
   if (!bounces_) end_free_flights(model, state, settings, arena);
   store_bodies(state, settings.h * settings.steps, arena);

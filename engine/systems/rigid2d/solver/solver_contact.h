@@ -170,12 +170,13 @@ Wide<T> push_left(const ContactPack<T>& c, const Ends<T>& e, const T* start, T p
 }
 
 /// `start`: rows before the pushes of this substep where some overlap deeply, else null. Returns true (in
-/// a relaxation) where a contact is deep.
+/// a relaxation) where a contact is deep. `time`: s since the start of the step.
 template <Pass kPass, class T>
 bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T push_out_speed,
-                    const T* start) {
+                    const T* start, T time) {
   using W = Wide<T>;
   const W zero = W::zero(), one = W::all(1);
+  const W surface = c.turns ? madd(c.surface_rate, W::all(time), c.surface_speed) : c.surface_speed;
   Ends<T> e(rows, c.a, c.b);
   W vx, vy, most_push = W::all(push_out_speed);
   W rate = c.bias_rate;
@@ -188,7 +189,7 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
   W load = zero;
   for (auto& p : c.point) {
     e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
-    const W slip = nmadd(vx, c.ny, vy * c.nx) - c.surface_speed;
+    const W slip = nmadd(vx, c.ny, vy * c.nx) - surface;
     const W most = c.friction * p.normal;
     const W next = max(-most, min(most, nmadd(p.tangent_mass, slip, p.tangent)));
     const W d = next - p.tangent;

@@ -44,7 +44,9 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
   const auto t = [](double x) { return static_cast<T>(x); };
   W there[2] = {W::zero(), W::zero()};  // 1 where a lane has this point
   flat::Contact foreseen;
+  Place place[W::kLanes];
   const double ahead = 0.5 * (settings.steps - 1) * settings.h;
+  const double* w = state.f64(columns::angular_velocity).data();
   const double least_spin = kSeenMotion / ahead, least_speed = least_spin * model.size;
   for (int k = 0; k < count; ++k) {
     const uint32_t index = pairs.touching[hits[k]];
@@ -52,7 +54,9 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
     const flat::Contact* at_start = &pairs.contacts[index];
     const Surface &a = model.surfaces[hit.body_a], &b = model.surfaces[hit.body_b];
     c.a[k] = slot_[hit.body_a], c.b[k] = slot_[hit.body_b];
-    Vec2 apart = pairs.pose[hit.body_b].p - pairs.pose[hit.body_a].p;
+    double foreseen_by = 0;  // s
+    const Vec2 apart_at_start = pairs.pose[hit.body_b].p - pairs.pose[hit.body_a].p;
+    Vec2 apart = apart_at_start;
     const float* old = hit.old == kNoPoint ? nullptr : impulses.data() + 5 * static_cast<size_t>(hit.old);
     const Met* met = pairs.met.empty() ? nullptr : meeting(pairs, hit.key());
     if (met) apart = met->apart;
@@ -68,7 +72,7 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
       if (spin > least_spin || flat::dot(passing, passing) > least_speed * least_speed) {
         const double way = std::max(spin, flat::norm(passing) / model.size);
         foreseen = *at_start, at_start = &foreseen;
-        flat::foresee(foreseen, apart, of_a, of_b, model.radius[hit.a], model.radius[hit.b],
+        foreseen_by = flat::foresee(foreseen, apart, of_a, of_b, model.radius[hit.a], model.radius[hit.b],
                       std::min(ahead, kMostMotion / way));
       }
     }
@@ -110,8 +114,14 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
       }
       p.separation.set(k, t(at.separation - offset));
     }
+    place[k] = {hit.body_a, hit.body_b, apart_at_start, apart, foreseen_by};
   }
   weigh(c, Ends<T>(rows_.data(), c.a, c.b), there);
+  for (int k = 0; k < count; ++k) {
+    const Hit& hit = pairs.hits[pairs.touching[hits[k]]];
+    if (!carries(c.a[k], c.b[k], w[hit.body_a], w[hit.body_b])) continue;
+    c.turns = 1, carry(c, k, model, state, place[k], settings.h * settings.steps);
+  }
 }
 
 template <class T>
@@ -130,6 +140,7 @@ void Solver<T>::pack_contacts(const Model& model, const State& state, const Pair
       if (row != kNoBody) ++crowd_[row];
     }
   }
+  find_driven(model, state);
   std::array<uint32_t, kColours + 1> count;
   colour_constraints(ends_, used_, colour_, count);
   sort_by_colour(colour_, count, order_);

@@ -1,0 +1,88 @@
+// Contacts on bodies that turn and carry others (engine/kernels/rigid/carried_contact.h). The place of a
+// contact on a disk lies where its normal points, and goes round with the face that gives the normal, or with
+// the line between the centres of two disks.
+#include <algorithm>
+
+#include "engine/kernels/rigid/carried_contact.h"
+#include "engine/systems/rigid2d/solver/solver.h"
+
+namespace truestep::rigid2d {
+namespace {
+
+Vec3 in_space(Vec2 p) {
+  return {p.x, p.y, 0};
+}
+
+}  // namespace
+
+template <class T>
+void Solver<T>::find_driven(const Model& model, const State& state) {
+  driven_.clear();
+  const auto broken = state.span<uint32_t>(columns::joint_broken);
+  for (const uint32_t i : model.motors) {
+    const Joint& d = model.joints[i];
+    const bool turns = d.kind == JointKind::revolute || d.kind == JointKind::wheel;
+    if (!turns || broken[i]) continue;
+    driven_.resize(movers_.size() + 1);
+    for (const uint32_t body : {d.a, d.b}) {
+      if (slot_[body] < moved_) driven_[slot_[body]] = 1;
+    }
+  }
+}
+
+template <class T>
+bool Solver<T>::carries(uint32_t a, uint32_t b, double spin_a, double spin_b) const {
+  const auto turned = [&](uint32_t row, double spin) {
+    return row >= moved_ && row < movers_.size() && spin != 0;
+  };
+  if (turned(a, spin_a) || turned(b, spin_b)) return true;
+  return !driven_.empty() && a < moved_ && b < moved_ && (driven_[a] || driven_[b]);
+}
+
+template <class T>
+void Solver<T>::carry(ContactPack<T>& c, int lane, const Model& model, const State& state, const Place& at,
+                      double h) const {
+  const double *v = state.f64(columns::velocity).data(), *w = state.f64(columns::angular_velocity).data();
+  const auto disk = [&](uint32_t body) {
+    return model.light[body].reach - model.light[body].inner <= 1e-9 * model.light[body].reach;
+  };
+  const auto velocity = [&](uint32_t body) { return Vec2{v[3 * body], v[3 * body + 1]}; };
+  const double orbit = flat::cross(at.apart, velocity(at.b) - velocity(at.a)) /
+                       std::max(flat::dot(at.apart, at.apart), 1e-30);
+  const auto side = [&](uint32_t own, uint32_t other) {
+    const double turns = !disk(own) ? w[own] : disk(other) ? orbit : w[other];
+    return carried::Side{.velocity = in_space(velocity(own)),
+                         .spin = {0, 0, w[own]},
+                         .moves = slot_[own] < moved_,
+                         .round = disk(own),
+                         .turns = {0, 0, turns},
+                         .reach = model.light[own].reach};
+  };
+  // Where the load of the last step acts, or the middle of the points.
+  double x = 0, y = 0, weight = 0;
+  for (const auto& p : c.point) {
+    const double load = p.normal_mass[lane] > 0 ? double(p.normal[lane]) + 1e-12 : 0;
+    x += load * p.ax[lane], y += load * p.ay[lane], weight += load;
+  }
+  if (!(weight > 0)) return;
+  const Vec2 on_a{x / weight, y / weight};
+  const carried::Carried got =
+      carried::velocity(side(at.a, at.b), side(at.b, at.a),
+                        {in_space(on_a), in_space(on_a - at.then), in_space(at.apart), at.ahead}, h);
+  const Vec3 along{-c.ny[lane], c.nx[lane], 0};
+  const double rate = dot(got.rate, along);
+  c.surface_rate.set(lane, static_cast<T>(-rate));
+  c.surface_speed.set(
+      lane, static_cast<T>(double(c.surface_speed[lane]) - dot(got.mean, along) + 0.5 * h * rate));
+}
+
+template void Solver<float>::find_driven(const Model&, const State&);
+template void Solver<double>::find_driven(const Model&, const State&);
+template bool Solver<float>::carries(uint32_t, uint32_t, double, double) const;
+template bool Solver<double>::carries(uint32_t, uint32_t, double, double) const;
+template void Solver<float>::carry(ContactPack<float>&, int, const Model&, const State&, const Place&,
+                                   double) const;
+template void Solver<double>::carry(ContactPack<double>&, int, const Model&, const State&, const Place&,
+                                    double) const;
+
+}  // namespace truestep::rigid2d
