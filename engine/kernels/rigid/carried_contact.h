@@ -36,7 +36,8 @@ inline Vec3 mean_turn(const Vec3& turn, const Vec3& r) {
 /// What the velocity of a surface exceeds that of the solver's rows by.
 struct Carried {
   Vec3 mean;  ///< m/s, in the middle of the step: so that the sum over its substeps is exact
-  Vec3 rate;  ///< m/s^2
+  Vec3 rate;  ///< m/s^2, in the middle of the step as well
+  Vec3 turns{};  ///< rad/s, at which the place goes round, and friction there
 };
 
 /// Of a body with this spin at the place of a contact, beyond spin x solved. `arm` (m) leads there at the
@@ -45,7 +46,7 @@ struct Carried {
 inline Carried excess(const Vec3& spin, const Vec3& arm, const Vec3& solved, const Vec3& turns,
                       const Vec3& drift, double h) {
   return {cross(spin, arm + mean_turn(turns * h, arm) + drift * (0.5 * h) - solved),
-          cross(spin, cross(turns, arm) + drift)};
+          cross(spin, cross(turns, arm + cross(turns, arm) * (0.5 * h)) + drift)};
 }
 
 /// One of the two bodies of a contact, in space or in the plane (spins about z then).
@@ -87,7 +88,7 @@ inline Carried velocity(const Side& a, const Side& b, const Found& found, double
     return excess(side.spin, arm, solved, turns, drift, h);
   };
   const Carried of_a = excess_of(a, arm_a, found.on_a), of_b = excess_of(b, arm_b, found.on_b);
-  return {of_b.mean - of_a.mean, of_b.rate - of_a.rate};
+  return {of_b.mean - of_a.mean, of_b.rate - of_a.rate, turns};
 }
 
 }  // namespace truestep::carried

@@ -98,13 +98,14 @@ void solve_friction(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], T time) {
     r::clip(g.roll, change, g.rolling * pressure, added);
     for (int t = 0; t < 2; ++t) add_impulse(g, 4 + t, added[t], v, f);
   }
-  {
+  const auto twist = [&] {
     const W speed = v[3] + g.twist_drift;
     const W total = max(min(nmadd(g.twist_inverse, speed, g.twist), torque), -torque);
     const W added = total - g.twist;
     g.twist = total;
     add_impulse(g, 3, added, v, f);
-  }
+  };
+  twist();
   {
     W slip[2], change[2], added[2];
     for (int t = 0; t < 2; ++t) slip[t] = v[1 + t] + g.slide_drift[t];
@@ -121,6 +122,9 @@ void solve_friction(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], T time) {
     r::clip(g.slide, change, most, added);
     for (int t = 0; t < 2; ++t) add_impulse(g, 1 + t, added[t], v, f);
   }
+  // What goes round is pulled sideways anew in every substep, and where that acts beside its centre it would
+  // turn on its table by a little in each.
+  if (g.flags & ContactGroup<T>::kTurns) twist();
 }
 /// The relative velocity that a point should have, negated. Separated points may close their gap within one
 /// substep.

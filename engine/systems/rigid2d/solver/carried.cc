@@ -69,11 +69,10 @@ void Solver<T>::carry(ContactPack<T>& c, int lane, const Model& model, const Sta
   const carried::Carried got =
       carried::velocity(side(at.a, at.b), side(at.b, at.a),
                         {in_space(on_a), in_space(on_a - at.then), in_space(at.apart), at.ahead}, h);
-  const Vec3 along{-c.ny[lane], c.nx[lane], 0};
-  const double rate = dot(got.rate, along);
-  c.surface_rate.set(lane, static_cast<T>(-rate));
-  c.surface_speed.set(
-      lane, static_cast<T>(double(c.surface_speed[lane]) - dot(got.mean, along) + 0.5 * h * rate));
+  const Vec3 n{c.nx[lane], c.ny[lane], 0}, along{-n.y, n.x, 0}, first = got.mean - got.rate * (0.5 * h);
+  c.surface_speed.set(lane, static_cast<T>(double(c.surface_speed[lane]) - dot(first, along)));
+  c.surface_rate.set(lane, static_cast<T>(-dot(got.rate, along)));
+  c.lift.set(lane, static_cast<T>(dot(first, n))), c.lift_rate.set(lane, static_cast<T>(dot(got.rate, n)));
 }
 
 template void Solver<float>::find_driven(const Model&, const State&);

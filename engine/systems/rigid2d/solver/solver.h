@@ -67,7 +67,7 @@ struct ContactPack {
   };
   uint32_t a[W::kLanes], b[W::kLanes];  // rows
   W nx, ny, friction, surface_speed, restitution;
-  W surface_rate;  // m/s^2, where bodies turn and carry others (carried_contact.h)
+  W surface_rate, lift, lift_rate;  // m/s^2, along the normal m/s and m/s^2 (carried_contact.h), with `turns`
   W bias_rate, mass_scale, impulse_scale;
   W rolling, rolling_mass, rolling_impulse;
   W round_a, round_b;                  // radii of the shapes' rounding, m

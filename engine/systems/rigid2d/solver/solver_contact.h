@@ -223,6 +223,7 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
     }
     e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
     q[i] = madd(vx, c.nx, madd(vy, c.ny, bias));
+    if (c.turns) q[i] += madd(c.lift_rate, W::all(time), c.lift);
     if constexpr (kPass == Pass::relax) {
       // A contact that will bounce is not slowed down before the impact.
       if (c.bounces) {
