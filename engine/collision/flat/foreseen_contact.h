@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "engine/collision/flat/contact.h"
+#include "engine/math/trig.h"
 
 namespace truestep::flat {
 
@@ -55,6 +56,20 @@ inline double foresee(Contact& c, Vec2& apart, const PlaneMotion& a, const Plane
     p.at = corner + ahead * velocity(p.corner_of, corner) - radius * c.normal;
   }
   apart = apart + ahead * relative;
+  return ahead;
+}
+
+/// The same seen from a frame that turns at `frame` (rad/s) about the centre of a, exactly: what turns with it
+/// has not moved there.
+inline double foresee_turning(Contact& c, Vec2& apart, PlaneMotion a, PlaneMotion b, double radius_a,
+                              double radius_b, double ahead, double frame) {
+  b.velocity = b.velocity - frame * left_of(apart);
+  a.spin -= frame, b.spin -= frame;
+  ahead = foresee(c, apart, a, b, radius_a, radius_b, ahead);
+  const trig::SinCos turn = trig::sincos(frame * ahead);
+  const Rotation turned{turn.cos, turn.sin};
+  c.normal = turned * c.normal, apart = turned * apart;
+  for (uint32_t i = 0; i < c.points; ++i) c.point[i].at = turned * c.point[i].at;
   return ahead;
 }
 

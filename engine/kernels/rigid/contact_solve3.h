@@ -283,7 +283,12 @@ void solve_contacts(ContactGroup<T>& g, Record8<T>* records, const Record8<T>* d
   }
   detail::share_blow<kind>(g, v, f, pass, push_out);
   detail::solve_points<kind>(g, v, f, pass, push_out);
-  if constexpr (kind == ContactSolve::relax) detail::solve_friction(g, v, f, pass.elapsed);
+  if constexpr (kind == ContactSolve::relax) {
+    detail::solve_friction(g, v, f, pass.elapsed);
+  } else if ((g.flags & ContactGroup<T>::kTurns) && !pass.start) {
+    // What goes round is pulled sideways anew in every substep: what the normals leave of its slip adds up.
+    detail::solve_friction(g, v, f, pass.elapsed + T(0.5) / pass.inverse_h);
+  }
   detail::push_apart(g, f, a, b);
   scatter6(records, g.a, end, a), scatter6(records, g.b, end, b);
 }

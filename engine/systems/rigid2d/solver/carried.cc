@@ -31,12 +31,12 @@ void Solver<T>::find_driven(const Model& model, const State& state) {
 }
 
 template <class T>
-bool Solver<T>::carries(uint32_t a, uint32_t b, double spin_a, double spin_b) const {
-  const auto turned = [&](uint32_t row, double spin) {
-    return row >= moved_ && row < movers_.size() && spin != 0;
-  };
-  if (turned(a, spin_a) || turned(b, spin_b)) return true;
-  return !driven_.empty() && a < moved_ && b < moved_ && (driven_[a] || driven_[b]);
+double Solver<T>::carries(uint32_t a, uint32_t b, double spin_a, double spin_b) const {
+  const auto outside = [&](uint32_t row) { return row >= moved_ && row < movers_.size(); };
+  if (outside(a) && spin_a != 0) return spin_a;
+  if (outside(b) && spin_b != 0) return spin_b;
+  if (driven_.empty() || a >= moved_ || b >= moved_) return 0;
+  return driven_[a] ? spin_a : driven_[b] ? spin_b : 0;
 }
 
 template <class T>
@@ -73,12 +73,15 @@ void Solver<T>::carry(ContactPack<T>& c, int lane, const Model& model, const Sta
   c.surface_speed.set(lane, static_cast<T>(double(c.surface_speed[lane]) - dot(first, along)));
   c.surface_rate.set(lane, static_cast<T>(-dot(got.rate, along)));
   c.lift.set(lane, static_cast<T>(dot(first, n))), c.lift_rate.set(lane, static_cast<T>(dot(got.rate, n)));
+  const Vec3 from_a = in_space(on_a) * (w[at.a] * w[at.a]),
+             from_b = in_space(on_a - at.then) * (w[at.b] * w[at.b]);
+  c.missed.set(lane, static_cast<T>(at.ahead * dot(from_b - from_a, n)));
 }
 
 template void Solver<float>::find_driven(const Model&, const State&);
 template void Solver<double>::find_driven(const Model&, const State&);
-template bool Solver<float>::carries(uint32_t, uint32_t, double, double) const;
-template bool Solver<double>::carries(uint32_t, uint32_t, double, double) const;
+template double Solver<float>::carries(uint32_t, uint32_t, double, double) const;
+template double Solver<double>::carries(uint32_t, uint32_t, double, double) const;
 template void Solver<float>::carry(ContactPack<float>&, int, const Model&, const State&, const Place&,
                                    double) const;
 template void Solver<double>::carry(ContactPack<double>&, int, const Model&, const State&, const Place&,

@@ -67,7 +67,9 @@ struct ContactPack {
   };
   uint32_t a[W::kLanes], b[W::kLanes];  // rows
   W nx, ny, friction, surface_speed, restitution;
-  W surface_rate, lift, lift_rate;  // m/s^2, along the normal m/s and m/s^2 (carried_contact.h), with `turns`
+  // With `turns` (carried_contact.h): m/s^2; m/s, m/s^2 along the normal; and m/s at which the separations, with
+  // arms of the middle of the step, miss those of the arms at its start.
+  W surface_rate, lift, lift_rate, missed;
   W bias_rate, mass_scale, impulse_scale;
   W rolling, rolling_mass, rolling_impulse;
   W round_a, round_b;                  // radii of the shapes' rounding, m
@@ -126,8 +128,8 @@ class Solver {
                      const SolverSettings& settings, const ThreadArena& arena);
   /// Marks the rows of bodies that motors turn.
   void find_driven(const Model& model, const State& state);
-  /// Whether one of two rows carries the other as it turns: moved from outside, or turned by a motor.
-  bool carries(uint32_t a, uint32_t b, double spin_a, double spin_b) const;
+  /// rad/s at which one of two rows carries the other round: it is moved from outside, or turned by a motor.
+  double carries(uint32_t a, uint32_t b, double spin_a, double spin_b) const;
   /// Where a contact of two bodies was found: the centre of b from that of a at the start of the step and
   /// `then`, `ahead` s later.
   struct Place {

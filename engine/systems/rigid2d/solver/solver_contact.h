@@ -186,17 +186,19 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
   }
 
   // Friction first, so that normals are solved last. The tangent is the normal turned left.
-  W load = zero;
-  for (auto& p : c.point) {
-    e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
-    const W slip = nmadd(vx, c.ny, vy * c.nx) - surface;
-    const W most = c.friction * p.normal;
-    const W next = max(-most, min(most, nmadd(p.tangent_mass, slip, p.tangent)));
-    const W d = next - p.tangent;
-    p.tangent = next;
-    load += p.normal;
-    e.push(-(d * c.ny), d * c.nx, p.ax, p.ay, p.bx, p.by);
-  }
+  const auto rub = [&] {
+    for (auto& p : c.point) {
+      e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
+      const W slip = nmadd(vx, c.ny, vy * c.nx) - surface;
+      const W most = c.friction * p.normal;
+      const W next = max(-most, min(most, nmadd(p.tangent_mass, slip, p.tangent)));
+      const W d = next - p.tangent;
+      p.tangent = next;
+      e.push(-(d * c.ny), d * c.nx, p.ax, p.ay, p.bx, p.by);
+    }
+  };
+  const W load = c.point[0].normal + c.point[1].normal;
+  rub();
   if (c.rolls) {
     const W most = c.rolling * load, spin = e.b[2] - e.a[2];
     const W next = max(-most, min(most, nmadd(c.rolling_mass, spin, c.rolling_impulse)));
@@ -209,6 +211,10 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
   // after the other they would tilt a stack, and need more steps to agree.
   W q[2], g[2], separation[2];
   separations(c, e, separation);
+  if (c.turns) {
+    const T now = kPass == Pass::bias ? time - T(0.5) / inverse_h : time;
+    for (W& s : separation) s = madd(c.missed, W::all(now), s);
+  }
   for (int i = 0; i < 2; ++i) {
     const auto& p = c.point[i];
     const W& s = separation[i];
@@ -252,6 +258,9 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
     p.normal = x[i];
     e.push(d * c.nx, d * c.ny, p.ax, p.ay, p.bx, p.by);
   }
+  // What goes round is pulled anew in every substep: what the normals leave of its slip adds up, and nothing
+  // brings it back, while separations correct what friction leaves of theirs.
+  if (c.turns && !start) rub();
   e.store(rows, moved);
   return kPass == Pass::relax && any_below(depth_left(c, separation, push_out_speed), zero);
 }

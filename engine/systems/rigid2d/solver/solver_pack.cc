@@ -67,13 +67,25 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
         return flat::PlaneMotion{{r[0], r[1]}, r[2]};
       };
       const flat::PlaneMotion of_a = motion(c.a[k]), of_b = motion(c.b[k]);
-      const Vec2 passing = of_b.velocity - of_a.velocity;
+      // Seen from what turns and carries the other, where that goes round with it.
+      double frame = carries(c.a[k], c.b[k], w[hit.body_a], w[hit.body_b]);
+      Vec2 passing = of_b.velocity - of_a.velocity;
+      const Vec2 there = passing - frame * flat::left_of(apart);
+      if (flat::dot(there, there) < flat::dot(passing, passing)) {
+        passing = there;
+      } else {
+        frame = 0;
+      }
       const double spin = std::max(std::abs(of_a.spin), std::abs(of_b.spin));
       if (spin > least_spin || flat::dot(passing, passing) > least_speed * least_speed) {
-        const double way = std::max(spin, flat::norm(passing) / model.size);
+        const double way = std::max({std::abs(of_a.spin - frame), std::abs(of_b.spin - frame),
+                                     flat::norm(passing) / model.size, 1e-30});
         foreseen = *at_start, at_start = &foreseen;
-        foreseen_by = flat::foresee(foreseen, apart, of_a, of_b, model.radius[hit.a], model.radius[hit.b],
-                      std::min(ahead, kMostMotion / way));
+        const double by = std::min(ahead, kMostMotion / way), ra = model.radius[hit.a],
+                     rb = model.radius[hit.b];
+        foreseen_by = frame == 0
+                          ? flat::foresee(foreseen, apart, of_a, of_b, ra, rb, by)
+                          : flat::foresee_turning(foreseen, apart, of_a, of_b, ra, rb, by, frame);
       }
     }
     const flat::Contact& contact = *at_start;
@@ -119,7 +131,7 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
   weigh(c, Ends<T>(rows_.data(), c.a, c.b), there);
   for (int k = 0; k < count; ++k) {
     const Hit& hit = pairs.hits[pairs.touching[hits[k]]];
-    if (!carries(c.a[k], c.b[k], w[hit.body_a], w[hit.body_b])) continue;
+    if (carries(c.a[k], c.b[k], w[hit.body_a], w[hit.body_b]) == 0) continue;
     c.turns = 1, carry(c, k, model, state, place[k], settings.h * settings.steps);
   }
 }
