@@ -56,7 +56,7 @@ struct Side {
   bool round = false;      ///< it is round there: the place does not go with its material
   Vec3 turns;              ///< spin at which the place goes round with it
   double reach = 0;        ///< m, from its centre to its farthest surface
-  double mass = 0, moment = 0;  ///< kg and kg m^2, of what may roll
+  double mass = 0, moment = 0;  ///< kg and kg m^2, of what may roll on a turning face about its normal
 };
 
 /// Where a contact was found.
@@ -79,7 +79,7 @@ inline Carried velocity(const Side& a, const Side& b, const Found& found, double
       found.ahead > 0 ? rotation(free_rotation::turn(turns * -found.ahead)).apply(from) : from;
   const Vec3 arm_a = with_b ? back + found.apart : back, arm_b = with_b ? back : back - found.apart;
   // A body that rolls on the other turns its velocity by this share of the change of what is under it.
-  const bool rolls = leader.round && leader.moves;
+  const bool rolls = leader.round && leader.moves && leader.moment > 0;
   const double follows = rolls ? leader.moment / (leader.moment + leader.mass * norm2(back)) : 0;
   const auto excess_of = [&](const Side& side, const Vec3& arm, const Vec3& solved) {
     // m/s at which the place leaves an arm of this body that goes round at the place's rate.
