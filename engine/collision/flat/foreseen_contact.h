@@ -27,7 +27,7 @@ struct PlaneMotion {
 /// they are `ahead` (s) later if both bodies go on; separations stay. `radius_a` and `radius_b` (m) are the
 /// outlines' rounding. Returns how far it went (s): no farther than the normal may turn.
 inline double foresee(Contact& c, Vec2& apart, const PlaneMotion& a, const PlaneMotion& b, double radius_a,
-                    double radius_b, double ahead) {
+                      double radius_b, double ahead) {
   const Vec2 n = c.normal, relative = b.velocity - a.velocity;
   const auto velocity = [&](Side side, Vec2 at) {
     return side == Side::a ? a.spin * left_of(at) : relative + b.spin * left_of(at - apart);
@@ -59,8 +59,8 @@ inline double foresee(Contact& c, Vec2& apart, const PlaneMotion& a, const Plane
   return ahead;
 }
 
-/// The same seen from a frame that turns at `frame` (rad/s) about the centre of a, exactly: what turns with it
-/// has not moved there.
+/// The same seen from a frame that turns at `frame` (rad/s) about the centre of a, exactly: what turns with
+/// it has not moved there.
 inline double foresee_turning(Contact& c, Vec2& apart, PlaneMotion a, PlaneMotion b, double radius_a,
                               double radius_b, double ahead, double frame) {
   b.velocity = b.velocity - frame * left_of(apart);

@@ -35,8 +35,8 @@ inline Vec3 mean_turn(const Vec3& turn, const Vec3& r) {
 
 /// What the velocity of a surface exceeds that of the solver's rows by.
 struct Carried {
-  Vec3 mean;  ///< m/s, in the middle of the step: so that the sum over its substeps is exact
-  Vec3 rate;  ///< m/s^2, in the middle of the step as well
+  Vec3 mean;     ///< m/s, in the middle of the step: so that the sum over its substeps is exact
+  Vec3 rate;     ///< m/s^2, in the middle of the step as well
   Vec3 turns{};  ///< rad/s, at which the place goes round, and friction there
 };
 
@@ -52,10 +52,10 @@ inline Carried excess(const Vec3& spin, const Vec3& arm, const Vec3& solved, con
 /// One of the two bodies of a contact, in space or in the plane (spins about z then).
 struct Side {
   Vec3 velocity, spin;
-  bool moves = true;       ///< forces move it
-  bool round = false;      ///< it is round there: the place does not go with its material
-  Vec3 turns;              ///< spin at which the place goes round with it
-  double reach = 0;        ///< m, from its centre to its farthest surface
+  bool moves = true;            ///< forces move it
+  bool round = false;           ///< it is round there: the place does not go with its material
+  Vec3 turns;                   ///< spin at which the place goes round with it
+  double reach = 0;             ///< m, from its centre to its farthest surface
   double mass = 0, moment = 0;  ///< kg and kg m^2, of what may roll on a turning face about its normal
 };
 
@@ -69,14 +69,11 @@ struct Found {
 /// To be added to the velocity of b relative to a at the place of a contact.
 inline Carried velocity(const Side& a, const Side& b, const Found& found, double h) {
   // The place goes with what is round, or with the smaller body: it stands on the larger one.
-  const bool with_b = a.round != b.round   ? b.round
-                      : a.moves != b.moves ? b.moves
-                                           : b.reach < a.reach;
+  const bool with_b = a.round != b.round ? b.round : a.moves != b.moves ? b.moves : b.reach < a.reach;
   const Side& leader = with_b ? b : a;
   const Vec3 &turns = leader.turns, &from = with_b ? found.on_b : found.on_a;
   // Back to the start of the step, with the body that the place goes with.
-  const Vec3 back =
-      found.ahead > 0 ? rotation(free_rotation::turn(turns * -found.ahead)).apply(from) : from;
+  const Vec3 back = found.ahead > 0 ? rotation(free_rotation::turn(turns * -found.ahead)).apply(from) : from;
   const Vec3 arm_a = with_b ? back + found.apart : back, arm_b = with_b ? back : back - found.apart;
   // A body that rolls on the other turns its velocity by this share of the change of what is under it.
   const bool rolls = leader.round && leader.moves && leader.moment > 0;

@@ -63,7 +63,8 @@ void ContactList::look_ahead(const State& s, std::span<const BodyKind> kinds, co
   const Vec3 there = passing - cross(frame, apart);
   if (norm2(there) < norm2(passing)) {
     passing = there;
-    const Vec3 goes = (rotation(free_rotation::turn(frame * ahead)).apply(apart + passing * ahead) - apart) / ahead;
+    const Vec3 goes =
+        (rotation(free_rotation::turn(frame * ahead)).apply(apart + passing * ahead) - apart) / ahead;
     if (a_turns) {
       out.of_b.velocity = out.of_a.velocity + goes;
     } else {

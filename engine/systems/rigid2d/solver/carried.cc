@@ -47,8 +47,8 @@ void Solver<T>::carry(ContactPack<T>& c, int lane, const Model& model, const Sta
     return model.light[body].reach - model.light[body].inner <= 1e-9 * model.light[body].reach;
   };
   const auto velocity = [&](uint32_t body) { return Vec2{v[3 * body], v[3 * body + 1]}; };
-  const double orbit = flat::cross(at.apart, velocity(at.b) - velocity(at.a)) /
-                       std::max(flat::dot(at.apart, at.apart), 1e-30);
+  const double orbit =
+      flat::cross(at.apart, velocity(at.b) - velocity(at.a)) / std::max(flat::dot(at.apart, at.apart), 1e-30);
   const auto side = [&](uint32_t own, uint32_t other) {
     const double turns = !disk(own) ? w[own] : disk(other) ? orbit : w[other];
     return carried::Side{.velocity = in_space(velocity(own)),

@@ -352,7 +352,8 @@ void Solver<T>::substep(const Model& model, const SolverSettings& settings, T el
   each_colour(arena, hinges_, hinge_colours_,
               [&](HingePack<T>& p) { solve_hinges<Pass::relax>(p, rows, moved, soft, h); });
   each_colour_back(arena, contacts_, contact_colours_, [&](ContactPack<T>& p) {
-    if (solve_contacts<Pass::relax>(p, rows, moved, inverse_h, push_out_speed, start, elapsed + h)) deep_ = true;
+    if (solve_contacts<Pass::relax>(p, rows, moved, inverse_h, push_out_speed, start, elapsed + h))
+      deep_ = true;
   });
 }
 

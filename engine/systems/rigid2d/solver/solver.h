@@ -67,8 +67,8 @@ struct ContactPack {
   };
   uint32_t a[W::kLanes], b[W::kLanes];  // rows
   W nx, ny, friction, surface_speed, restitution;
-  // With `turns` (carried_contact.h): m/s^2; m/s, m/s^2 along the normal; and m/s at which the separations, with
-  // arms of the middle of the step, miss those of the arms at its start.
+  // With `turns` (carried_contact.h): m/s^2; m/s, m/s^2 along the normal; and m/s at which the separations,
+  // with arms of the middle of the step, miss those of the arms at its start.
   W surface_rate, lift, lift_rate, missed;
   W bias_rate, mass_scale, impulse_scale;
   W rolling, rolling_mass, rolling_impulse;

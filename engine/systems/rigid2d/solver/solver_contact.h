@@ -172,8 +172,8 @@ Wide<T> push_left(const ContactPack<T>& c, const Ends<T>& e, const T* start, T p
 /// `start`: rows before the pushes of this substep where some overlap deeply, else null. Returns true (in
 /// a relaxation) where a contact is deep. `time`: s since the start of the step.
 template <Pass kPass, class T>
-bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T push_out_speed,
-                    const T* start, T time) {
+bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T push_out_speed, const T* start,
+                    T time) {
   using W = Wide<T>;
   const W zero = W::zero(), one = W::all(1);
   const W surface = c.turns ? madd(c.surface_rate, W::all(time), c.surface_speed) : c.surface_speed;

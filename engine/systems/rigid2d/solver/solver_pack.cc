@@ -83,9 +83,8 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
         foreseen = *at_start, at_start = &foreseen;
         const double by = std::min(ahead, kMostMotion / way), ra = model.radius[hit.a],
                      rb = model.radius[hit.b];
-        foreseen_by = frame == 0
-                          ? flat::foresee(foreseen, apart, of_a, of_b, ra, rb, by)
-                          : flat::foresee_turning(foreseen, apart, of_a, of_b, ra, rb, by, frame);
+        foreseen_by = frame == 0 ? flat::foresee(foreseen, apart, of_a, of_b, ra, rb, by)
+                                 : flat::foresee_turning(foreseen, apart, of_a, of_b, ra, rb, by, frame);
       }
     }
     const flat::Contact& contact = *at_start;

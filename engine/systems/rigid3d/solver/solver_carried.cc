@@ -38,8 +38,9 @@ carried::Carried carried_velocity(const Contact& c, const CarriedPair& p, const 
   const auto side = [&](const BodyKind& kind, const BodyNow& now, uint32_t part, const Vec3& v,
                         const Vec3& spin) {
     const Place at = place(kind, part, now.at, spin, n);
-    return carried::Side{v,          spin,      now.part == BodyNow::Part::active, at.round, at.turns,
-                         kind.reach, kind.mass, kind.moments.y};
+    return carried::Side{v,         spin,          now.part == BodyNow::Part::active,
+                         at.round,  at.turns,      kind.reach,
+                         kind.mass, kind.moments.y};
   };
   const carried::Side a = side(*p.kind_a, *p.now_a, c.manifold.part_a, p.velocity_a, p.spin_a),
                       b = side(*p.kind_b, *p.now_b, c.manifold.part_b, p.velocity_b, p.spin_b);
