@@ -16,7 +16,7 @@ Vec3 in_space(Vec2 p) {
 }  // namespace
 
 template <class T>
-void Solver<T>::find_driven(const Model& model, const State& state) {
+bool Solver<T>::find_driven(const Model& model, const State& state) {
   driven_.clear();
   const auto broken = state.span<uint32_t>(columns::joint_broken);
   for (const uint32_t i : model.motors) {
@@ -28,6 +28,9 @@ void Solver<T>::find_driven(const Model& model, const State& state) {
       if (slot_[body] < moved_) driven_[slot_[body]] = 1;
     }
   }
+  const auto w = state.f64(columns::angular_velocity);
+  return !driven_.empty() ||
+         std::any_of(movers_.begin() + moved_, movers_.end(), [&](uint32_t body) { return w[body] != 0; });
 }
 
 template <class T>
@@ -40,8 +43,8 @@ double Solver<T>::carries(uint32_t a, uint32_t b, double spin_a, double spin_b) 
 }
 
 template <class T>
-void Solver<T>::carry(ContactPack<T>& c, int lane, const Model& model, const State& state, const Place& at,
-                      double h) const {
+void Solver<T>::carry(const ContactPack<T>& c, int lane, const Model& model, const State& state,
+                      const Place& at, double h, CarriedPack<T>& out) const {
   const double *v = state.f64(columns::velocity).data(), *w = state.f64(columns::angular_velocity).data();
   const auto disk = [&](uint32_t body) {
     return model.light[body].reach - model.light[body].inner <= 1e-9 * model.light[body].reach;
@@ -70,21 +73,21 @@ void Solver<T>::carry(ContactPack<T>& c, int lane, const Model& model, const Sta
       carried::velocity(side(at.a, at.b), side(at.b, at.a),
                         {in_space(on_a), in_space(on_a - at.then), in_space(at.apart), at.ahead}, h);
   const Vec3 n{c.nx[lane], c.ny[lane], 0}, along{-n.y, n.x, 0}, first = got.mean - got.rate * (0.5 * h);
-  c.surface_speed.set(lane, static_cast<T>(double(c.surface_speed[lane]) - dot(first, along)));
-  c.surface_rate.set(lane, static_cast<T>(-dot(got.rate, along)));
-  c.lift.set(lane, static_cast<T>(dot(first, n))), c.lift_rate.set(lane, static_cast<T>(dot(got.rate, n)));
+  const auto t = [](double x) { return static_cast<T>(x); };
+  out.along.set(lane, t(dot(first, along))), out.along_rate.set(lane, t(dot(got.rate, along)));
+  out.lift.set(lane, t(dot(first, n))), out.lift_rate.set(lane, t(dot(got.rate, n)));
   const Vec3 from_a = in_space(on_a) * (w[at.a] * w[at.a]),
              from_b = in_space(on_a - at.then) * (w[at.b] * w[at.b]);
-  c.missed.set(lane, static_cast<T>(at.ahead * dot(from_b - from_a, n)));
+  out.missed.set(lane, t(at.ahead * dot(from_b - from_a, n)));
 }
 
-template void Solver<float>::find_driven(const Model&, const State&);
-template void Solver<double>::find_driven(const Model&, const State&);
+template bool Solver<float>::find_driven(const Model&, const State&);
+template bool Solver<double>::find_driven(const Model&, const State&);
 template double Solver<float>::carries(uint32_t, uint32_t, double, double) const;
 template double Solver<double>::carries(uint32_t, uint32_t, double, double) const;
-template void Solver<float>::carry(ContactPack<float>&, int, const Model&, const State&, const Place&,
-                                   double) const;
-template void Solver<double>::carry(ContactPack<double>&, int, const Model&, const State&, const Place&,
-                                    double) const;
+template void Solver<float>::carry(const ContactPack<float>&, int, const Model&, const State&, const Place&,
+                                   double, CarriedPack<float>&) const;
+template void Solver<double>::carry(const ContactPack<double>&, int, const Model&, const State&, const Place&,
+                                    double, CarriedPack<double>&) const;
 
 }  // namespace truestep::rigid2d

@@ -293,6 +293,9 @@ void Solver<T>::substep(const Model& model, const SolverSettings& settings, T el
                                static_cast<T>(settings.joint.impulse_scale)};
   T* rows = rows_.data();
   const uint32_t moved = moved_;
+  const auto carried_of = [&](const ContactPack<T>& p) -> const CarriedPack<T>& {
+    return carried_[static_cast<size_t>(&p - contacts_.data())];
+  };
   arena.for_blocks(movers_.size(), kBodiesPerTask, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       T* r = rows + 8 * i;
@@ -326,7 +329,12 @@ void Solver<T>::substep(const Model& model, const SolverSettings& settings, T el
   for (int i = 0; i < sweeps; ++i) {
     each_colour_back(arena, contacts_, contact_colours_, [&](ContactPack<T>& p) {
       if (i + all < sweeps && !p.crowded) return;
-      solve_contacts<Pass::bias>(p, rows, moved, inverse_h, push_out_speed, start, elapsed + T(0.5) * h);
+      if (p.turns) {
+        const TurningSurfaces<T> turning{carried_of(p), elapsed, elapsed + T(0.5) * h};
+        solve_contacts<Pass::bias>(p, rows, moved, inverse_h, push_out_speed, start, turning);
+      } else {
+        solve_contacts<Pass::bias>(p, rows, moved, inverse_h, push_out_speed, start);
+      }
     });
   }
 
@@ -352,8 +360,14 @@ void Solver<T>::substep(const Model& model, const SolverSettings& settings, T el
   each_colour(arena, hinges_, hinge_colours_,
               [&](HingePack<T>& p) { solve_hinges<Pass::relax>(p, rows, moved, soft, h); });
   each_colour_back(arena, contacts_, contact_colours_, [&](ContactPack<T>& p) {
-    if (solve_contacts<Pass::relax>(p, rows, moved, inverse_h, push_out_speed, start, elapsed + h))
-      deep_ = true;
+    bool deep;
+    if (p.turns) {
+      const TurningSurfaces<T> turning{carried_of(p), elapsed + h, elapsed + h};
+      deep = solve_contacts<Pass::relax>(p, rows, moved, inverse_h, push_out_speed, start, turning);
+    } else {
+      deep = solve_contacts<Pass::relax>(p, rows, moved, inverse_h, push_out_speed, start);
+    }
+    if (deep) deep_ = true;
   });
 }
 

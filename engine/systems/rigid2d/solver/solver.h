@@ -67,9 +67,6 @@ struct ContactPack {
   };
   uint32_t a[W::kLanes], b[W::kLanes];  // rows
   W nx, ny, friction, surface_speed, restitution;
-  // With `turns` (carried_contact.h): m/s^2; m/s, m/s^2 along the normal; and m/s at which the separations,
-  // with arms of the middle of the step, miss those of the arms at its start.
-  W surface_rate, lift, lift_rate, missed;
   W bias_rate, mass_scale, impulse_scale;
   W rolling, rolling_mass, rolling_impulse;
   W round_a, round_b;                  // radii of the shapes' rounding, m
@@ -82,6 +79,14 @@ struct ContactPack {
     W taken;  // 1 in lanes whose push is taken back
     W normal[2], tangent[2], rolling;
   } before;
+};
+
+/// What the surfaces of a pack that `turns` do beyond the motion of the bodies' rows (carried_contact.h):
+/// speed (m/s, m/s^2) along tangent and normal, and the speed at which separations, with arms of the middle
+/// of the step, miss those of the arms at its start.
+template <class T>
+struct CarriedPack {
+  Wide<T> along, along_rate, lift, lift_rate, missed;
 };
 
 /// Joints that only hold two points together, in SIMD lanes.
@@ -126,8 +131,8 @@ class Solver {
                     const SolverSettings& settings);
   void pack_contacts(const Model& model, const State& state, const Pairs& pairs,
                      const SolverSettings& settings, const ThreadArena& arena);
-  /// Marks the rows of bodies that motors turn.
-  void find_driven(const Model& model, const State& state);
+  /// Marks the rows of bodies that motors turn; returns whether any body carries others round.
+  bool find_driven(const Model& model, const State& state);
   /// rad/s at which one of two rows carries the other round: it is moved from outside, or turned by a motor.
   double carries(uint32_t a, uint32_t b, double spin_a, double spin_b) const;
   /// Where a contact of two bodies was found: the centre of b from that of a at the start of the step and
@@ -138,10 +143,10 @@ class Solver {
     double ahead = 0;
   };
   /// Gives a lane what its surfaces' velocity exceeds that of the solver's rows by.
-  void carry(ContactPack<T>& pack, int lane, const Model& model, const State& state, const Place& at,
-             double h) const;
+  void carry(const ContactPack<T>& pack, int lane, const Model& model, const State& state, const Place& at,
+             double h, CarriedPack<T>& out) const;
   void fill(ContactPack<T>& pack, const uint32_t* hits, int count, const Model& model, const State& state,
-            const Pairs& pairs, const SolverSettings& settings) const;
+            const Pairs& pairs, const SolverSettings& settings);
   void pack_joints(const Model& model, const State& state, const Pairs& pairs, const Hands& hands,
                    const SolverSettings& settings);
   JointRow<T> row_of(const Joint& joint, const Pairs& pairs, const SolverSettings& settings,
@@ -209,6 +214,7 @@ class Solver {
   std::vector<double> lightest_, heaviest_;  // kg and N s, of every island: masses, and weights in a substep
   std::vector<std::array<T, 2>> masses_;  // inverse mass and inertia of every row, while some are lightened
   Aligned<ContactPack<T>> contacts_;
+  Aligned<CarriedPack<T>> carried_;  // of every pack, empty where nothing turns and carries
   Aligned<HingePack<T>> hinges_;
   std::vector<uint32_t> contact_colours_, hinge_colours_;  // first pack of every colour, and the end
   std::vector<JointRow<T>> joints_;                        // the drags come last

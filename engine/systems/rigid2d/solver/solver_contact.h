@@ -1,6 +1,8 @@
 // Kernels over packs of contacts and hinges. `rows` are the bodies' rows of eight; rows from `moved` on take
 // no impulses.
 #pragma once
+#include <type_traits>
+
 #include "engine/systems/rigid2d/solver/solver.h"
 
 namespace truestep::rigid2d {
@@ -169,14 +171,27 @@ Wide<T> push_left(const ContactPack<T>& c, const Ends<T>& e, const T* start, T p
   return max(nmadd(W::all(T(1.2)), all, W::all(push_out_speed)), W::zero());
 }
 
+/// Surfaces of a pack: still, or turning. `begun` and `now`: s from the start of the step to that of the
+/// pass's separations, and to the moment whose velocities it solves.
+struct StillSurfaces {};
+template <class T>
+struct TurningSurfaces {
+  const CarriedPack<T>& carried;
+  T begun, now;
+};
+
 /// `start`: rows before the pushes of this substep where some overlap deeply, else null. Returns true (in
-/// a relaxation) where a contact is deep. `time`: s since the start of the step.
-template <Pass kPass, class T>
+/// a relaxation) where a contact is deep.
+template <Pass kPass, class T, class Surfaces = StillSurfaces>
 bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T push_out_speed, const T* start,
-                    T time) {
+                    const Surfaces& surfaces = {}) {
   using W = Wide<T>;
+  constexpr bool kTurns = !std::is_same_v<Surfaces, StillSurfaces>;
   const W zero = W::zero(), one = W::all(1);
-  const W surface = c.turns ? madd(c.surface_rate, W::all(time), c.surface_speed) : c.surface_speed;
+  W surface = c.surface_speed;
+  if constexpr (kTurns) {
+    surface -= madd(surfaces.carried.along_rate, W::all(surfaces.now), surfaces.carried.along);
+  }
   Ends<T> e(rows, c.a, c.b);
   W vx, vy, most_push = W::all(push_out_speed);
   W rate = c.bias_rate;
@@ -211,9 +226,8 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
   // after the other they would tilt a stack, and need more steps to agree.
   W q[2], g[2], separation[2];
   separations(c, e, separation);
-  if (c.turns) {
-    const T now = kPass == Pass::bias ? time - T(0.5) / inverse_h : time;
-    for (W& s : separation) s = madd(c.missed, W::all(now), s);
+  if constexpr (kTurns) {
+    for (W& s : separation) s = madd(surfaces.carried.missed, W::all(surfaces.begun), s);
   }
   for (int i = 0; i < 2; ++i) {
     const auto& p = c.point[i];
@@ -229,7 +243,9 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
     }
     e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
     q[i] = madd(vx, c.nx, madd(vy, c.ny, bias));
-    if (c.turns) q[i] += madd(c.lift_rate, W::all(time), c.lift);
+    if constexpr (kTurns) {
+      q[i] += madd(surfaces.carried.lift_rate, W::all(surfaces.now), surfaces.carried.lift);
+    }
     if constexpr (kPass == Pass::relax) {
       // A contact that will bounce is not slowed down before the impact.
       if (c.bounces) {
@@ -260,7 +276,9 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
   }
   // What goes round is pulled anew in every substep: what the normals leave of its slip adds up, and nothing
   // brings it back, while separations correct what friction leaves of theirs.
-  if (c.turns && !start) rub();
+  if constexpr (kTurns) {
+    if (!start) rub();
+  }
   e.store(rows, moved);
   return kPass == Pass::relax && any_below(depth_left(c, separation, push_out_speed), zero);
 }

@@ -33,7 +33,7 @@ void pack_colours(std::span<const uint32_t, kColours + 1> count, uint32_t lanes,
 
 template <class T>
 void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const Model& model,
-                     const State& state, const Pairs& pairs, const SolverSettings& settings) const {
+                     const State& state, const Pairs& pairs, const SolverSettings& settings) {
   using W = Wide<T>;
   std::memset(&c, 0, sizeof c);
   const auto still = static_cast<uint32_t>(movers_.size());
@@ -68,7 +68,7 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
       };
       const flat::PlaneMotion of_a = motion(c.a[k]), of_b = motion(c.b[k]);
       // Seen from what turns and carries the other, where that goes round with it.
-      double frame = carries(c.a[k], c.b[k], w[hit.body_a], w[hit.body_b]);
+      double frame = carried_.empty() ? 0 : carries(c.a[k], c.b[k], w[hit.body_a], w[hit.body_b]);
       Vec2 passing = of_b.velocity - of_a.velocity;
       const Vec2 there = passing - frame * flat::left_of(apart);
       if (flat::dot(there, there) < flat::dot(passing, passing)) {
@@ -128,10 +128,13 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
     place[k] = {hit.body_a, hit.body_b, apart_at_start, apart, foreseen_by};
   }
   weigh(c, Ends<T>(rows_.data(), c.a, c.b), there);
+  if (carried_.empty()) return;
+  CarriedPack<T>& carried = carried_[static_cast<size_t>(&c - contacts_.data())];
+  std::memset(&carried, 0, sizeof carried);
   for (int k = 0; k < count; ++k) {
     const Hit& hit = pairs.hits[pairs.touching[hits[k]]];
     if (carries(c.a[k], c.b[k], w[hit.body_a], w[hit.body_b]) == 0) continue;
-    c.turns = 1, carry(c, k, model, state, place[k], settings.h * settings.steps);
+    c.turns = 1, carry(c, k, model, state, place[k], settings.h * settings.steps, carried);
   }
 }
 
@@ -151,13 +154,13 @@ void Solver<T>::pack_contacts(const Model& model, const State& state, const Pair
       if (row != kNoBody) ++crowd_[row];
     }
   }
-  find_driven(model, state);
   std::array<uint32_t, kColours + 1> count;
   colour_constraints(ends_, used_, colour_, count);
   sort_by_colour(colour_, count, order_);
   pack_colours(count, kLanes, contact_colours_);
   const uint32_t packs = contact_colours_.empty() ? 0 : contact_colours_.back();
   if (contacts_.size() < packs) contacts_.resize(packs);
+  carried_.resize(find_driven(model, state) ? packs : 0);
   // Every colour starts a new pack: position in the order at which the hits of each pack begin.
   std::vector<uint32_t>& first = hinge_list_;
   first.clear();

@@ -198,7 +198,7 @@ void Solver<T>::sweep_loads(const SolverSettings& settings, const ThreadArena& a
       each_colour(contact_colours_, k % 2 == 0 ? ColourOrder::forth : ColourOrder::back, arena, kPacksPerTask,
                   [&](size_t p) {
                     solve_contacts<Pass::relax>(contacts_[p], start_.data(), moved_, inverse_h,
-                                                push_out_speed, static_cast<const T*>(nullptr), T(0));
+                                                push_out_speed, static_cast<const T*>(nullptr));
                   });
       if ((k + 1) % kSweepsPerLook != 0) continue;
       const double left = find_held(held_now_);
