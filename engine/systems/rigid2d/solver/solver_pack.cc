@@ -125,7 +125,7 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
       }
       p.separation.set(k, t(at.separation - offset));
     }
-    place[k] = {hit.body_a, hit.body_b, apart_at_start, apart, foreseen_by};
+    if (!carried_.empty()) place[k] = {hit.body_a, hit.body_b, apart_at_start, apart, foreseen_by};
   }
   weigh(c, Ends<T>(rows_.data(), c.a, c.b), there);
   if (carried_.empty()) return;
