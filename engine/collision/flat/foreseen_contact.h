@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "engine/collision/flat/contact.h"
+#include "engine/math/trig.h"
 
 namespace truestep::flat {
 
@@ -24,9 +25,9 @@ struct PlaneMotion {
 
 /// Turns the normal and moves the points (about the centre of a, as is `apart`, the centre of b) to where
 /// they are `ahead` (s) later if both bodies go on; separations stay. `radius_a` and `radius_b` (m) are the
-/// outlines' rounding.
-inline void foresee(Contact& c, Vec2& apart, const PlaneMotion& a, const PlaneMotion& b, double radius_a,
-                    double radius_b, double ahead) {
+/// outlines' rounding. Returns how far it went (s): no farther than the normal may turn.
+inline double foresee(Contact& c, Vec2& apart, const PlaneMotion& a, const PlaneMotion& b, double radius_a,
+                      double radius_b, double ahead) {
   const Vec2 n = c.normal, relative = b.velocity - a.velocity;
   const auto velocity = [&](Side side, Vec2 at) {
     return side == Side::a ? a.spin * left_of(at) : relative + b.spin * left_of(at - apart);
@@ -35,7 +36,7 @@ inline void foresee(Contact& c, Vec2& apart, const PlaneMotion& a, const PlaneMo
   if (c.face == Face::none) {
     const ContactPoint& p = c.point[0];
     const double length = radius_a + radius_b + p.separation;
-    if (!(length > 0)) return;
+    if (!(length > 0)) return 0;
     const Vec2 on_a = p.at - (radius_a + 0.5 * p.separation) * n;
     turn = cross(n, velocity(Side::b, on_a + length * n) - velocity(Side::a, on_a)) / length;
   }
@@ -55,6 +56,21 @@ inline void foresee(Contact& c, Vec2& apart, const PlaneMotion& a, const PlaneMo
     p.at = corner + ahead * velocity(p.corner_of, corner) - radius * c.normal;
   }
   apart = apart + ahead * relative;
+  return ahead;
+}
+
+/// The same seen from a frame that turns at `frame` (rad/s) about the centre of a, exactly: what turns with
+/// it has not moved there.
+inline double foresee_turning(Contact& c, Vec2& apart, PlaneMotion a, PlaneMotion b, double radius_a,
+                              double radius_b, double ahead, double frame) {
+  b.velocity = b.velocity - frame * left_of(apart);
+  a.spin -= frame, b.spin -= frame;
+  ahead = foresee(c, apart, a, b, radius_a, radius_b, ahead);
+  const trig::SinCos turn = trig::sincos(frame * ahead);
+  const Rotation turned{turn.cos, turn.sin};
+  c.normal = turned * c.normal, apart = turned * apart;
+  for (uint32_t i = 0; i < c.points; ++i) c.point[i].at = turned * c.point[i].at;
+  return ahead;
 }
 
 }  // namespace truestep::flat

@@ -11,6 +11,7 @@
 #pragma once
 #include <cmath>
 
+#include "engine/kernels/rigid/free_rotation.h"
 #include "engine/math/trig.h"
 #include "engine/math/vec3.h"
 
@@ -34,8 +35,9 @@ inline Vec3 mean_turn(const Vec3& turn, const Vec3& r) {
 
 /// What the velocity of a surface exceeds that of the solver's rows by.
 struct Carried {
-  Vec3 mean;  ///< m/s, in the middle of the step: so that the sum over its substeps is exact
-  Vec3 rate;  ///< m/s^2
+  Vec3 mean;     ///< m/s, in the middle of the step: so that the sum over its substeps is exact
+  Vec3 rate;     ///< m/s^2, in the middle of the step as well
+  Vec3 turns{};  ///< rad/s, at which the place goes round, and friction there
 };
 
 /// Of a body with this spin at the place of a contact, beyond spin x solved. `arm` (m) leads there at the
@@ -44,7 +46,46 @@ struct Carried {
 inline Carried excess(const Vec3& spin, const Vec3& arm, const Vec3& solved, const Vec3& turns,
                       const Vec3& drift, double h) {
   return {cross(spin, arm + mean_turn(turns * h, arm) + drift * (0.5 * h) - solved),
-          cross(spin, cross(turns, arm) + drift)};
+          cross(spin, cross(turns, arm + cross(turns, arm) * (0.5 * h)) + drift)};
+}
+
+/// One of the two bodies of a contact, in space or in the plane (spins about z then).
+struct Side {
+  Vec3 velocity, spin;
+  bool moves = true;            ///< forces move it
+  bool round = false;           ///< it is round there: the place does not go with its material
+  Vec3 turns;                   ///< spin at which the place goes round with it
+  double reach = 0;             ///< m, from its centre to its farthest surface
+  double mass = 0, moment = 0;  ///< kg and kg m^2, of what may roll on a turning face about its normal
+};
+
+/// Where a contact was found.
+struct Found {
+  Vec3 on_a, on_b;   ///< m, the arms of the solver's rows, from the centres when it was found
+  Vec3 apart;        ///< m, from the centre of a to that of b at the start of the step
+  double ahead = 0;  ///< s after the start of the step
+};
+
+/// To be added to the velocity of b relative to a at the place of a contact.
+inline Carried velocity(const Side& a, const Side& b, const Found& found, double h) {
+  // The place goes with what is round, or with the smaller body: it stands on the larger one.
+  const bool with_b = a.round != b.round ? b.round : a.moves != b.moves ? b.moves : b.reach < a.reach;
+  const Side& leader = with_b ? b : a;
+  const Vec3 &turns = leader.turns, &from = with_b ? found.on_b : found.on_a;
+  // Back to the start of the step, with the body that the place goes with.
+  const Vec3 back = found.ahead > 0 ? rotation(free_rotation::turn(turns * -found.ahead)).apply(from) : from;
+  const Vec3 arm_a = with_b ? back + found.apart : back, arm_b = with_b ? back : back - found.apart;
+  // A body that rolls on the other turns its velocity by this share of the change of what is under it.
+  const bool rolls = leader.round && leader.moves && leader.moment > 0;
+  const double follows = rolls ? leader.moment / (leader.moment + leader.mass * norm2(back)) : 0;
+  const auto excess_of = [&](const Side& side, const Vec3& arm, const Vec3& solved) {
+    // m/s at which the place leaves an arm of this body that goes round at the place's rate.
+    Vec3 drift = leader.velocity + cross(turns, back) - side.velocity - cross(turns, arm);
+    drift += cross(side.spin, drift) * (0.5 * h * follows);
+    return excess(side.spin, arm, solved, turns, drift, h);
+  };
+  const Carried of_a = excess_of(a, arm_a, found.on_a), of_b = excess_of(b, arm_b, found.on_b);
+  return {of_b.mean - of_a.mean, of_b.rate - of_a.rate, turns};
 }
 
 }  // namespace truestep::carried

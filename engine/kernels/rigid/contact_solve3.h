@@ -98,13 +98,14 @@ void solve_friction(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], T time) {
     r::clip(g.roll, change, g.rolling * pressure, added);
     for (int t = 0; t < 2; ++t) add_impulse(g, 4 + t, added[t], v, f);
   }
-  {
+  const auto twist = [&] {
     const W speed = v[3] + g.twist_drift;
     const W total = max(min(nmadd(g.twist_inverse, speed, g.twist), torque), -torque);
     const W added = total - g.twist;
     g.twist = total;
     add_impulse(g, 3, added, v, f);
-  }
+  };
+  twist();
   {
     W slip[2], change[2], added[2];
     for (int t = 0; t < 2; ++t) slip[t] = v[1 + t] + g.slide_drift[t];
@@ -121,6 +122,9 @@ void solve_friction(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], T time) {
     r::clip(g.slide, change, most, added);
     for (int t = 0; t < 2; ++t) add_impulse(g, 1 + t, added[t], v, f);
   }
+  // What goes round is pulled sideways anew in every substep, and where that acts beside its centre it would
+  // turn on its table by a little in each.
+  if (g.flags & ContactGroup<T>::kTurns) twist();
 }
 /// The relative velocity that a point should have, negated. Separated points may close their gap within one
 /// substep.
@@ -279,7 +283,12 @@ void solve_contacts(ContactGroup<T>& g, Record8<T>* records, const Record8<T>* d
   }
   detail::share_blow<kind>(g, v, f, pass, push_out);
   detail::solve_points<kind>(g, v, f, pass, push_out);
-  if constexpr (kind == ContactSolve::relax) detail::solve_friction(g, v, f, pass.elapsed);
+  if constexpr (kind == ContactSolve::relax) {
+    detail::solve_friction(g, v, f, pass.elapsed);
+  } else if ((g.flags & ContactGroup<T>::kTurns) && !pass.start) {
+    // What goes round is pulled sideways anew in every substep: what the normals leave of its slip adds up.
+    detail::solve_friction(g, v, f, pass.elapsed + T(0.5) / pass.inverse_h);
+  }
   detail::push_apart(g, f, a, b);
   scatter6(records, g.a, end, a), scatter6(records, g.b, end, b);
 }

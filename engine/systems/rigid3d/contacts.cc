@@ -130,7 +130,7 @@ void ContactList::narrow_phase(const State& s, std::span<const BodyKind> kinds, 
         c.a = a, c.b = b;
         if (!collide(ka.solid, at_a, kb.solid, at_b, margin, c.manifold) &&
             !(far && meet(s, kinds, pairs_[p], in.h, later) &&
-              collide(ka.solid, later.a, kb.solid, later.b, still, c.manifold))) {
+              collide(ka.solid, later.a, kb.solid, later.b, std::max(still, size), c.manifold))) {
           out.pop_back();
           continue;
         }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/kernels/rigid/free_rotation.h"
 #include "engine/systems/rigid3d/contacts.h"
 #include "engine/systems/rigid3d/turned_surface.h"
 
@@ -53,22 +54,41 @@ void ContactList::look_ahead(const State& s, std::span<const BodyKind> kinds, co
     return SpaceMotion{load3(v, i), seen_spin(k, bodies_[i].at.rotation, load3(w, i))};
   };
   out.of_a = motion(a, pair.a), out.of_b = motion(b, pair.b);
+  // Seen from what turns and carries the other, where that goes round with it.
+  const bool a_turns = bodies_[pair.a].part == BodyNow::Part::kinematic;
+  const uint32_t turns = a_turns ? pair.a : pair.b;
+  Vec3 frame = bodies_[turns].part == BodyNow::Part::kinematic ? load3(w, turns) : Vec3{};
+  const Vec3 apart = bodies_[pair.b].at.position - bodies_[pair.a].at.position;
+  Vec3 passing = out.of_b.velocity - out.of_a.velocity;
+  const Vec3 there = passing - cross(frame, apart);
+  if (norm2(there) < norm2(passing)) {
+    passing = there;
+    const Vec3 goes =
+        (rotation(free_rotation::turn(frame * ahead)).apply(apart + passing * ahead) - apart) / ahead;
+    if (a_turns) {
+      out.of_b.velocity = out.of_a.velocity + goes;
+    } else {
+      out.of_a.velocity = out.of_b.velocity - goes;
+    }
+  } else {
+    frame = {};
+  }
   // The spin of a body's axis goes round with the body.
   const auto turn2 = [&](const BodyKind& k, uint32_t i) {
-    return k.reach == k.inner ? 0 : norm2(load3(w, i));
+    return k.reach == k.inner ? 0 : norm2(load3(w, i) - frame);
   };
-  const double way2 = std::max(
-      {turn2(a, pair.a), turn2(b, pair.b), norm2(out.of_b.velocity - out.of_a.velocity) / (size * size)});
+  const double way2 = std::max({turn2(a, pair.a), turn2(b, pair.b), norm2(passing) / (size * size)});
   out.ahead = 0;
   // The rims of cylinders in a compound pass their contacts about axes of their own.
   if (hidden_rim(a, out.of_a) || hidden_rim(b, out.of_b)) return;
-  const double past2 = kRolls * kRolls * norm2(out.of_b.velocity - out.of_a.velocity);
+  const double past2 = kRolls * kRolls * norm2(passing);
   const auto rolls = [&](const BodyKind& k, uint32_t i) {
-    const double speed = own_spin(k, bodies_[i].at.rotation, load3(w, i)) * k.solid.size.x;
+    const double speed = own_spin(k, bodies_[i].at.rotation, load3(w, i) - frame) * k.solid.size.x;
     return !(speed * speed > past2);
   };
   if (!rolls(a, pair.a) || !rolls(b, pair.b)) return;
-  if (!(way2 * ahead * ahead > kSeenMotion * kSeenMotion)) return;
+  const double seen2 = std::max(way2, norm2(frame)) * ahead * ahead;
+  if (!(seen2 > kSeenMotion * kSeenMotion)) return;
   if (way2 * ahead * ahead > kMostMotion * kMostMotion) return;
   out.ahead = ahead;
   out.a = place_after(bodies_[pair.a].at, out.of_a, out.ahead);

@@ -43,7 +43,7 @@ std::span<const Family> families() {
         {"bodies_on_ropes", bodies_on_ropes},
         {"shield_2d", shield_2d, true},
         {"shield_3d", shield_3d, true},
-        {"bar_2d", bar_2d, true},
+        {"bar_2d", bar_2d},
         {"bar_3d", bar_3d, true},
         {"seam_3d", seam_3d, true},
         {"turntable_3d", turntable_3d, true},

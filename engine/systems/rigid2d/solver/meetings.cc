@@ -103,7 +103,14 @@ struct Finder {
     if (!hit || hit->fraction == 0) return;
     Met met{.key = key};
     flat::Contact contact;
-    if (!contact_at(shape_a, of_a, shape_b, of_b, hit->fraction, model.margin, contact, met.apart)) return;
+    // Hit off its centre, a body turns, and its other end meets the same face later in the step: as far as
+    // that.
+    const double size = la.motion != Motion::dynamic   ? lb.reach
+                        : lb.motion != Motion::dynamic ? la.reach
+                                                       : std::min(la.reach, lb.reach);
+    if (!contact_at(shape_a, of_a, shape_b, of_b, hit->fraction, std::max(model.margin, size), contact,
+                    met.apart))
+      return;
     size_t where = static_cast<size_t>(at - begin);
     if (!listed) {
       where = pairs.hits.size();

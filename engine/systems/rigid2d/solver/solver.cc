@@ -284,7 +284,8 @@ void Solver<T>::weigh_contacts() {
 }
 
 template <class T>
-void Solver<T>::substep(const Model& model, const SolverSettings& settings, const ThreadArena& arena) {
+void Solver<T>::substep(const Model& model, const SolverSettings& settings, T elapsed,
+                        const ThreadArena& arena) {
   const T h = static_cast<T>(settings.h), inverse_h = static_cast<T>(1 / settings.h);
   const T push_out_speed = static_cast<T>(settings.push_out_speed);
   const SoftConstraint<T> soft{static_cast<T>(settings.joint.bias_rate),
@@ -292,6 +293,9 @@ void Solver<T>::substep(const Model& model, const SolverSettings& settings, cons
                                static_cast<T>(settings.joint.impulse_scale)};
   T* rows = rows_.data();
   const uint32_t moved = moved_;
+  const auto carried_of = [&](const ContactPack<T>& p) -> const CarriedPack<T>& {
+    return carried_[static_cast<size_t>(&p - contacts_.data())];
+  };
   arena.for_blocks(movers_.size(), kBodiesPerTask, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       T* r = rows + 8 * i;
@@ -325,7 +329,12 @@ void Solver<T>::substep(const Model& model, const SolverSettings& settings, cons
   for (int i = 0; i < sweeps; ++i) {
     each_colour_back(arena, contacts_, contact_colours_, [&](ContactPack<T>& p) {
       if (i + all < sweeps && !p.crowded) return;
-      solve_contacts<Pass::bias>(p, rows, moved, inverse_h, push_out_speed, start);
+      if (p.turns) {
+        const TurningSurfaces<T> turning{carried_of(p), elapsed, elapsed + T(0.5) * h};
+        solve_contacts<Pass::bias>(p, rows, moved, inverse_h, push_out_speed, start, turning);
+      } else {
+        solve_contacts<Pass::bias>(p, rows, moved, inverse_h, push_out_speed, start);
+      }
     });
   }
 
@@ -351,7 +360,14 @@ void Solver<T>::substep(const Model& model, const SolverSettings& settings, cons
   each_colour(arena, hinges_, hinge_colours_,
               [&](HingePack<T>& p) { solve_hinges<Pass::relax>(p, rows, moved, soft, h); });
   each_colour_back(arena, contacts_, contact_colours_, [&](ContactPack<T>& p) {
-    if (solve_contacts<Pass::relax>(p, rows, moved, inverse_h, push_out_speed, start)) deep_ = true;
+    bool deep;
+    if (p.turns) {
+      const TurningSurfaces<T> turning{carried_of(p), elapsed + h, elapsed + h};
+      deep = solve_contacts<Pass::relax>(p, rows, moved, inverse_h, push_out_speed, start, turning);
+    } else {
+      deep = solve_contacts<Pass::relax>(p, rows, moved, inverse_h, push_out_speed, start);
+    }
+    if (deep) deep_ = true;
   });
 }
 
@@ -381,7 +397,7 @@ void Solver<T>::solve(const Model& model, State& state, const Pairs& pairs, Hand
     const Wide<T> left = depth_left(contacts_[p], separation, static_cast<T>(settings.push_out_speed));
     if (any_below(left, Wide<T>::zero())) deep_ = true;
   }
-  for (int i = 0; i < settings.steps; ++i) substep(model, settings, arena);
+  for (int i = 0; i < settings.steps; ++i) substep(model, settings, static_cast<T>(i * settings.h), arena);
   if (springs_) kick(JointPass::kick, h);
   if (!bounces_) end_free_flights(model, state, settings, arena);
   store_bodies(state, settings.h * settings.steps, arena);

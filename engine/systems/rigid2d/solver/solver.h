@@ -73,12 +73,20 @@ struct ContactPack {
   W stiffness0, stiffness1, coupling;  // K of the two normals, 1/kg
   W held;                              // the coupling, slightly reduced where K has no inverse
   Point point[2];
-  uint32_t rolls, bounces, crowded;
+  uint32_t rolls, bounces, crowded, turns;
   // Written only in substeps with deep overlaps.
   struct Before {
     W taken;  // 1 in lanes whose push is taken back
     W normal[2], tangent[2], rolling;
   } before;
+};
+
+/// What the surfaces of a pack that `turns` do beyond the motion of the bodies' rows (carried_contact.h):
+/// speed (m/s, m/s^2) along tangent and normal, and the speed at which separations, with arms of the middle
+/// of the step, miss those of the arms at its start.
+template <class T>
+struct CarriedPack {
+  Wide<T> along, along_rate, lift, lift_rate, missed;
 };
 
 /// Joints that only hold two points together, in SIMD lanes.
@@ -123,8 +131,22 @@ class Solver {
                     const SolverSettings& settings);
   void pack_contacts(const Model& model, const State& state, const Pairs& pairs,
                      const SolverSettings& settings, const ThreadArena& arena);
+  /// Marks the rows of bodies that motors turn; returns whether any body carries others round.
+  bool find_driven(const Model& model, const State& state);
+  /// rad/s at which one of two rows carries the other round: it is moved from outside, or turned by a motor.
+  double carries(uint32_t a, uint32_t b, double spin_a, double spin_b) const;
+  /// Where a contact of two bodies was found: the centre of b from that of a at the start of the step and
+  /// `then`, `ahead` s later.
+  struct Place {
+    uint32_t a = 0, b = 0;
+    Vec2 apart, then;
+    double ahead = 0;
+  };
+  /// Gives a lane what its surfaces' velocity exceeds that of the solver's rows by.
+  void carry(const ContactPack<T>& pack, int lane, const Model& model, const State& state, const Place& at,
+             double h, CarriedPack<T>& out) const;
   void fill(ContactPack<T>& pack, const uint32_t* hits, int count, const Model& model, const State& state,
-            const Pairs& pairs, const SolverSettings& settings) const;
+            const Pairs& pairs, const SolverSettings& settings);
   void pack_joints(const Model& model, const State& state, const Pairs& pairs, const Hands& hands,
                    const SolverSettings& settings);
   JointRow<T> row_of(const Joint& joint, const Pairs& pairs, const SolverSettings& settings,
@@ -163,7 +185,8 @@ class Solver {
   void restore_masses();
   /// Effective masses of the contacts that part, from the masses in the rows.
   void weigh_contacts();
-  void substep(const Model& model, const SolverSettings& settings, const ThreadArena& arena);
+  /// `elapsed`: s since the start of the step.
+  void substep(const Model& model, const SolverSettings& settings, T elapsed, const ThreadArena& arena);
   /// Forces and damping of a substep on a velocity vx vy w.
   static void act(const T* push, T* v) {
     v[0] = (v[0] + push[0]) * push[3], v[1] = (v[1] + push[1]) * push[3], v[2] = (v[2] + push[2]) * push[4];
@@ -191,10 +214,12 @@ class Solver {
   std::vector<double> lightest_, heaviest_;  // kg and N s, of every island: masses, and weights in a substep
   std::vector<std::array<T, 2>> masses_;  // inverse mass and inertia of every row, while some are lightened
   Aligned<ContactPack<T>> contacts_;
+  Aligned<CarriedPack<T>> carried_;  // of every pack, empty where nothing turns and carries
   Aligned<HingePack<T>> hinges_;
   std::vector<uint32_t> contact_colours_, hinge_colours_;  // first pack of every colour, and the end
   std::vector<JointRow<T>> joints_;                        // the drags come last
   size_t drags_ = 0;
+  std::vector<uint8_t> driven_;         // rows, empty without motors: a motor turns the body
   std::vector<uint8_t> held_, sprung_;  // rows: something else acts on the body; only springs act on it
   std::vector<double> spring_rates_;    // rows: 1/s, sum over the springs of a body
   bool springs_ = false;

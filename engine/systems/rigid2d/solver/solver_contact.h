@@ -1,6 +1,8 @@
 // Kernels over packs of contacts and hinges. `rows` are the bodies' rows of eight; rows from `moved` on take
 // no impulses.
 #pragma once
+#include <type_traits>
+
 #include "engine/systems/rigid2d/solver/solver.h"
 
 namespace truestep::rigid2d {
@@ -169,13 +171,27 @@ Wide<T> push_left(const ContactPack<T>& c, const Ends<T>& e, const T* start, T p
   return max(nmadd(W::all(T(1.2)), all, W::all(push_out_speed)), W::zero());
 }
 
+/// Surfaces of a pack: still, or turning. `begun` and `now`: s from the start of the step to that of the
+/// pass's separations, and to the moment whose velocities it solves.
+struct StillSurfaces {};
+template <class T>
+struct TurningSurfaces {
+  const CarriedPack<T>& carried;
+  T begun, now;
+};
+
 /// `start`: rows before the pushes of this substep where some overlap deeply, else null. Returns true (in
 /// a relaxation) where a contact is deep.
-template <Pass kPass, class T>
-bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T push_out_speed,
-                    const T* start) {
+template <Pass kPass, class T, class Surfaces = StillSurfaces>
+bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T push_out_speed, const T* start,
+                    const Surfaces& surfaces = {}) {
   using W = Wide<T>;
+  constexpr bool kTurns = !std::is_same_v<Surfaces, StillSurfaces>;
   const W zero = W::zero(), one = W::all(1);
+  W surface = c.surface_speed;
+  if constexpr (kTurns) {
+    surface -= madd(surfaces.carried.along_rate, W::all(surfaces.now), surfaces.carried.along);
+  }
   Ends<T> e(rows, c.a, c.b);
   W vx, vy, most_push = W::all(push_out_speed);
   W rate = c.bias_rate;
@@ -185,17 +201,19 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
   }
 
   // Friction first, so that normals are solved last. The tangent is the normal turned left.
-  W load = zero;
-  for (auto& p : c.point) {
-    e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
-    const W slip = nmadd(vx, c.ny, vy * c.nx) - c.surface_speed;
-    const W most = c.friction * p.normal;
-    const W next = max(-most, min(most, nmadd(p.tangent_mass, slip, p.tangent)));
-    const W d = next - p.tangent;
-    p.tangent = next;
-    load += p.normal;
-    e.push(-(d * c.ny), d * c.nx, p.ax, p.ay, p.bx, p.by);
-  }
+  const auto rub = [&] {
+    for (auto& p : c.point) {
+      e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
+      const W slip = nmadd(vx, c.ny, vy * c.nx) - surface;
+      const W most = c.friction * p.normal;
+      const W next = max(-most, min(most, nmadd(p.tangent_mass, slip, p.tangent)));
+      const W d = next - p.tangent;
+      p.tangent = next;
+      e.push(-(d * c.ny), d * c.nx, p.ax, p.ay, p.bx, p.by);
+    }
+  };
+  const W load = c.point[0].normal + c.point[1].normal;
+  rub();
   if (c.rolls) {
     const W most = c.rolling * load, spin = e.b[2] - e.a[2];
     const W next = max(-most, min(most, nmadd(c.rolling_mass, spin, c.rolling_impulse)));
@@ -208,6 +226,9 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
   // after the other they would tilt a stack, and need more steps to agree.
   W q[2], g[2], separation[2];
   separations(c, e, separation);
+  if constexpr (kTurns) {
+    for (W& s : separation) s = madd(surfaces.carried.missed, W::all(surfaces.begun), s);
+  }
   for (int i = 0; i < 2; ++i) {
     const auto& p = c.point[i];
     const W& s = separation[i];
@@ -222,6 +243,9 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
     }
     e.relative(p.ax, p.ay, p.bx, p.by, vx, vy);
     q[i] = madd(vx, c.nx, madd(vy, c.ny, bias));
+    if constexpr (kTurns) {
+      q[i] += madd(surfaces.carried.lift_rate, W::all(surfaces.now), surfaces.carried.lift);
+    }
     if constexpr (kPass == Pass::relax) {
       // A contact that will bounce is not slowed down before the impact.
       if (c.bounces) {
@@ -249,6 +273,11 @@ bool solve_contacts(ContactPack<T>& c, T* rows, uint32_t moved, T inverse_h, T p
     const W d = x[i] - p.normal;
     p.normal = x[i];
     e.push(d * c.nx, d * c.ny, p.ax, p.ay, p.bx, p.by);
+  }
+  // What goes round is pulled anew in every substep: what the normals leave of its slip adds up, and nothing
+  // brings it back, while separations correct what friction leaves of theirs.
+  if constexpr (kTurns) {
+    if (!start) rub();
   }
   e.store(rows, moved);
   return kPass == Pass::relax && any_below(depth_left(c, separation, push_out_speed), zero);

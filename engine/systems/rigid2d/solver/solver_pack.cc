@@ -33,7 +33,7 @@ void pack_colours(std::span<const uint32_t, kColours + 1> count, uint32_t lanes,
 
 template <class T>
 void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const Model& model,
-                     const State& state, const Pairs& pairs, const SolverSettings& settings) const {
+                     const State& state, const Pairs& pairs, const SolverSettings& settings) {
   using W = Wide<T>;
   std::memset(&c, 0, sizeof c);
   const auto still = static_cast<uint32_t>(movers_.size());
@@ -44,7 +44,9 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
   const auto t = [](double x) { return static_cast<T>(x); };
   W there[2] = {W::zero(), W::zero()};  // 1 where a lane has this point
   flat::Contact foreseen;
+  Place place[W::kLanes];
   const double ahead = 0.5 * (settings.steps - 1) * settings.h;
+  const double* w = state.f64(columns::angular_velocity).data();
   const double least_spin = kSeenMotion / ahead, least_speed = least_spin * model.size;
   for (int k = 0; k < count; ++k) {
     const uint32_t index = pairs.touching[hits[k]];
@@ -52,7 +54,9 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
     const flat::Contact* at_start = &pairs.contacts[index];
     const Surface &a = model.surfaces[hit.body_a], &b = model.surfaces[hit.body_b];
     c.a[k] = slot_[hit.body_a], c.b[k] = slot_[hit.body_b];
-    Vec2 apart = pairs.pose[hit.body_b].p - pairs.pose[hit.body_a].p;
+    double foreseen_by = 0;  // s
+    const Vec2 apart_at_start = pairs.pose[hit.body_b].p - pairs.pose[hit.body_a].p;
+    Vec2 apart = apart_at_start;
     const float* old = hit.old == kNoPoint ? nullptr : impulses.data() + 5 * static_cast<size_t>(hit.old);
     const Met* met = pairs.met.empty() ? nullptr : meeting(pairs, hit.key());
     if (met) apart = met->apart;
@@ -63,13 +67,24 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
         return flat::PlaneMotion{{r[0], r[1]}, r[2]};
       };
       const flat::PlaneMotion of_a = motion(c.a[k]), of_b = motion(c.b[k]);
-      const Vec2 passing = of_b.velocity - of_a.velocity;
+      // Seen from what turns and carries the other, where that goes round with it.
+      double frame = carried_.empty() ? 0 : carries(c.a[k], c.b[k], w[hit.body_a], w[hit.body_b]);
+      Vec2 passing = of_b.velocity - of_a.velocity;
+      const Vec2 there = passing - frame * flat::left_of(apart);
+      if (flat::dot(there, there) < flat::dot(passing, passing)) {
+        passing = there;
+      } else {
+        frame = 0;
+      }
       const double spin = std::max(std::abs(of_a.spin), std::abs(of_b.spin));
       if (spin > least_spin || flat::dot(passing, passing) > least_speed * least_speed) {
-        const double way = std::max(spin, flat::norm(passing) / model.size);
+        const double way = std::max({std::abs(of_a.spin - frame), std::abs(of_b.spin - frame),
+                                     flat::norm(passing) / model.size, 1e-30});
         foreseen = *at_start, at_start = &foreseen;
-        flat::foresee(foreseen, apart, of_a, of_b, model.radius[hit.a], model.radius[hit.b],
-                      std::min(ahead, kMostMotion / way));
+        const double by = std::min(ahead, kMostMotion / way), ra = model.radius[hit.a],
+                     rb = model.radius[hit.b];
+        foreseen_by = frame == 0 ? flat::foresee(foreseen, apart, of_a, of_b, ra, rb, by)
+                                 : flat::foresee_turning(foreseen, apart, of_a, of_b, ra, rb, by, frame);
       }
     }
     const flat::Contact& contact = *at_start;
@@ -110,8 +125,17 @@ void Solver<T>::fill(ContactPack<T>& c, const uint32_t* hits, int count, const M
       }
       p.separation.set(k, t(at.separation - offset));
     }
+    if (!carried_.empty()) place[k] = {hit.body_a, hit.body_b, apart_at_start, apart, foreseen_by};
   }
   weigh(c, Ends<T>(rows_.data(), c.a, c.b), there);
+  if (carried_.empty()) return;
+  CarriedPack<T>& carried = carried_[static_cast<size_t>(&c - contacts_.data())];
+  std::memset(&carried, 0, sizeof carried);
+  for (int k = 0; k < count; ++k) {
+    const Hit& hit = pairs.hits[pairs.touching[hits[k]]];
+    if (carries(c.a[k], c.b[k], w[hit.body_a], w[hit.body_b]) == 0) continue;
+    c.turns = 1, carry(c, k, model, state, place[k], settings.h * settings.steps, carried);
+  }
 }
 
 template <class T>
@@ -136,6 +160,7 @@ void Solver<T>::pack_contacts(const Model& model, const State& state, const Pair
   pack_colours(count, kLanes, contact_colours_);
   const uint32_t packs = contact_colours_.empty() ? 0 : contact_colours_.back();
   if (contacts_.size() < packs) contacts_.resize(packs);
+  carried_.resize(find_driven(model, state) ? packs : 0);
   // Every colour starts a new pack: position in the order at which the hits of each pack begin.
   std::vector<uint32_t>& first = hinge_list_;
   first.clear();

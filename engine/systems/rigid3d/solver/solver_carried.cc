@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "engine/geometry/compound.h"
-#include "engine/kernels/rigid/free_rotation.h"
 #include "engine/systems/rigid3d/solver/solver.h"
 
 namespace truestep::rigid3d {
@@ -35,37 +34,19 @@ Place place(const BodyKind& kind, uint32_t part, const Transform& at, const Vec3
 }  // namespace
 
 carried::Carried carried_velocity(const Contact& c, const CarriedPair& p, const Vec3& center, double h) {
-  const Vec3 &n = c.manifold.normal, &xa = p.now_a->at.position, &xb = p.now_b->at.position;
-  const Place on_a = place(*p.kind_a, c.manifold.part_a, p.now_a->at, p.spin_a, n),
-              on_b = place(*p.kind_b, c.manifold.part_b, p.now_b->at, p.spin_b, n);
-  // Where two round bodies touch, neither tells where the place goes.
-  if (on_a.round && on_b.round) return {};
-  const bool moved_a = p.now_a->part == BodyNow::Part::active,
-             moved_b = p.now_b->part == BodyNow::Part::active;
-  // The place goes with what is round, or with the smaller body: it stands on the larger one.
-  const bool with_b = on_a.round != on_b.round ? on_b.round
-                      : moved_a != moved_b     ? moved_b
-                                               : p.kind_b->reach < p.kind_a->reach;
-  const Vec3 turns = with_b ? on_b.turns : on_a.turns, leads = with_b ? p.velocity_b : p.velocity_a;
-  const Vec3 solved_a = center, solved_b = center + xa - xb - c.apart;
-  // Back to the start of the step, with the body that the place goes with.
-  const Vec3 from = with_b ? solved_b : solved_a;
-  const Vec3 back = c.ahead > 0 ? rotation(free_rotation::turn(turns * -c.ahead)).apply(from) : from;
-  const Vec3 arm_a = with_b ? back + xb - xa : back, arm_b = with_b ? back : back + xa - xb;
-  // A body that rolls on the other turns its velocity by this share of the change of what is under it.
-  const BodyKind& leader = with_b ? *p.kind_b : *p.kind_a;
-  const double inertia = leader.mass * norm2(back);
-  const bool rolls = (with_b ? on_b : on_a).round && (with_b ? moved_b : moved_a);
-  const double follows = rolls ? leader.moments.y / (leader.moments.y + inertia) : 0;
-  const auto excess = [&](const Vec3& spin, const Vec3& arm, const Vec3& solved, const Vec3& velocity) {
-    // m/s at which the place leaves an arm of this body that goes round at the place's rate.
-    Vec3 drift = leads + cross(turns, back) - velocity - cross(turns, arm);
-    drift += cross(spin, drift) * (0.5 * h * follows);
-    return carried::excess(spin, arm, solved, turns, drift, h);
+  const Vec3 &n = c.manifold.normal, apart = p.now_b->at.position - p.now_a->at.position;
+  const auto side = [&](const BodyKind& kind, const BodyNow& now, uint32_t part, const Vec3& v,
+                        const Vec3& spin) {
+    const Place at = place(kind, part, now.at, spin, n);
+    return carried::Side{v,         spin,          now.part == BodyNow::Part::active,
+                         at.round,  at.turns,      kind.reach,
+                         kind.mass, kind.moments.y};
   };
-  const carried::Carried a = excess(p.spin_a, arm_a, solved_a, p.velocity_a),
-                         b = excess(p.spin_b, arm_b, solved_b, p.velocity_b);
-  return {b.mean - a.mean, b.rate - a.rate};
+  const carried::Side a = side(*p.kind_a, *p.now_a, c.manifold.part_a, p.velocity_a, p.spin_a),
+                      b = side(*p.kind_b, *p.now_b, c.manifold.part_b, p.velocity_b, p.spin_b);
+  // Where two round bodies touch, neither tells where the place goes.
+  if (a.round && b.round) return {};
+  return carried::velocity(a, b, {center, center - apart - c.apart, apart, c.ahead}, h);
 }
 
 template <class T>

@@ -109,6 +109,7 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
       const carried::Carried carried = carried_velocity(c, pair, pressed_center(c) - xa, h);
       set3(in.carried, lane, carried.mean - carried.rate * (0.5 * h)),
           set3(in.carried_rate, lane, carried.rate);
+      set3(in.slide, lane, rotation(free_rotation::turn(carried.turns * h)).apply(c.slide));
     }
     if (surface != Vec3{} || turn != Vec3{}) {
       g.flags |= ContactGroup<T>::kDrifts;
