@@ -26,6 +26,7 @@ struct Ode::Scratch {
   const OdeModel* model = nullptr;
   std::unique_ptr<OdeEquations> equations;
   std::unique_ptr<OdeContacts> contacts;
+  std::unique_ptr<OdeSlides> slides;
   std::unique_ptr<OdeGuards> guards;
   std::unique_ptr<EventWatcher> watcher;
   std::unique_ptr<OdeStops> stops;  ///< null: the equations do not jump in time
@@ -83,7 +84,10 @@ void Ode::plan_stages() {
     add_stage("integrate",
               std::to_string(model_.size()) + " states with " + std::string(method_->name) + ": " +
                   why_this_method_ +
-                  (model_.stops.empty() ? "" : ", stopping where comparisons of time in them change"),
+                  (model_.stops.empty() ? "" : ", stopping where comparisons of time in them change") +
+                  (model_.switched == 0 ? ""
+                                        : ", switching where expressions under a sign cross zero and sliding "
+                                          "along it where both sides push back"),
               [this](State& s, const StepInput& in) { integrate(s, in); });
   } else {
     skip_stage("integrate", "no states");
@@ -136,6 +140,9 @@ State Ode::initial_state() const {
   if (!model_.contacts.empty()) {
     add(C::kResting, "events.resting", "1", 1, Role::internal, std::vector<int32_t>(model_.guards.outputs()));
   }
+  if (model_.switched > 0) {
+    add(sliding_column(), "sides.sliding", "1", 1, Role::internal, std::vector<int32_t>(model_.switched));
+  }
   if (rows_ > 0 && !def_.tracers) {
     Workspace workspace;
     for (size_t k = 0; k <= trail_; ++k) draw_path(s, 0, workspace);
@@ -143,6 +150,7 @@ State Ode::initial_state() const {
   if (model_.guards.outputs() > 0) {
     Workspace workspace;
     Scratch& work = scratch(s, workspace);
+    refresh_sides(s, work, 0);
     work.watcher->look(0, model_.initial.data());
     // A contact that starts at zero rests there; an event in either direction does not say on which side.
     for (uint32_t k = 0; k < model_.contacts.size(); ++k) {
@@ -161,7 +169,8 @@ Ode::Scratch& Ode::scratch(State& s, Workspace& workspace) const {
     work.model = &model_;
     work.equations = std::make_unique<OdeEquations>(model_);
     work.contacts = std::make_unique<OdeContacts>(model_);
-    work.guards = std::make_unique<OdeGuards>(model_, *work.contacts);
+    work.slides = std::make_unique<OdeSlides>(model_);
+    work.guards = std::make_unique<OdeGuards>(model_, *work.contacts, *work.slides);
     work.watcher = std::make_unique<EventWatcher>(*work.guards, work.guards->directions(), model_.size());
     work.plot = std::make_unique<OdeEvaluation>(model_.plot);
     work.stops = model_.stops.empty() ? nullptr : std::make_unique<OdeStops>(model_);
@@ -175,6 +184,7 @@ Ode::Scratch& Ode::scratch(State& s, Workspace& workspace) const {
   }
   work.set_parameters(s.f64(C::kParameters));
   if (!model_.contacts.empty()) work.contacts->attach(s.span<int32_t>(C::kResting));
+  if (model_.switched > 0) work.slides->attach(s.f64(C::kParameters), s.span<int32_t>(sliding_column()));
   work.watcher->attach(s.span<int32_t>(C::kEventSigns));
   return work;
 }
@@ -187,6 +197,7 @@ void Ode::integrate(State& s, const StepInput& in) const {
   const double t_end = static_cast<double>(in.step + 1) * in.h, slack = 1e-9 * in.h;
   double t = in.t;
   const bool adaptive = method_->stepping == Integrator::Stepping::adaptive;
+  refresh_sides(s, work, t);
   int times = 0;
   while (t < t_end && s.f64(C::kStopped)[0] == 0) {
     const double timed = next_timed_event(t, slack);
@@ -211,12 +222,15 @@ void Ode::integrate(State& s, const StepInput& in) const {
       if (std::abs(due - timed) <= slack) fire(s, work, k, t);
     }
     if (!crossed.empty() || on_time) {
+      refresh_sides(s, work, t);
       if (model_.guards.outputs() > 0) work.watcher->look(t, y.data());
       for (const auto& [guard, side] : work.departing) s.span<int32_t>(C::kEventSigns)[guard] = side;
       work.departing.clear();
       if (++times > kMaxEventsPerStep) {
         throw Instability("", "events",
-                          crossed.empty() ? 0 : static_cast<long long>(work.guards->event(crossed[0])),
+                          crossed.empty() || work.guards->is_side(crossed[0])
+                              ? 0
+                              : static_cast<long long>(work.guards->event(crossed[0])),
                           "more than 1000 events in one step: they pile up; let one of them stop the system");
       }
     }
@@ -252,6 +266,7 @@ double Ode::advance(State& s, Scratch& work, Workspace& workspace, double t, dou
   run.statistics = &statistics;
   const bool rests = work.contacts->any();
   work.equations->rest_on(rests ? work.contacts.get() : nullptr);
+  work.equations->slide_on(work.slides->any() ? work.slides.get() : nullptr);
   if (rests) work.contacts->remember(s.f64(C::kStates));
   try {
     method_->advance(run);
@@ -291,8 +306,28 @@ void Ode::forget(State& s) {
   std::ranges::fill(s.f64(C::kMemory), NAN);
 }
 
+// Sides after something else than their own crossing has moved them.
+void Ode::refresh_sides(State& s, Scratch& work, double t) const {
+  if (model_.switched == 0) return;
+  if (!work.slides->refresh(t, s.f64(C::kStates).data(), tolerance_.absolute)) return;
+  work.set_parameters(s.f64(C::kParameters));
+  forget(s);
+  const auto signs = s.span<int32_t>(C::kEventSigns);
+  const size_t first = signs.size() - model_.switched;
+  for (size_t k = 0; k < model_.switched; ++k) {
+    const double side = s.f64(C::kParameters)[work.slides->first() + k];
+    signs[first + k] = work.slides->sliding(k) || side > 0 ? 1 : -1;
+  }
+}
+
 // Handles the event of a guard that crosses zero, or the end of its contact.
 void Ode::cross(State& s, Scratch& work, uint32_t guard, double t) const {
+  if (work.guards->is_side(guard)) {
+    const int32_t side = work.slides->turn(work.guards->side(guard), t, s.f64(C::kStates).data());
+    work.departing.emplace_back(guard, side);
+    work.set_parameters(s.f64(C::kParameters));
+    return forget(s);
+  }
   const size_t event = work.guards->event(guard);
   if (model_.contacts.empty() || !work.contacts->possible(guard)) return fire(s, work, event, t);
   OdeContacts& contacts = *work.contacts;
