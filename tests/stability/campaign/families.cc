@@ -52,6 +52,9 @@ std::span<const Family> families() {
         {"drum_2d", drum_2d, true},
         {"falls", falls, true},
         {"friction", friction},
+        {"bouncing_bodies", bouncing_bodies},
+        {"merging_bodies", merging_bodies},
+        {"pulses", pulses},
     };
     const auto coupled = coupled_families();
     all.insert(all.end(), coupled.begin(), coupled.end());

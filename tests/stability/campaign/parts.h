@@ -98,6 +98,9 @@ void motor_disc_3d(Dice&, Trial&);
 void drum_2d(Dice&, Trial&);
 void falls(Dice&, Trial&);
 void friction(Dice&, Trial&);
+void bouncing_bodies(Dice&, Trial&);
+void merging_bodies(Dice&, Trial&);
+void pulses(Dice&, Trial&);
 /// Soft things with rigid bodies, a family for each kind of both.
 std::span<const Family> coupled_families();
 
