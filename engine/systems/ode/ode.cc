@@ -6,9 +6,8 @@
 #include <limits>
 
 #include "engine/base/byte_hash.h"
-#include "engine/systems/ode/ode_events.h"
 #include "engine/systems/ode/ode_method.h"
-#include "engine/systems/ode/ode_stops.h"
+#include "engine/systems/ode/ode_scratch.h"
 #include "engine/systems/ode/ode_tracers.h"
 
 namespace truestep::ode {
@@ -20,34 +19,6 @@ namespace {
 /// Events per step; more are considered an endless pile-up.
 constexpr int kMaxEventsPerStep = 1000;
 }  // namespace
-
-/// Scratch memory of a step; rebuilt whenever the workspace was discarded.
-struct Ode::Scratch {
-  const OdeModel* model = nullptr;
-  std::unique_ptr<OdeEquations> equations;
-  std::unique_ptr<OdeContacts> contacts;
-  std::unique_ptr<OdeSlides> slides;
-  std::unique_ptr<OdeGuards> guards;
-  std::unique_ptr<EventWatcher> watcher;
-  std::unique_ptr<OdeStops> stops;  ///< null: the equations do not jump in time
-  std::vector<OdeEvaluation> event_values;
-  std::vector<double> values;  ///< of an event's targets
-  /// Guards whose event has just led away from zero, with the side: too short a flight is a crossing as well.
-  std::vector<std::pair<uint32_t, int32_t>> departing;
-  std::unique_ptr<OdeEvaluation> plot;
-  std::vector<double> points;                               ///< produced by `plot`
-  std::vector<double> start, middle, rate_start, rate_end;  ///< of the states, for tracers
-  std::vector<double> rates;                                ///< of the states, or the states before an event
-
-  void set_parameters(std::span<const double> p) {
-    equations->set_parameters(p);
-    guards->set_parameters(p);
-    contacts->set_parameters(p);
-    plot->set_parameters(p);
-    if (stops) stops->set_parameters(p);
-    for (OdeEvaluation& e : event_values) e.set_parameters(p);
-  }
-};
 
 Ode::Ode(const OdeDef& def, const BuildContext& context)
     : def_(def), model_(compile_ode(def)), seed_(context.seed) {
@@ -304,92 +275,6 @@ double Ode::next_timed_event(double t, double slack) const {
 void Ode::forget(State& s) {
   std::ranges::fill(s.f64(C::kCarry), 0.0);
   std::ranges::fill(s.f64(C::kMemory), NAN);
-}
-
-// Sides after something else than their own crossing has moved them.
-void Ode::refresh_sides(State& s, Scratch& work, double t) const {
-  if (model_.switched == 0) return;
-  if (!work.slides->refresh(t, s.f64(C::kStates).data(), tolerance_.absolute)) return;
-  work.set_parameters(s.f64(C::kParameters));
-  forget(s);
-  const auto signs = s.span<int32_t>(C::kEventSigns);
-  const size_t first = signs.size() - model_.switched;
-  for (size_t k = 0; k < model_.switched; ++k) {
-    const double side = s.f64(C::kParameters)[work.slides->first() + k];
-    signs[first + k] = work.slides->sliding(k) || side > 0 ? 1 : -1;
-  }
-}
-
-// Handles the event of a guard that crosses zero, or the end of its contact.
-void Ode::cross(State& s, Scratch& work, uint32_t guard, double t) const {
-  if (work.guards->is_side(guard)) {
-    const int32_t side = work.slides->turn(work.guards->side(guard), t, s.f64(C::kStates).data());
-    work.departing.emplace_back(guard, side);
-    work.set_parameters(s.f64(C::kParameters));
-    return forget(s);
-  }
-  const size_t event = work.guards->event(guard);
-  if (model_.contacts.empty() || !work.contacts->possible(guard)) return fire(s, work, event, t);
-  OdeContacts& contacts = *work.contacts;
-  const auto y = s.f64(C::kStates);
-  if (contacts.resting(guard)) {
-    work.departing.emplace_back(guard, s.span<int32_t>(C::kResting)[guard]);
-    contacts.end(guard);
-    return forget(s);
-  }
-  const int32_t side = s.span<int32_t>(C::kEventSigns)[guard];
-  // Something moving away from zero only seems to cross it, because of rounding.
-  if (side * contacts.motion(guard, t, y.data()).rate > 0) {
-    work.departing.emplace_back(guard, side);
-    return;
-  }
-  fire(s, work, event, t);
-  if (side * contacts.motion(guard, t, y.data()).rate < 0) return;
-  settle(s, work, guard, side, t);
-  if (!contacts.resting(guard)) work.departing.emplace_back(guard, side);
-}
-
-// Brings to rest whatever would fly no farther than the tolerance.
-void Ode::settle(State& s, Scratch& work, uint32_t guard, int32_t side, double t) const {
-  const auto y = s.f64(C::kStates);
-  work.rates.resize(y.size());
-  work.equations->rest_on(nullptr);
-  work.equations->rate(t, y.data(), work.rates.data());
-  if (work.contacts->ends_here(guard, side, t, y.data(), work.rates.data(), tolerance_)) {
-    work.contacts->begin(guard, side, t, y.data());
-  }
-}
-
-// Resting contacts elsewhere keep resting unless the event has moved them.
-void Ode::wake(State& s, Scratch& work, double t, std::span<const double> before) const {
-  const auto y = s.f64(C::kStates);
-  for (uint32_t k = 0; k < model_.contacts.size(); ++k) {
-    if (!work.contacts->resting(k)) continue;
-    const auto& c = model_.contacts[k];
-    const auto moved = [&](uint32_t place) { return before[place] != y[place]; };
-    if (std::ranges::none_of(c.places, moved) && std::ranges::none_of(c.watched, moved)) continue;
-    work.departing.emplace_back(k, s.span<int32_t>(C::kResting)[k]);
-    work.contacts->end(k);
-  }
-}
-
-void Ode::fire(State& s, Scratch& work, size_t k, double t) const {
-  const OdeModel::Event& e = model_.events[k];
-  const auto y = s.f64(C::kStates), p = s.f64(C::kParameters);
-  ++s.span<uint64_t>(C::kEventCounts)[k];
-  if (!e.targets.empty()) {
-    const bool rests = work.contacts->any();
-    if (rests) work.rates.assign(y.begin(), y.end());
-    work.event_values[k](t, y.data(), y.size(), p.size(), work.values.data());
-    for (size_t i = 0; i < e.targets.size(); ++i) {
-      (e.targets[i].kind == OdeModel::Event::Target::Kind::state ? y : p)[e.targets[i].place] =
-          work.values[i];
-    }
-    work.set_parameters(p);
-    forget(s);
-    if (rests) wake(s, work, t, work.rates);
-  }
-  if (e.def.then == OdeEventDef::Then::stop) s.f64(C::kStopped)[0] = 1, s.f64(C::kStopped)[1] = t;
 }
 
 void Ode::carry_tracers(State& s, const StepInput& in) const {
