@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "engine/base/text/short_number.h"
 #include "engine/geometry/solid.h"
@@ -72,6 +74,20 @@ void add_points(const ConstPoints& points, Footing& out, bool& falls) {
     const Vec3 at = points.place(i);
     out.box.cover(at);
   }
+}
+
+/// How many rows are further than `depth` along `down`, and the first of them.
+template <class Real>
+std::pair<size_t, size_t> below(const Real* at, const FieldView& view, const Vec3& down, double depth) {
+  const double along[3] = {down.x, down.y, down.z};
+  const uint32_t width = std::min(view.width, 3u);
+  size_t count = 0, first = 0;
+  for (size_t row = 0; row < view.rows; ++row, at += view.width) {
+    double sum = 0;
+    for (uint32_t c = 0; c < width; ++c) sum += along[c] * static_cast<double>(at[c]);
+    if (sum > depth && count++ == 0) first = row;
+  }
+  return {count, first};
 }
 
 /// The size of a box without what is wide.
@@ -199,17 +215,10 @@ void FallWatch::warn(const World& world, const WorldState& state,
   for (const Watched& w : watched_) {
     const PartTable::Entry& part = world.parts()[w.part];
     const FieldView view = part.field(state.systems[w.system], 0, scratch_);
-    size_t lost = 0, first = 0;
-    double deepest = 0;
-    for (size_t row = 0; row < view.rows; ++row) {
-      double depth = 0;
-      const double down[3] = {w.down.x, w.down.y, w.down.z};
-      for (uint32_t c = 0; c < std::min(view.width, 3u); ++c)
-        depth += down[c] * element(view, row * view.width + c);
-      if (!(depth > w.lost)) continue;
-      if (lost++ == 0) first = row;
-      deepest = std::max(deepest, depth - w.lost);
-    }
+    if (view.type != Scalar::f64 && view.type != Scalar::f32) continue;
+    const auto [lost, first] = view.type == Scalar::f64
+                                   ? below(static_cast<const double*>(view.data), view, w.down, w.lost)
+                                   : below(static_cast<const float*>(view.data), view, w.down, w.lost);
     if (lost == 0) continue;
     const std::string rows = lost == 1
                                  ? "row " + std::to_string(first) + " has"
