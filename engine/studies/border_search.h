@@ -32,6 +32,7 @@ class BorderSearch {
   /// then steps set further apart; at worst the result is incomplete.
   Found find(double guess, double cpu_limit);
   int64_t steps() const { return trial_.steps(); }
+  bool unsolved() const { return trial_.unsolved(); }
   /// Spans narrower than this fraction of the step may have been missed.
   double resolution() const { return resolution_; }
 

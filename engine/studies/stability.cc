@@ -111,6 +111,7 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
                : f.kind == Kind::always ? "stable at every step tried: " + up_to
                : f.kind == Kind::never  ? "unstable at every step tried"
                                         : "over budget: " + up_to;
+      if (search.unsolved()) status += "; not all equations of its steps were solved";
       if (f.kind == Kind::limit && !grows) dt = f.dt;
       if (std::isfinite(limit)) promised = limit;
       if (f.kind == Kind::limit && !grows) {

@@ -29,6 +29,9 @@ class StabilityTrial {
   /// Runs since the steps were set.
   int runs() const { return runs_; }
   bool stable(double dt);
+  /// Whether a run ended early, having gained nothing, because an implicit method did not solve its
+  /// equations.
+  bool unsolved() const { return unsolved_; }
   /// s that the steps of the last stable run took.
   double stepping() const { return stepping_; }
 
@@ -49,6 +52,7 @@ class StabilityTrial {
   int64_t steps_ = 0;
   double stepping_ = 0;
   int runs_ = 0;
+  bool unsolved_ = false;
 };
 
 }  // namespace truestep

@@ -58,7 +58,7 @@ bool OdeSlides::holds(size_t k, double t, const double* y, double& value) {
   const int32_t before = sliding_[k];
   sliding_[k] = 1;
   value = sides(t, y)[k];
-  const bool back = at(k, 2 + k) < 0 && std::abs(value) <= 1;
+  const bool back = at(k, 2 + k) < 0 && std::abs(value) < 1;
   sliding_[k] = before;
   return back;
 }

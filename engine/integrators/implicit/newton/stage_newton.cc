@@ -121,13 +121,6 @@ bool StageNewton::settled(const StageEquation& eq, std::span<const double> u, in
 
 StageNewton::Failure StageNewton::iterate_to(double target, int most, const StageEquation& eq,
                                              std::span<double> u) {
-  // What a search that got stuck leaves may be as near to the solution as rounding allows: where almost
-  // nothing moves, residuals are the rounding of much larger forces.
-  const auto unless_settled = [&](Failure failure) -> Failure {
-    norm_ = evaluate(eq, u);
-    system_.differentiate(eq.t, x_, u, Derivatives::exact, rate_position());
-    return settled(eq, u, 0) ? nullptr : failure;
-  };
   for (int it = 0;; ++it) {
     interruption_point();
     record();
@@ -140,7 +133,7 @@ StageNewton::Failure StageNewton::iterate_to(double target, int most, const Stag
     constexpr double kNothing = 1e-150;
     const bool rounded = norm_ <= report_.floor + kNothing;
     if (rounded && (eq.end == StageEquation::End::rounding || settled(eq, u, it))) return nullptr;
-    if (it >= most) return unless_settled("did not converge");
+    if (it >= most) return "did not converge";
     // No more accuracy than this iterate deserves.
     const double accuracy =
         std::clamp(std::max(0.1 * report_.target / norm_, 0.1 * norm_ / first_), 1e-14, 1e-2);
@@ -149,7 +142,7 @@ StageNewton::Failure StageNewton::iterate_to(double target, int most, const Stag
       ++report_.iterations;
       continue;
     }
-    if (!iterate(eq, u, accuracy, kind)) return unless_settled("found no decrease of the residual");
+    if (!iterate(eq, u, accuracy, kind)) return "found no decrease of the residual";
     ++report_.iterations;
   }
 }
