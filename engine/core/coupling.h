@@ -57,6 +57,8 @@ class Coupling {
   /// Appends what is drawn of it; ends in part 0 are rows of a's first part, in part 1 of b's. When rows
   /// change places, the drawing version of their system changes.
   virtual void draw(const ConstCoupledStates& s, std::vector<DrawnString>& out) const {}
+  /// What the scene's author may not have meant, one sentence each, with what would change it.
+  virtual std::vector<std::string> doubts() const { return {}; }
   /// Passes of `begin` and `end`, then what this scene does not need.
   virtual std::vector<PlanRow> plan() const = 0;
   /// Largest substep (s) that the coupling is known to tolerate; empty when unknown or unlimited. In the

@@ -18,7 +18,7 @@ constexpr size_t kMostSteps = 1000, kMostCases = 1000, kMostCommands = 10000;
 constexpr std::string_view kWords[] = {"precision", "sleeping", "dt", "threads", "resumed", "scratch"};
 
 /// Members of a case that a test without cases has itself.
-constexpr const char* kOfAnyCase[] = {"refused", "faults", "instability", "says", "plan"};
+constexpr const char* kOfAnyCase[] = {"refused", "faults", "instability", "says", "warns", "plan"};
 
 bool is_word(std::string_view name) {
   return std::find(std::begin(kWords), std::end(kWords), name) != std::end(kWords);
@@ -46,6 +46,8 @@ const DefTable& case_table() {
           .choice("instability", &TestCase::instability, {"never", "allowed", "expected"},
                   "whether the run may or must end with an instability; what came before is then not judged")
           .text("says", &TestCase::says, "part of the sentence of the instability")
+          .text("warns", &TestCase::warns,
+                "part of a warning that validating the scene or running it gives; none: there is no warning")
           .named_texts(
               "plan", &TestCase::plan, {0, 64},
               "stages of the plan that run, as integrate or rope.integrate, and a part of their reasons")
@@ -59,7 +61,7 @@ const DefTable& control_table() {
           .text("why", &TestControl::why, "what it shows")
           .texts("fails", &TestControl::fails, {0, 64},
                  "quantities that are missed then, or: instability, refused, commands, plan, still, same, "
-                 "agree; none: any")
+                 "agree, warnings; none: any")
           .text("case", &TestControl::of, "name of the case that is changed; the first when left out")
           .build();
   return t;
@@ -103,7 +105,7 @@ class TestReader {
     SceneTest t;
     TestCase base;
     constexpr std::string_view kOwn[] = {"vary",   "cases",       "control", "commands", "refused",
-                                         "faults", "instability", "says",    "plan"};
+                                         "faults", "instability", "says",    "warns",    "plan"};
     read_params(test_table(), &t, o, where, kOwn, issues_);
     json::object ending;
     for (const char* key : kOfAnyCase) {

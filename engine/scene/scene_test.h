@@ -63,6 +63,7 @@ struct TestCase {
   std::vector<TestRefusal> faults;     ///< or exactly these
   TestEnding instability = TestEnding::runs;
   std::string says;             ///< what the sentence of the instability contains
+  std::string warns;            ///< what a warning contains, of the scene or of the run; empty: any or none
   std::vector<NamedText> plan;  ///< "integrate" or "rope.integrate", and what its reason contains
   bool is_refused() const { return refused || !faults.empty(); }
 };

@@ -238,6 +238,7 @@ json::object validate_scene(const json::value& document, const AdmissionLimits& 
       const Cost built = world.cost(state);
       out["estimate"] = describe_cost(built);
       require_admission(built, limits);
+      for (Issue& doubt : scene_doubts(world, state)) report.warnings.push_back(std::move(doubt));
       if (const auto dt = world.stable_dt(state)) {
         if (*dt > 0) out["stable_dt"] = *dt;
         if (*dt <= 0) {

@@ -38,6 +38,7 @@ Session::Session(std::shared_ptr<const World> world, std::shared_ptr<const Threa
       state_(world_->initial_state()),
       frames_(world_),
       history_(options.history_bytes, options.history_room),
+      falls_(*world_, state_),
       series_(series_of(world_->scene())) {
   world_->require_finite_energy(state_);
   record_series();
@@ -143,7 +144,9 @@ void Session::remove_sink(const Sink* sink) {
 }
 
 void Session::collect_warnings(Output output) {
-  for (World::SystemWarning& found : world_->warnings(state_)) {
+  auto all = world_->warnings(state_);
+  falls_.warn(*world_, state_, all);
+  for (World::SystemWarning& found : all) {
     const std::string& id = world_->id(found.system);
     const auto known = std::ranges::find_if(warnings_, [&](const SessionWarning& w) {
       return w.system == id && w.warning.quantity == found.warning.quantity;

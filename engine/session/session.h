@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/base/errors.h"
+#include "engine/session/holding.h"
 #include "engine/session/series.h"
 #include "engine/session/snapshot/history.h"
 #include "engine/session/world/frame_builder.h"
@@ -252,6 +253,7 @@ class Session {
 
   FrameBuilder frames_;
   History history_;
+  FallWatch falls_;
   Series series_;
   std::chrono::steady_clock::time_point observed_{};  ///< time of the series' newest point
 

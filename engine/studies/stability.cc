@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "engine/base/errors.h"
-#include "engine/base/random.h"
 #include "engine/base/text/short_number.h"
 #include "engine/integrators/control/spectrum.h"
 #include "engine/integrators/table/integrators.h"
+#include "engine/studies/border_search.h"
 #include "engine/studies/scene_variant.h"
 #include "engine/studies/trajectory.h"
 
@@ -17,249 +16,6 @@ namespace truestep {
 namespace json = boost::json;
 
 namespace {
-
-double largest_move(std::span<const double> x, const std::vector<double>& from) {
-  if (x.size() != from.size()) return 0;
-  double most = 0;
-  for (size_t i = 0; i < x.size(); ++i) {
-    const double d = std::abs(x[i] - from[i]);
-    if (!(d <= most)) most = d;  // NaN counts as largest
-  }
-  return most;
-}
-
-/// A stability limit, and spans above it where steps are stable again.
-class BorderSearch {
- public:
-  BorderSearch(const json::value& scene, const StabilityParams& p, size_t system, std::string method,
-               StudyContext& c)
-      : scene_(scene), params_(p), system_(system), method_(std::move(method)), context_(c) {}
-
-  struct Span {
-    double from = 0, to = 0;  ///< s
-  };
-  struct Found {
-    double dt = 0;
-    enum class Kind : uint8_t { limit, always, never, over_budget } kind = Kind::limit;
-    int runs = 0;
-    std::vector<Span> again;  ///< stable spans above the first limit
-  };
-
-  /// The first limit between `guess` / 256 and 256 `guess`, and stable spans within a factor of four above
-  /// it. Steps are tried from below, `resolution` apart near the guess and near a limit, as some compositions
-  /// lose stability over only 1.4 %; every limit is bisected. To end within `cpu_limit` s, runs get shorter,
-  /// down to kFewestSteps, then steps set further apart; at worst the result is incomplete.
-  Found find(double guess, double cpu_limit) {
-    const double begin = thread_cpu_seconds();
-    stop_at_ = begin + cpu_limit;
-    Found found{.dt = guess / 256};
-    try {
-      plan_runs(guess / 256, cpu_limit);
-      if (!stable(guess / 256)) return {guess / 256, Found::Kind::never, runs_, {}};
-      double low = guess / 256;
-      // From below in doublings, finely around the guess, then in doublings again.
-      while (low < guess / kNear && advance(low, 2 * low, found)) {
-      }
-      while (!border_ && low < kNear * guess && advance(low, low * (1 + resolution_), found)) {
-      }
-      while (!border_ && low < 256 * guess && advance(low, 2 * low, found)) {
-      }
-      found.runs = runs_;
-      if (!border_) return found.dt = low, found.kind = Found::Kind::always, found;
-      find_again(found);
-    } catch (const OverBudget&) {
-      if (!border_) found.kind = Found::Kind::over_budget;
-    } catch (const TooLong&) {
-      if (!border_) found.kind = Found::Kind::always;
-    }
-    found.runs = runs_;
-    return found;
-  }
-  int64_t steps() const { return steps_; }
-  /// Spans narrower than this fraction of the step may have been missed.
-  double resolution() const { return resolution_; }
-
- private:
-  static constexpr int64_t kFewestSteps = 60;
-  static constexpr double kNear = 4;        // finely from guess / 4 to 4 guess
-  static constexpr double kUsualRuns = 60;  // besides the fine ones
-  static constexpr double kFinest = 0.01, kCoarsest = 0.25;
-  struct OverBudget {};
-  struct TooLong {};  ///< scenes do not accept such a step
-
-  // Fine steps over a factor of kNear^2, and of kNear beyond the limit.
-  static double fine_runs(double resolution) { return 3 * std::log(kNear) / std::log1p(resolution); }
-
-  void plan_runs(double dt, double cpu_limit) {
-    constexpr int64_t kProbe = 16;
-    const double begin = thread_cpu_seconds();
-    steps_ = kProbe;
-    stable(dt);
-    // Every run builds its own world.
-    const double rest = thread_cpu_seconds() - begin - stepping_, each = stepping_ / kProbe;
-    const auto affordable = [&] { return (cpu_limit / (kUsualRuns + fine_runs(resolution_)) - rest) / each; };
-    resolution_ = kFinest;
-    while (resolution_ < kCoarsest &&
-           affordable() < static_cast<double>(std::min(params_.steps, 4 * kFewestSteps)))
-      resolution_ *= 1.5;
-    steps_ = params_.steps;
-    if (affordable() < static_cast<double>(steps_)) {
-      steps_ = std::min(steps_, std::max(kFewestSteps, static_cast<int64_t>(affordable())));
-    }
-    reaches_.clear();
-    runs_ = 0;
-  }
-  // Advances from `low`, which is stable, to `next`; false at a limit, which is then known.
-  bool advance(double& low, double next, Found& found) {
-    if (stable(next)) {
-      found.dt = low = next;
-      return true;
-    }
-    // There may be more than one limit in between: the lowest is wanted.
-    double high = next;
-    if (next > low * (1 + 1.5 * resolution_)) {
-      double step = low;
-      while (step * (1 + resolution_) < next && stable(step * (1 + resolution_))) {
-        found.dt = step *= 1 + resolution_;
-      }
-      low = step, high = std::min(next, step * (1 + resolution_));
-    }
-    border_ = high;
-    found.dt = bisect(low, high);
-    return false;
-  }
-  /// `holds` and `fails`: steps on either side of a limit. Returns the last stable step.
-  double bisect(double holds, double fails) {
-    while (std::abs(fails - holds) > params_.accuracy * std::min(holds, fails)) {
-      const double middle = 0.5 * (holds + fails);
-      (stable(middle) ? holds : fails) = middle;
-    }
-    return holds;
-  }
-  void find_again(Found& found) {
-    bool holds = false;
-    const double end = kNear * *border_;
-    double last = *border_;
-    for (double dt = last * (1 + resolution_); dt < end; last = dt, dt *= 1 + resolution_) {
-      const bool now = stable(dt);
-      if (now && holds) found.again.back().to = dt;
-      if (now == holds) continue;
-      if (now) {
-        found.again.push_back({bisect(dt, last), dt});
-      } else {
-        found.again.back().to = bisect(last, dt);
-      }
-      holds = now;
-    }
-  }
-  bool stable(double dt) {
-    ++runs_;
-    json::value d = scene_;
-    set_dt(d, dt);
-    set_integrator(d, system_, method_);
-    std::optional<World> built;
-    try {
-      built.emplace(require_scene(read_scene(d)));
-    } catch (const Error& e) {
-      // Long steps are refused with a pointer; faults that shorter steps share are left to the caller.
-      if (e.code() != "scene_invalid" || runs_ < 3) throw;
-      throw TooLong{};
-    }
-    const World& world = *built;
-    WorldState state = world.initial_state();
-    State& s = state.systems[system_];
-    const auto x = s.at("position");
-    const std::vector<double> start(s.f64(x).begin(), s.f64(x).end());
-    disturb(s);
-    Workspace workspace;
-    const double bound = 10 * std::max(reach(dt, start), 1e-6 * scale(start));
-    const double begin = thread_cpu_seconds();
-    try {
-      for (int64_t n = 0; n < steps_; ++n) {
-        if (n % 64 == 0) context_.check();
-        if (thread_cpu_seconds() > stop_at_) throw OverBudget{};
-        step(world, state, workspace);
-        if (!(largest_move(state.systems[system_].f64(x), start) <= bound)) return false;
-      }
-    } catch (const Instability&) {
-      return false;
-    }
-    stepping_ = thread_cpu_seconds() - begin;
-    return true;
-  }
-
-  // Uncoupled systems are skipped: they say nothing about this one.
-  void step(const World& world, WorldState& state, Workspace& workspace) const {
-    static const ThreadArena kSerial(1);
-    if (!world.couplings().empty()) return world.step(state, workspace, kSerial, {});
-    const double h = world.scene().substep();
-    const auto substeps = static_cast<uint64_t>(world.scene().substeps());
-    for (uint64_t k = 0, n = state.step * substeps; k < substeps; ++k, ++n) {
-      world.system(system_).step(
-          state.systems[system_],
-          {.t = static_cast<double>(n) * h, .h = h, .step = n, .workspace = workspace, .arena = kSerial});
-    }
-    ++state.step;
-  }
-  // A small push on every velocity gives an unstable mode something to grow from.
-  void disturb(State& s) const {
-    const auto v = s.f64(s.at("velocity"));
-    const auto x = s.f64(s.at("position"));
-    const double size = 1e-7 * scale({x.begin(), x.end()});
-    for (size_t i = 0; i < v.size(); ++i) v[i] += size * (uniform4(11, 0, i)[0] - 0.5);
-  }
-  static double scale(const std::vector<double>& x) {
-    double most = 1e-3;
-    for (const double c : x) most = std::max(most, std::abs(c));
-    return most;
-  }
-  // How far the motion gets in the time of `steps` steps of dt, from one run at a small step.
-  double reach(double dt, const std::vector<double>& start) {
-    const double horizon = dt * static_cast<double>(steps_);
-    if (reaches_.empty()) follow(start);
-    double most = 0, half = 0;
-    const double end = reaches_.back().first;
-    for (const auto& [t, distance] : reaches_) {
-      if (t <= horizon || most == 0) most = std::max(most, distance);
-      if (t <= 0.5 * end) half = std::max(half, distance);
-    }
-    // Longer than the reference: what still drifts there goes on as freely moving or falling bodies do.
-    const double longer = horizon / end;
-    return longer > 1 && most > 1.5 * half ? most * longer * longer : most;
-  }
-  // The reference motion: the scene's own method at its own step.
-  void follow(const std::vector<double>& start) {
-    const World world = build_world(scene_, context_);
-    WorldState state = world.initial_state();
-    Workspace workspace;
-    double most = 0;
-    try {
-      for (int64_t n = 0; n < steps_ && thread_cpu_seconds() < stop_at_; ++n) {
-        context_.check();
-        step(world, state, workspace);
-        most = std::max(
-            most, largest_move(state.systems[system_].f64(state.systems[system_].at("position")), start));
-        reaches_.emplace_back(static_cast<double>(n + 1) * world.dt(), most);
-      }
-    } catch (const Instability&) {
-      // Compared with the motion up to there.
-    }
-    if (reaches_.empty()) reaches_.emplace_back(0, most);
-  }
-
-  const json::value& scene_;
-  const StabilityParams& params_;
-  size_t system_;
-  std::string method_;
-  StudyContext& context_;
-  std::vector<std::pair<double, double>> reaches_;
-  double stop_at_ = 0;
-  int64_t steps_ = 0;
-  double stepping_ = 0;  // s that the steps of the last stable run took
-  double resolution_ = kFinest;
-  std::optional<double> border_;  // a step just above the first limit
-  int runs_ = 0;
-};
 
 std::vector<const Integrator*> methods(const StabilityParams& p, const ForceField& field) {
   std::vector<const Integrator*> out;
@@ -355,6 +111,7 @@ StudyResult run_stability(const json::value& scene, const void* def, StudyContex
                : f.kind == Kind::always ? "stable at every step tried: " + up_to
                : f.kind == Kind::never  ? "unstable at every step tried"
                                         : "over budget: " + up_to;
+      if (search.unsolved()) status += "; not all equations of its steps were solved";
       if (f.kind == Kind::limit && !grows) dt = f.dt;
       if (std::isfinite(limit)) promised = limit;
       if (f.kind == Kind::limit && !grows) {

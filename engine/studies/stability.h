@@ -1,10 +1,10 @@
 // Largest stable step of each method on a scene, compared with linear theory:
 //   dt <= imaginary limit / omega_max  and  dt <= real limit / damping_max,
 // with both rates from a power iteration on the scene's own stiffness (Hairer, Wanner 1996, section IV.2). A
-// step is stable when `steps` steps from a slightly disturbed start stay finite and no row moves more than
-// ten times as far as in the reference motion in the same time. Steps are tried from below: the result is the
-// end of the first stable span, and any spans above where a method is stable again (compositions of leapfrog
-// do), which no scene with more than one frequency should rely on.
+// step is stable when `steps` steps from a slightly disturbed start stay finite and gain no energy that
+// carries a row more than ten times as far as in the reference motion in the same time. Steps are tried from
+// below: the result is the end of the first stable span, and any spans above where a method is stable again
+// (compositions of leapfrog do), which no scene with more than one frequency should rely on.
 #pragma once
 #include <string>
 #include <vector>

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/base/text/short_number.h"
+#include "engine/collision/point_distance.h"
 #include "engine/couplings/attachment/links.h"
 #include "engine/couplings/attachment/places.h"
 #include "engine/couplings/sides.h"
+#include "engine/geometry/solid.h"
 
 namespace truestep::attachment {
 
@@ -27,6 +30,28 @@ size_t named_row(int64_t index, size_t rows, const std::string& id, const char* 
          n > 0 ? std::to_string(-n) + " to " + std::to_string(n - 1) : "there is no such row");
 }
 
+/// Share of the distance to a body's centre within which a point is at its surface: it is more likely meant
+/// to hold there. A ball's surface and centre pull alike.
+constexpr double kAtSurface = 0.1;
+
+/// The doubt about a pair that ties a point to a body's centre; empty if there is none.
+std::string off_centre(const ConstPoints& points, size_t i, const ConstBodies& bodies, size_t j,
+                       const std::string& points_id, const std::string& bodies_id) {
+  const Solid* solid = bodies.form(j).solid;
+  if (!solid || solid->kind == SolidKind::sphere) return "";
+  const Vec3 at = points.place(i), arm = at - bodies.place(j);
+  const double away = norm(arm);
+  const auto near =
+      point_distance(*solid, rotation(bodies.orientation(j)).apply_inverse(arm), away, mesh_sides(*solid));
+  if (!near || std::abs(near->distance) > kAtSurface * away) return "";
+  const auto point = [](const Vec3& p) {
+    return '[' + short_number(p.x) + ", " + short_number(p.y) + ", " + short_number(p.z) + ']';
+  };
+  return "point " + std::to_string(i) + " of \"" + points_id + "\" is tied to the centre of body " +
+         std::to_string(j) + " of \"" + bodies_id + "\", " + short_number(away, 3) +
+         " m away, though it is at its surface: places [" + point(at) + "] would tie it there";
+}
+
 /// Fraction of a spring's stretch that may change in a substep for its force to be predicted. With 0.15 none
 /// of 20,000 bodies on ropes gains energy. Long springs that are never predicted do (three of 4,000; two of
 /// these with 0.03 still), and stiff ones when only the direction's change is bounded (five of 8,000, to 0.1
@@ -44,6 +69,7 @@ std::unique_ptr<const BodyAttachment> BodyAttachment::make(const AttachmentDef& 
   std::unique_ptr<BodyAttachment> out(
       new BodyAttachment(def, PointsOnBodies(point_side.system, columns, body_columns)));
   out->bodies_first_ = first;
+  out->at_centres_ = def.places.empty();
   const ConstPoints points(point_side.state, columns);
   const ConstBodies bodies(body_side.state, body_columns);
   const auto &point_rows = first ? def.b_points : def.a_points,
@@ -57,6 +83,10 @@ std::unique_ptr<const BodyAttachment> BodyAttachment::make(const AttachmentDef& 
     Pair p{points.id_of(i), bodies.id_of(j), {}, 0};
     if (!def.places.empty()) {
       p.place = rotation(bodies.orientation(j)).apply_inverse(def.places[k] - bodies.place(j));
+    }
+    if (def.places.empty()) {
+      std::string doubt = off_centre(points, i, bodies, j, point_side.id, body_side.id);
+      if (!doubt.empty()) out->doubts_.push_back(std::move(doubt));
     }
     p.rest = def.rest_length.value_or(norm(separation(points, i, bodies, static_cast<uint32_t>(j), p.place)));
     out->pairs_.push_back(p);
@@ -229,14 +259,15 @@ double BodyAttachment::stored_energy(const ConstCoupledStates& s) const {
 std::vector<PlanRow> BodyAttachment::plan() const {
   using enum PlanRow::Status;
   const std::string count = std::to_string(pairs_.size()) + (pairs_.size() == 1 ? " pair" : " pairs");
+  const std::string where = at_centres_ ? "the centre of a body" : "a point of a body";
   if (rigid()) {
     const char* together = sides_.together() ? ", solved together with everything attached to them" : "";
-    return {{runs, pass(), count + " of a point and a point of a body at a fixed distance" + together},
+    return {{runs, pass(), count + " of a point and " + where + " at a fixed distance" + together},
             {skipped, "damping", "rigid links have none"}};
   }
   std::vector<PlanRow> rows{{runs, pass(),
-                             count + " of a point and a point of a body, a kick at both ends of the substep; "
-                                     "stiff ones solved together"}};
+                             count + " of a point and " + where +
+                                 ", a kick at both ends of the substep; stiff ones solved together"}};
   if (def_.damping > 0) {
     rows.push_back({runs, "damping", "along the pairs"});
   } else {

@@ -30,6 +30,7 @@ class BodyAttachment final : public Coupling {
   void observe(const ConstCoupledStates& s, Observables& out) const override;
   double stored_energy(const ConstCoupledStates& s) const override;
   void draw(const ConstCoupledStates& s, std::vector<DrawnString>& out) const override;
+  std::vector<std::string> doubts() const override { return doubts_; }
   std::vector<PlanRow> plan() const override;
 
  private:
@@ -73,8 +74,9 @@ class BodyAttachment final : public Coupling {
 
   AttachmentDef def_;
   PointsOnBodies sides_;
-  bool bodies_first_ = false;
+  bool bodies_first_ = false, at_centres_ = false;
   std::vector<Pair> pairs_;
+  std::vector<std::string> doubts_;
 };
 
 }  // namespace truestep::attachment

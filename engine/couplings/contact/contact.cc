@@ -2,8 +2,6 @@
 
 #include "engine/collision/points/collider_set.h"
 #include "engine/couplings/contact/body_contact.h"
-#include "engine/couplings/contact/contact_guard.h"
-#include "engine/couplings/contact/contact_solver.h"
 #include "engine/couplings/sides.h"
 
 namespace truestep::contact {
@@ -11,26 +9,8 @@ namespace truestep::contact {
 namespace {
 
 constexpr State::Column kContacts = exchange_columns::end;
-/// Most searches per substep; touches after the last are found in the next substep, or by the guard.
-constexpr uint32_t kMostTouchRounds = 4;
-
-/// Both sides at the substep's start, and scratch memory of search and solver.
-struct ContactScratch {
-  PointMemory points, other;
-  RowTraces point_traces, other_traces;
-  ContactSearch search;
-  ContactSolverScratch solver;
-  PassGuard guard;
-  std::vector<double> point_singles, other_singles;  ///< copies of f32 columns
-
-  void copy_singles(auto& points, auto& other) {
-    points.copy_singles(point_singles), other.copy_singles(other_singles);
-  }
-};
-
-bool more_than_balls(const PublishedSolids& s) {
-  return !s.triangles.empty() || !s.segments.empty();
-}
+/// Rounds in which both directions keep points on their side: each may undo the other.
+constexpr int kGuardRounds = 4;
 
 [[noreturn]] void refuse(const std::string& pointer, const std::string& why, const std::string& allowed) {
   throw Error("scene_invalid", why, {pointer, "unsuitable_system", why, "", allowed, "", ""});
@@ -40,32 +20,35 @@ bool more_than_balls(const PublishedSolids& s) {
 
 std::unique_ptr<const ContactCoupling> ContactCoupling::make(const ContactDef& def,
                                                              const CouplingContext& context) {
+  using Roles = PointsOnSolids::Roles;
   const PointPort a = require_points(context.a, "a"), b = require_points(context.b, "b");
-  const SolidsOf solids_a(context.a.system), solids_b(context.b.system);
-  const PublishedSolids &of_a = solids_a.start, &of_b = solids_b.start;
-  std::unique_ptr<ContactCoupling> out(new ContactCoupling(def));
+  const PublishedSolids of_a = SolidsOf(context.a.system).start, of_b = SolidsOf(context.b.system).start;
+  const double radius = a.radius + b.radius;
+  std::vector<Roles> ways;
   if (&context.a.system == &context.b.system) {
     if (of_a.balls == PublishedSolids::Balls::none) {
       refuse("/b", '"' + context.a.id + "\" cannot collide with itself: only systems of balls can",
              "another system");
     }
-    out->roles_ = Roles::on_itself;
+    ways = {Roles::on_itself};
   } else if (of_a.empty() && of_b.empty()) {
     refuse("", "neither system has solids", "a system with triangles, springs or balls");
-  } else if (of_b.empty() || (!more_than_balls(of_b) && more_than_balls(of_a))) {
-    out->roles_ = Roles::b_on_a;
+  } else {
+    // Points without radius meet nothing but triangles; balls meet balls in one direction.
+    const auto more = [&](const PublishedSolids& s) {
+      return !s.triangles.empty() || (!s.segments.empty() && radius > 0);
+    };
+    if (more(of_b)) ways.push_back(Roles::a_on_b);
+    if (more(of_a)) ways.push_back(Roles::b_on_a);
+    if (ways.empty()) ways = {of_b.empty() ? Roles::b_on_a : Roles::a_on_b};
   }
-  const bool swapped = out->roles_ == Roles::b_on_a;
-  out->points_ = swapped ? b : a;
-  out->other_ = swapped ? a : b;
-  out->points_id_ = swapped ? context.b.id : context.a.id;
-  out->solids_id_ = swapped ? context.a.id : context.b.id;
-  out->published_ = swapped ? solids_a : solids_b;
-  out->reach_ = a.radius + b.radius + kContactSlop;
-  if (a.radius + b.radius == 0 && out->published_.start.triangles.empty()) {
+  if (radius == 0 && of_a.triangles.empty() && of_b.triangles.empty()) {
     refuse("/b", "points without radius never touch lines or points without radius",
            "a radius (particles) or a thickness (mass_spring) on either side");
   }
+  std::unique_ptr<ContactCoupling> out(new ContactCoupling);
+  out->friction_ = def.friction;
+  for (const Roles roles : ways) out->ways_.emplace_back(roles, def, context, radius + kContactSlop);
   return out;
 }
 
@@ -75,89 +58,30 @@ State ContactCoupling::initial_state() const {
   return s;
 }
 
-SolidList ContactCoupling::solids(const State& state, const Points& of) const {
-  return {published_.in(state), published_.start.balls == PublishedSolids::Balls::every_point ? of.count : 0};
-}
-
 void ContactCoupling::begin(const CoupledStates& s, const StepInput& in) const {
-  auto& scratch = in.workspace.object<ContactScratch>("contact");
-  const ProfileScope scope(in.profile, "remember");
-  const bool swapped = roles_ == Roles::b_on_a;
-  ConstPoints points(swapped ? s.b : s.a, points_), other(swapped ? s.a : s.b, other_);
-  scratch.copy_singles(points, other);
-  scratch.points.store(points);
-  if (roles_ != Roles::on_itself) scratch.other.store(other);
+  for (const PointsOnSolids& way : ways_) way.begin(s, in);
 }
 
 void ContactCoupling::midway(const CoupledStates& s, const StepInput& in) const {
-  auto& scratch = in.workspace.object<ContactScratch>("contact");
-  const ProfileScope scope(in.profile, "remember");
-  const bool swapped = roles_ == Roles::b_on_a;
-  ConstPoints points(swapped ? s.b : s.a, points_), other(swapped ? s.a : s.b, other_);
-  scratch.copy_singles(points, other);
-  scratch.points.follow(points, in.h);
-  if (roles_ != Roles::on_itself) scratch.other.follow(other, in.h);
+  for (const PointsOnSolids& way : ways_) way.midway(s, in);
 }
 
 void ContactCoupling::end(const CoupledStates& s, const StepInput& in) const {
-  auto& scratch = in.workspace.object<ContactScratch>("contact");
-  const bool swapped = roles_ == Roles::b_on_a, itself = roles_ == Roles::on_itself;
-  Points points(swapped ? s.b : s.a, points_), other(swapped ? s.a : s.b, other_);
-  scratch.copy_singles(points, other);
-  // A coupling of a system with itself has two names for the same points.
-  if (itself) other.x = points.x, other.v = points.v;
-  const PointMemory& other_memory = itself ? scratch.points : scratch.other;
-  RowTraces& other_traces = itself ? scratch.point_traces : scratch.other_traces;
-  scratch.point_traces.prepare(points.count);
-  other_traces.prepare(other.count);
-  const ContactQuery query{{points.x, points.v, scratch.points, scratch.point_traces},
-                           points.count,
-                           {other.x, other.v, other_memory, other_traces},
-                           other.count,
-                           solids(swapped ? s.a : s.b, other),
-                           itself ? OwnSolids::yes : OwnSolids::no,
-                           reach_,
-                           in.h};
-  const auto search = [&](uint32_t round) -> const std::vector<Touch>& {
-    const ProfileScope scope(in.profile, "search");
-    return scratch.search.run(query, round, in.arena);
-  };
-  const std::vector<Touch>* touches = &search(0);
-  PointContactSolver solver(def_, query, points, other, scratch.solver);
+  Exchange sum;
   size_t acted = 0;
-  for (uint32_t round = 0; round < kMostTouchRounds && !touches->empty(); ++round) {
-    // Answers bend paths, which may lead to touches not found yet.
-    if (round > 0) touches = &search(round);
-    const ProfileScope scope(in.profile, "contacts");
-    const size_t more = solver.answer_all(*touches, round);
-    if (more == 0) break;
-    acted += more;
-  }
-  {
-    const ProfileScope scope(in.profile, "contacts");
-    solver.finish();
-  }
-  points.write_back();
-  if (!itself) other.write_back();
+  for (const PointsOnSolids& way : ways_) acted += way.end(s, in, sum);
   s.own.span<uint64_t>(kContacts)[0] = acted;
-  Exchange sum = solver.exchange();
-  if (swapped) sum.impulse = -sum.impulse;
   book(s.own, sum);
 }
 
 bool ContactCoupling::guard(const CoupledStates& s, const StepInput& in) const {
-  if (published_.start.triangles.empty()) return false;
-  auto& scratch = in.workspace.object<ContactScratch>("contact");
-  const ProfileScope scope(in.profile, "guard");
-  const bool swapped = roles_ == Roles::b_on_a;
-  Points points(swapped ? s.b : s.a, points_), other(swapped ? s.a : s.b, other_);
-  scratch.copy_singles(points, other);
-  const SolidList list = solids(swapped ? s.a : s.b, other);
-  const GuardedPoints guarded{scratch.points.x(), scratch.other.x(), points, other, list, reach_, in.h};
   Exchange sum;
-  const bool acted = scratch.guard.run(guarded, def_, scratch.search.near(), sum, in.arena);
-  if (acted) points.write_back(), other.write_back();
-  if (swapped) sum.impulse = -sum.impulse;
+  bool acted = false;
+  size_t quiet = 0;
+  for (size_t turn = 0; quiet < ways_.size() && turn < kGuardRounds * ways_.size(); ++turn) {
+    const bool now = ways_[turn % ways_.size()].guard(s, in, sum);
+    quiet = now ? 1 : quiet + 1, acted |= now;
+  }
   book(s.own, sum);
   return acted;
 }
@@ -169,25 +93,23 @@ void ContactCoupling::observe(const ConstCoupledStates& s, Observables& out) con
 
 std::vector<PlanRow> ContactCoupling::plan() const {
   using enum PlanRow::Status;
-  std::string what;
-  const auto add = [&](size_t n, const char* noun) {
-    if (n > 0) what += (what.empty() ? "" : ", ") + std::to_string(n) + noun;
-  };
-  add(published_.start.triangles.size(), " triangles");
-  add(published_.start.segments.size(), " capsules");
-  if (published_.start.balls == PublishedSolids::Balls::every_point) {
-    what += std::string(what.empty() ? "" : ", ") + "a ball around every point";
+  std::string where;
+  bool faces = false;
+  for (const PointsOnSolids& way : ways_) {
+    where += (where.empty() ? "points of " : ", and points of ") + way.points_id() + " near the solids of " +
+             way.solids_id() + ": " + way.solids_text();
+    faces |= way.has_faces();
   }
   std::vector<PlanRow> rows{
       {runs, "remember", "contacts need the start of the substep and the systems' uncoupled end"},
-      {runs, "search", "points of " + points_id_ + " near the solids of " + solids_id_ + ": " + what},
+      {runs, "search", where},
       {runs, "contacts", "impulses on both sides, in the order of the contacts"}};
-  if (published_.start.triangles.empty()) {
-    rows.push_back({skipped, "guard", "only triangles need it"});
-  } else {
+  if (faces) {
     rows.push_back({runs, "guard", "keeps points from passing triangles, whatever the impulses did"});
+  } else {
+    rows.push_back({skipped, "guard", "only triangles need it"});
   }
-  if (def_.friction == 0) rows.push_back({skipped, "friction", "friction is 0"});
+  if (friction_ == 0) rows.push_back({skipped, "friction", "friction is 0"});
   return rows;
 }
 

@@ -5,18 +5,17 @@
 // friction, support) apply to u. A touch is answered at its own time within the substep; from there both
 // sides continue with the new velocities. A cloth's points are pushed with weights b_i as in Bridson, Fedkiw,
 // Anderson 2002, "Robust treatment of collisions, contact and friction for cloth animation", section 7.1. The
-// points of a are searched against the solids of b, or the other way round if b has only balls and a has more
-// than that. Points never pass triangles: contact_guard.h runs last, after all couplings, without
-// restitution. Not covered: edges of two cloths against each other. Points do not spin, so friction at the
-// distance of their radii loses angular momentum; without friction it is conserved.
+// points of either side are searched against the triangles and capsules of the other, so that neither a
+// corner passes a coarse cloth nor a point of a fine one a coarse face; balls against balls once. Points
+// never pass triangles: contact_guard.h runs last, after all couplings, without restitution. Not covered:
+// edges of two cloths against each other. Points do not spin, so friction at the distance of their radii
+// loses angular momentum; without friction it is conserved.
 #pragma once
 #include <memory>
+#include <vector>
 
-#include "engine/core/changing_triangles.h"
 #include "engine/core/coupling.h"
-#include "engine/couplings/contact/contact_def.h"
-#include "engine/couplings/contact/contact_search.h"
-#include "engine/couplings/exchange.h"
+#include "engine/couplings/contact/points_on_solids.h"
 
 namespace truestep::contact {
 
@@ -35,17 +34,10 @@ class ContactCoupling final : public Coupling {
   std::vector<PlanRow> plan() const override;
 
  private:
-  /// Whose points are tested against whose solids.
-  enum class Roles : uint8_t { a_on_b, b_on_a, on_itself };
-  ContactCoupling(const ContactDef& def) : def_(def) {}
-  SolidList solids(const State& state, const Points& of) const;
+  ContactCoupling() = default;
 
-  ContactDef def_;
-  Roles roles_ = Roles::a_on_b;
-  std::string points_id_, solids_id_;
-  PointPort points_, other_;
-  SolidsOf published_;
-  double reach_ = 0;  ///< m, distance at which a point touches
+  std::vector<PointsOnSolids> ways_;
+  double friction_ = 0;
 };
 
 std::unique_ptr<const Coupling> build_contact(const void* def, const CouplingContext& context);

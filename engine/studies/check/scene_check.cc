@@ -203,6 +203,12 @@ void SceneCheck::judge(const Run& run, std::vector<CheckFinding>& out) const {
     add("instability", std::nullopt, "an instability", "the run goes on to its end");
   for (const std::string& what : r.commands) add("commands", std::nullopt, "a refusal", what);
   for (const std::string& what : r.plan) add("plan", std::nullopt, "", what);
+  const auto contains = [&](const std::string& told) { return told.find(c.warns) != std::string::npos; };
+  if (c.warns == "none" && !r.told.empty()) {
+    add("warnings", std::nullopt, "none", r.told[0]);
+  } else if (!c.warns.empty() && c.warns != "none" && std::ranges::none_of(r.told, contains)) {
+    add("warnings", std::nullopt, c.warns, r.told.empty() ? "nothing is told" : r.told[0]);
+  }
   if (!r.not_finite.empty()) add("not_finite", std::nullopt, "", r.not_finite + " is not finite");
   if (test_.still && r.moved > *test_.still)
     add("still", r.moved, "at most " + number(*test_.still),

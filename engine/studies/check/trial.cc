@@ -53,6 +53,7 @@ class Run {
   void go() {
     const bool every = expectations_.needs_every_step();
     look_at_plan();
+    for (const Issue& i : scene_doubts(session_->world(), session_->state())) out_.told.push_back(i.message);
     look();
     for (uint64_t n = 0; n < steps_; ++n) {
       interruption_point();
@@ -75,6 +76,7 @@ class Run {
     for (const Observation& o : last.rows()) {
       if (!std::isfinite(o.value) && out_.not_finite.empty()) out_.not_finite = o.name;
     }
+    for (const SessionWarning& w : session_->warnings()) out_.told.push_back(w.warning.detail);
     out_.verdicts = expectations_.verdicts();
     out_.hash = trial_.compared ? states_.value() : session_->hash();
     out_.steps = session_->step_index();

@@ -29,6 +29,7 @@ struct TrialResult {
   std::vector<Issue> refused;          ///< faults of a scene that was not accepted
   std::optional<std::string> refusal;  ///< the sentence above them
   std::optional<std::string> failure;  ///< the instability that ended the run
+  std::vector<std::string> told;       ///< warnings of the scene and of the run
   std::string not_finite;              ///< an observable
   std::vector<std::string> commands;   ///< what came of those that should have been refused
   std::vector<std::string> plan;       ///< stages without the reason that they should have

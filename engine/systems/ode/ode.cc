@@ -6,9 +6,8 @@
 #include <limits>
 
 #include "engine/base/byte_hash.h"
-#include "engine/systems/ode/ode_events.h"
 #include "engine/systems/ode/ode_method.h"
-#include "engine/systems/ode/ode_stops.h"
+#include "engine/systems/ode/ode_scratch.h"
 #include "engine/systems/ode/ode_tracers.h"
 
 namespace truestep::ode {
@@ -20,33 +19,6 @@ namespace {
 /// Events per step; more are considered an endless pile-up.
 constexpr int kMaxEventsPerStep = 1000;
 }  // namespace
-
-/// Scratch memory of a step; rebuilt whenever the workspace was discarded.
-struct Ode::Scratch {
-  const OdeModel* model = nullptr;
-  std::unique_ptr<OdeEquations> equations;
-  std::unique_ptr<OdeContacts> contacts;
-  std::unique_ptr<OdeGuards> guards;
-  std::unique_ptr<EventWatcher> watcher;
-  std::unique_ptr<OdeStops> stops;  ///< null: the equations do not jump in time
-  std::vector<OdeEvaluation> event_values;
-  std::vector<double> values;  ///< of an event's targets
-  /// Guards whose event has just led away from zero, with the side: too short a flight is a crossing as well.
-  std::vector<std::pair<uint32_t, int32_t>> departing;
-  std::unique_ptr<OdeEvaluation> plot;
-  std::vector<double> points;                               ///< produced by `plot`
-  std::vector<double> start, middle, rate_start, rate_end;  ///< of the states, for tracers
-  std::vector<double> rates;                                ///< of the states, or the states before an event
-
-  void set_parameters(std::span<const double> p) {
-    equations->set_parameters(p);
-    guards->set_parameters(p);
-    contacts->set_parameters(p);
-    plot->set_parameters(p);
-    if (stops) stops->set_parameters(p);
-    for (OdeEvaluation& e : event_values) e.set_parameters(p);
-  }
-};
 
 Ode::Ode(const OdeDef& def, const BuildContext& context)
     : def_(def), model_(compile_ode(def)), seed_(context.seed) {
@@ -83,7 +55,10 @@ void Ode::plan_stages() {
     add_stage("integrate",
               std::to_string(model_.size()) + " states with " + std::string(method_->name) + ": " +
                   why_this_method_ +
-                  (model_.stops.empty() ? "" : ", stopping where comparisons of time in them change"),
+                  (model_.stops.empty() ? "" : ", stopping where comparisons of time in them change") +
+                  (model_.switched == 0 ? ""
+                                        : ", switching where expressions under a sign cross zero and sliding "
+                                          "along it where both sides push back"),
               [this](State& s, const StepInput& in) { integrate(s, in); });
   } else {
     skip_stage("integrate", "no states");
@@ -136,6 +111,9 @@ State Ode::initial_state() const {
   if (!model_.contacts.empty()) {
     add(C::kResting, "events.resting", "1", 1, Role::internal, std::vector<int32_t>(model_.guards.outputs()));
   }
+  if (model_.switched > 0) {
+    add(sliding_column(), "sides.sliding", "1", 1, Role::internal, std::vector<int32_t>(model_.switched));
+  }
   if (rows_ > 0 && !def_.tracers) {
     Workspace workspace;
     for (size_t k = 0; k <= trail_; ++k) draw_path(s, 0, workspace);
@@ -143,6 +121,7 @@ State Ode::initial_state() const {
   if (model_.guards.outputs() > 0) {
     Workspace workspace;
     Scratch& work = scratch(s, workspace);
+    refresh_sides(s, work, 0);
     work.watcher->look(0, model_.initial.data());
     // A contact that starts at zero rests there; an event in either direction does not say on which side.
     for (uint32_t k = 0; k < model_.contacts.size(); ++k) {
@@ -161,7 +140,8 @@ Ode::Scratch& Ode::scratch(State& s, Workspace& workspace) const {
     work.model = &model_;
     work.equations = std::make_unique<OdeEquations>(model_);
     work.contacts = std::make_unique<OdeContacts>(model_);
-    work.guards = std::make_unique<OdeGuards>(model_, *work.contacts);
+    work.slides = std::make_unique<OdeSlides>(model_);
+    work.guards = std::make_unique<OdeGuards>(model_, *work.contacts, *work.slides);
     work.watcher = std::make_unique<EventWatcher>(*work.guards, work.guards->directions(), model_.size());
     work.plot = std::make_unique<OdeEvaluation>(model_.plot);
     work.stops = model_.stops.empty() ? nullptr : std::make_unique<OdeStops>(model_);
@@ -175,6 +155,7 @@ Ode::Scratch& Ode::scratch(State& s, Workspace& workspace) const {
   }
   work.set_parameters(s.f64(C::kParameters));
   if (!model_.contacts.empty()) work.contacts->attach(s.span<int32_t>(C::kResting));
+  if (model_.switched > 0) work.slides->attach(s.f64(C::kParameters), s.span<int32_t>(sliding_column()));
   work.watcher->attach(s.span<int32_t>(C::kEventSigns));
   return work;
 }
@@ -187,6 +168,7 @@ void Ode::integrate(State& s, const StepInput& in) const {
   const double t_end = static_cast<double>(in.step + 1) * in.h, slack = 1e-9 * in.h;
   double t = in.t;
   const bool adaptive = method_->stepping == Integrator::Stepping::adaptive;
+  refresh_sides(s, work, t);
   int times = 0;
   while (t < t_end && s.f64(C::kStopped)[0] == 0) {
     const double timed = next_timed_event(t, slack);
@@ -211,12 +193,15 @@ void Ode::integrate(State& s, const StepInput& in) const {
       if (std::abs(due - timed) <= slack) fire(s, work, k, t);
     }
     if (!crossed.empty() || on_time) {
+      refresh_sides(s, work, t);
       if (model_.guards.outputs() > 0) work.watcher->look(t, y.data());
       for (const auto& [guard, side] : work.departing) s.span<int32_t>(C::kEventSigns)[guard] = side;
       work.departing.clear();
       if (++times > kMaxEventsPerStep) {
         throw Instability("", "events",
-                          crossed.empty() ? 0 : static_cast<long long>(work.guards->event(crossed[0])),
+                          crossed.empty() || work.guards->is_side(crossed[0])
+                              ? 0
+                              : static_cast<long long>(work.guards->event(crossed[0])),
                           "more than 1000 events in one step: they pile up; let one of them stop the system");
       }
     }
@@ -252,6 +237,7 @@ double Ode::advance(State& s, Scratch& work, Workspace& workspace, double t, dou
   run.statistics = &statistics;
   const bool rests = work.contacts->any();
   work.equations->rest_on(rests ? work.contacts.get() : nullptr);
+  work.equations->slide_on(work.slides->any() ? work.slides.get() : nullptr);
   if (rests) work.contacts->remember(s.f64(C::kStates));
   try {
     method_->advance(run);
@@ -289,72 +275,6 @@ double Ode::next_timed_event(double t, double slack) const {
 void Ode::forget(State& s) {
   std::ranges::fill(s.f64(C::kCarry), 0.0);
   std::ranges::fill(s.f64(C::kMemory), NAN);
-}
-
-// Handles the event of a guard that crosses zero, or the end of its contact.
-void Ode::cross(State& s, Scratch& work, uint32_t guard, double t) const {
-  const size_t event = work.guards->event(guard);
-  if (model_.contacts.empty() || !work.contacts->possible(guard)) return fire(s, work, event, t);
-  OdeContacts& contacts = *work.contacts;
-  const auto y = s.f64(C::kStates);
-  if (contacts.resting(guard)) {
-    work.departing.emplace_back(guard, s.span<int32_t>(C::kResting)[guard]);
-    contacts.end(guard);
-    return forget(s);
-  }
-  const int32_t side = s.span<int32_t>(C::kEventSigns)[guard];
-  // Something moving away from zero only seems to cross it, because of rounding.
-  if (side * contacts.motion(guard, t, y.data()).rate > 0) {
-    work.departing.emplace_back(guard, side);
-    return;
-  }
-  fire(s, work, event, t);
-  if (side * contacts.motion(guard, t, y.data()).rate < 0) return;
-  settle(s, work, guard, side, t);
-  if (!contacts.resting(guard)) work.departing.emplace_back(guard, side);
-}
-
-// Brings to rest whatever would fly no farther than the tolerance.
-void Ode::settle(State& s, Scratch& work, uint32_t guard, int32_t side, double t) const {
-  const auto y = s.f64(C::kStates);
-  work.rates.resize(y.size());
-  work.equations->rest_on(nullptr);
-  work.equations->rate(t, y.data(), work.rates.data());
-  if (work.contacts->ends_here(guard, side, t, y.data(), work.rates.data(), tolerance_)) {
-    work.contacts->begin(guard, side, t, y.data());
-  }
-}
-
-// Resting contacts elsewhere keep resting unless the event has moved them.
-void Ode::wake(State& s, Scratch& work, double t, std::span<const double> before) const {
-  const auto y = s.f64(C::kStates);
-  for (uint32_t k = 0; k < model_.contacts.size(); ++k) {
-    if (!work.contacts->resting(k)) continue;
-    const auto& c = model_.contacts[k];
-    const auto moved = [&](uint32_t place) { return before[place] != y[place]; };
-    if (std::ranges::none_of(c.places, moved) && std::ranges::none_of(c.watched, moved)) continue;
-    work.departing.emplace_back(k, s.span<int32_t>(C::kResting)[k]);
-    work.contacts->end(k);
-  }
-}
-
-void Ode::fire(State& s, Scratch& work, size_t k, double t) const {
-  const OdeModel::Event& e = model_.events[k];
-  const auto y = s.f64(C::kStates), p = s.f64(C::kParameters);
-  ++s.span<uint64_t>(C::kEventCounts)[k];
-  if (!e.targets.empty()) {
-    const bool rests = work.contacts->any();
-    if (rests) work.rates.assign(y.begin(), y.end());
-    work.event_values[k](t, y.data(), y.size(), p.size(), work.values.data());
-    for (size_t i = 0; i < e.targets.size(); ++i) {
-      (e.targets[i].kind == OdeModel::Event::Target::Kind::state ? y : p)[e.targets[i].place] =
-          work.values[i];
-    }
-    work.set_parameters(p);
-    forget(s);
-    if (rests) wake(s, work, t, work.rates);
-  }
-  if (e.def.then == OdeEventDef::Then::stop) s.f64(C::kStopped)[0] = 1, s.f64(C::kStopped)[1] = t;
 }
 
 void Ode::carry_tracers(State& s, const StepInput& in) const {

@@ -44,7 +44,12 @@ class Ode final : public StagedSystem {
   double next_timed_event(double t, double slack) const;
   /// The integrator starts afresh: its memory of earlier steps belongs to other equations.
   static void forget(State& state);
+  /// i32, per side of the model: 1 while it slides; only where there are sides.
+  OdeColumns::Index sliding_column() const {
+    return static_cast<OdeColumns::Index>(OdeColumns::kResting + (model_.contacts.empty() ? 0 : 1));
+  }
   void cross(State& state, Scratch& work, uint32_t guard, double t) const;
+  void refresh_sides(State& state, Scratch& work, double t) const;
   void settle(State& state, Scratch& work, uint32_t guard, int32_t side, double t) const;
   void wake(State& state, Scratch& work, double t, std::span<const double> before) const;
   void fire(State& state, Scratch& work, size_t event, double t) const;

@@ -1,6 +1,7 @@
 #include "engine/systems/ode/ode_equations.h"
 
 #include "engine/systems/ode/ode_contacts.h"
+#include "engine/systems/ode/ode_slides.h"
 
 namespace truestep::ode {
 
@@ -15,6 +16,18 @@ OdeEquations::OdeEquations(const OdeModel& model)
 
 void OdeEquations::set_parameters(std::span<const double> p) {
   for (OdeEvaluation* e : {&rate_, &jacobian_, &acceleration_, &acceleration_jacobian_}) e->set_parameters(p);
+}
+
+void OdeEquations::slide(OdeEvaluation& of, double t, const double* y) const {
+  const auto sides = slides_->sides(inside(t), y);
+  for (size_t k = 0; k < sides.size(); ++k) of.set_parameter(slides_->first() + k, sides[k]);
+}
+
+const double* OdeEquations::both(const double* x, const double* v) const {
+  const size_t half = model_.size() / 2;
+  states_.assign(x, x + half);
+  states_.insert(states_.end(), v, v + half);
+  return states_.data();
 }
 
 void OdeEquations::support_rates(double t, const double* y, double* dydt) const {

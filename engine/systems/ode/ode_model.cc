@@ -30,9 +30,15 @@ OdeModel compile_ode(const OdeDef& def) {
   try {
     OdeCompiler first(def, {});
     OdeModel model = first.compile();
-    if (first.paired().empty() || model.second_order) return model;
-    // All states pair up, but in another order than positions, velocities: compile again in that order.
-    return OdeCompiler(def, first.paired()).compile();
+    // All states may pair up, but in another order than positions, velocities: compile again in that order.
+    const auto order = model.second_order ? std::vector<uint32_t>{} : first.paired();
+    if (first.sides() > 0) {
+      OdeCompiler second(def, order, first.sides());
+      OdeModel switched = second.compile();
+      if (second.sides() == first.sides()) return switched;
+    }
+    if (order.empty()) return model;
+    return OdeCompiler(def, order).compile();
   } catch (const ExpressionFault& fault) {
     throw Error("scene_invalid", fault.message,
                 {"/equations", "bad_expression", fault.message, "", "", "", ""});

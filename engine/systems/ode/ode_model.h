@@ -73,6 +73,11 @@ struct OdeModel {
   bool switches = false;          ///< whether it jumps where states cross something
   ExpressionProgram stop_values;  ///< of each: its value, and its slope
 
+  /// Signs of expressions of the states (ode_slides.h): the last parameters are their sides, the last guards
+  /// the expressions.
+  size_t switched = 0;
+  ExpressionProgram slides;  ///< of each: g, g', then dg'/ds of every side
+
   bool second_order = false;
   bool depends_on_velocity = true;
   ExpressionProgram acceleration;

@@ -29,6 +29,8 @@ struct Rules {
   std::optional<double> still;
   /// Whether the run may end with an instability event, the proper answer if no step of this size is stable.
   enum class Event : uint8_t { fault, allowed } event = Event::fault;
+  /// Whether expectations may be missed where a warning says that nothing holds what falls.
+  Event unheld = Event::fault;
 };
 
 struct Trial {

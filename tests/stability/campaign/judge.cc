@@ -76,6 +76,12 @@ Outcome judge(const Trial& trial) {
       out.findings.push_back({f.quantity, value + (" " + f.wanted) + ' ' + f.detail});
     }
     if (out.findings.empty()) out.event = check.result(0).failure;
+    if (!out.findings.empty() && trial.rules.unheld == Rules::Event::allowed) {
+      const auto& told = check.result(0).told;
+      const auto says = [](const std::string& w) { return w.find("holds") != std::string::npos; };
+      const auto at = std::ranges::find_if(told, says);
+      if (at != told.end()) out.event = *at, out.findings.clear();
+    }
     out.cpu_seconds = check.result(0).cpu_seconds;
   } catch (const Error& e) {
     if (trial.rules.event == Rules::Event::allowed && too_fast(e)) {

@@ -96,6 +96,8 @@ void turntable_3d(Dice&, Trial&);
 void rolling_table_3d(Dice&, Trial&);
 void motor_disc_3d(Dice&, Trial&);
 void drum_2d(Dice&, Trial&);
+void falls(Dice&, Trial&);
+void friction(Dice&, Trial&);
 void bouncing_bodies(Dice&, Trial&);
 void merging_bodies(Dice&, Trial&);
 void pulses(Dice&, Trial&);

@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <variant>
+
 #include "engine/base/errors.h"
 #include "engine/core/equations/force_system.h"
 #include "engine/integrators/control/spectrum.h"
@@ -41,6 +44,43 @@ TEST_F(Study, StabilityIsThatOfTheSystemItIsAbout) {
                 "integrator":"symplectic_euler"}]})";
   const auto r = run(with("stability", R"("integrators":["rk4"],"steps":4000)", two));
   EXPECT_NEAR(std::get<double>(r.table.rows[0][3]), 1, 0.02);
+}
+
+// Two masses on a spring, free to drift and to turn: implicit Euler only loses energy, whatever the step, and
+// where the masses end up is no sign of instability.
+constexpr const char* kTwoMasses = R"({"schema_version":"1.0","name":"two masses","gravity":[0,0,0],
+  "time":{"dt":0.01,"duration":2},
+  "systems":[{"type":"mass_spring","id":"m","stiffness":100,"integrator":"implicit_euler",
+              "free":{"points":[[0,0,0],[1.2,0,0]],"masses":[1,1],
+                      "springs":[{"a":0,"b":1,"rest_length":1}]}}]})";
+
+TEST_F(Study, StabilityOfWhatOnlyLosesEnergyHasNoLimit) {
+  const auto r =
+      run(with("stability", R"("integrators":["implicit_euler","euler","symplectic_euler"])", kTwoMasses));
+  const auto row = [&](const std::string& name) {
+    return *std::ranges::find_if(r.table.rows,
+                                 [&](const auto& x) { return std::get<std::string>(x[0]) == name; });
+  };
+  const auto implicit = row("implicit_euler"), euler = row("euler"), symplectic = row("symplectic_euler");
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(implicit[1]));
+  EXPECT_THAT(std::get<std::string>(implicit[4]), ::testing::HasSubstr("no limit found up to"));
+  // Theory: every step adds energy. A run that has not grown tenfold yet is no stable step.
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(euler[1]));
+  EXPECT_EQ(std::get<double>(euler[2]), 0);
+  EXPECT_THAT(std::get<std::string>(euler[4]), ::testing::HasSubstr("unstable at every step by theory"));
+  // Control: a method with a limit still has it, 2 / sqrt(2 k / m).
+  EXPECT_NEAR(std::get<double>(symplectic[3]), 1, 0.03);
+  EXPECT_THAT(r.plot.y_names, ::testing::ElementsAre("symplectic_euler"));
+}
+
+TEST_F(Study, StabilityBeyondTheBudgetIsNoMeasuredLimit) {
+  const auto r = run(with("stability", R"("integrators":["rk4","velocity_verlet"],"budget":0.1)", kCloth));
+  for (const auto& row : r.table.rows) {
+    const auto& status = std::get<std::string>(row[4]);
+    if (status == "ok") continue;
+    EXPECT_TRUE(std::holds_alternative<std::monostate>(row[1])) << status;
+    EXPECT_THAT(r.plot.y_names, ::testing::Not(::testing::Contains(std::get<std::string>(row[0]))));
+  }
 }
 
 TEST_F(Study, StabilityOfFreeFlightIsRefusedWithTheReason) {

@@ -15,8 +15,10 @@ namespace truestep::ode {
 
 class OdeCompiler {
  public:
-  /// order[k]: index of the k-th declared state; empty: as declared.
-  OdeCompiler(const OdeDef& def, std::vector<uint32_t> order) : def_(def), order_(std::move(order)) {}
+  /// order[k]: index of the k-th declared state; empty: as declared. `sides`: number of signs of states that
+  /// become parameters.
+  OdeCompiler(const OdeDef& def, std::vector<uint32_t> order, size_t sides = 0)
+      : def_(def), order_(std::move(order)), switched_(sides) {}
 
   /// Throws Error "scene_invalid" with all faults. Call once.
   OdeModel compile();
@@ -24,6 +26,8 @@ class OdeCompiler {
   /// After compile: indices of the declared states, positions first, then velocities in the same order; empty
   /// when the equations do not pair up.
   const std::vector<uint32_t>& paired() const { return paired_; }
+  /// After compile without sides: how many there are; with them: 0 if the signs must stay as they are.
+  size_t sides() const { return sides_; }
 
  private:
   using Node = ExpressionGraph::Node;
@@ -93,6 +97,15 @@ class OdeCompiler {
   void stops();
   /// How the changes of sign of an expression of time are found; see OdeModel::Stop.
   OdeModel::Stop kind_of_stop(Node n, Node slope) const;
+  // --- ode_compiler_slides.cc
+
+  /// The signs in the equations whose expressions depend on states.
+  void find_signs();
+  /// The roots with sides in place of these signs.
+  std::vector<Node> with_sides(const std::vector<Node>& roots);
+  /// Compiles what decides about slides; false where the equations are not linear in the sides.
+  bool slides();
+
   /// Finds P and V such that x' = v for x in P, v in V, one to one, and P and V together are all states.
   void pair_up();
   /// Derivatives of the roots with respect to `blocks` groups of n states, all of the same shape.
@@ -105,7 +118,8 @@ class OdeCompiler {
   OdeModel model_;
   std::vector<Issue> issues_;
   int32_t first_state_ = 1;
-  std::vector<Node> roots_, invariants_, guards_, plot_, tracer_roots_;
+  std::vector<Node> roots_, invariants_, guards_, plot_, tracer_roots_, signs_, slide_guards_;
+  size_t switched_ = 0, sides_ = 0;
   std::vector<std::vector<Node>> event_values_;
 };
 

@@ -33,6 +33,7 @@ void OdeCompiler::declare() {
     add_name("/parameters/" + pointer_token(p.name), named, 1);
     model_.parameters.push_back(std::move(named));
   }
+  model_.parameter_values.resize(model_.parameter_values.size() + switched_, 1.0);
   first_state_ = static_cast<int32_t>(1 + model_.parameter_values.size());
   for (const NamedNumbers& s : def_.states) add_state("/states/" + pointer_token(s.name), s);
   for (const NamedText& e : def_.second) add_velocity(e.name);

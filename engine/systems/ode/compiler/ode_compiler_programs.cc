@@ -12,9 +12,23 @@ ExpressionProgram OdeCompiler::program(const std::vector<Node>& roots) const {
 
 void OdeCompiler::programs() {
   OdeModel& m = model_;
+  find_signs();
+  sides_ = signs_.size();
+  m.switched = switched_;
+  if (switched_ > 0) {
+    std::vector<Node> both = roots_;
+    for (const Node n : signs_) both.push_back(graph_.at(n).a);
+    both = with_sides(both);
+    slide_guards_.assign(both.begin() + static_cast<std::ptrdiff_t>(roots_.size()), both.end());
+    both.resize(roots_.size());
+    roots_ = std::move(both);
+    if (!slides()) sides_ = 0;
+  }
   m.rate = program(roots_);
   m.invariants = program(invariants_);
-  m.guards = program(guards_);
+  std::vector<Node> all_guards = guards_;
+  all_guards.insert(all_guards.end(), slide_guards_.begin(), slide_guards_.end());
+  m.guards = program(all_guards);
   m.plot = program(plot_);
   for (size_t k = 0; k < m.events.size(); ++k) m.events[k].values = program(event_values_[k]);
   const auto used = graph_.variables_of(roots_);
@@ -35,6 +49,7 @@ void OdeCompiler::programs() {
     m.acceleration = program(accelerations);
     const auto on = graph_.variables_of(accelerations);
     m.depends_on_velocity = !on.empty() && on.back() >= first_state_ + n / 2;
+    if (switched_ > 0) m.depends_on_velocity = true;
     differentiate(accelerations, n / 2, 2, m.acceleration_jacobian);
   }
   differentiate(roots_, n, 1, m.jacobian);
