@@ -126,14 +126,18 @@ CellChoice choose_cell(const FemDef& d) {
   if (first == second) return {first, "what a shell is made of"};
   if (is_plane(first) && d.plane >= Plane::membrane) return {first, "a membrane does not bend"};
   if (d.mesh && d.mesh->form == Form::as_element) return {first, ""};
+  if (d.volume == Volume::mean && element_of(kind_of(first)).points.size() == 1)
+    return {second, "of second order: volume mean needs several points"};
   const std::string why = needs_first(d);
   if (!why.empty()) return {first, "of first order: " + why};
   const bool moves = d.motion == Motion::dynamic, plane = is_plane(first);
   const double excess = bending_excess(d);
   if (moves && !plane) {
-    const bool bends = slender(sides_of(d)) && excess > kMovingStiff;
+    const bool slim = slender(sides_of(d)), bends = slim && excess > kMovingStiff;
     const bool shears = first == Cell::tet4 && d.poisson_ratio >= kRubber;
-    if (!bends && !shears) return {first, "of first order: compact, in motion"};
+    if (!bends && !shears)
+      return {first, slim ? "of first order: that bends well enough here"
+                          : "of first order: no thin body, in motion"};
   }
   const double most = plane ? (moves ? kMovingPlane : kStillPlane) : (moves ? kMovingSpace : kStillSpace);
   FemDef other = d;

@@ -8,7 +8,7 @@
 
 namespace truestep::grid_fluid {
 
-/// For the plan: what finds the steady state at once, and what that takes; empty for other flows.
+/// For the plan: what finds the steady state at once; empty for other flows.
 std::string steady_offer(const GridFluidDef& def);
 
 }  // namespace truestep::grid_fluid

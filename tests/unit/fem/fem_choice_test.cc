@@ -55,6 +55,11 @@ TEST(FemChoice, VolumesFollowPoissonsRatio) {
   EXPECT_EQ(volume_of(d), Volume::pointwise);
   d.volume = Volume::automatic, d.integrator = "vertex_block_descent", d.motion = Motion::dynamic;
   EXPECT_EQ(volume_of(d), Volume::pointwise);
+  FemDef ball;
+  ball.fill = FillShape{.ball = BallRegion{}, .spacing = 0.3};
+  EXPECT_EQ(cell_of(ball), Cell::tet4);
+  ball.volume = Volume::mean;
+  EXPECT_EQ(cell_of(ball), Cell::tet10);
   FemDef panel;
   panel.quad = QuadShape{}, panel.poisson_ratio = 0.49;
   EXPECT_EQ(volume_of(panel), Volume::mean);
