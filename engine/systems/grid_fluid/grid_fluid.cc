@@ -6,9 +6,9 @@
 #include "engine/base/errors.h"
 #include "engine/base/text/short_number.h"
 #include "engine/core/commands/command_checks.h"
-#include "engine/systems/grid_fluid/becomes_steady.h"
 #include "engine/systems/grid_fluid/liquid/liquid.h"
-#include "engine/systems/grid_fluid/steady_flow.h"
+#include "engine/systems/grid_fluid/steady/becomes_steady.h"
+#include "engine/systems/grid_fluid/steady/steady_flow.h"
 
 namespace truestep::grid_fluid {
 

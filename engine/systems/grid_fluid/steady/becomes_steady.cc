@@ -1,4 +1,4 @@
-#include "engine/systems/grid_fluid/becomes_steady.h"
+#include "engine/systems/grid_fluid/steady/becomes_steady.h"
 
 #include <algorithm>
 #include <cmath>
