@@ -24,7 +24,8 @@ Cantilever cantilever(std::mt19937& dice) {
   const auto between = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(dice); };
   const auto whole = [&](int a, int b) { return std::uniform_int_distribution<int>(a, b)(dice); };
   const double length = 1, thick = 1 / between(8, 60), nu = between(0, 0.49), e = 1e6;
-  const int across = whole(1, 3), along = whole(static_cast<int>(std::ceil(length / thick / 8)), 24);
+  const int across = whole(1, 3),
+            along = whole(std::max(4, static_cast<int>(std::ceil(length / thick / 8))), 24);
   Cantilever out;
   FemDef& d = out.def;
   d.material = Law::linear, d.youngs_modulus = e, d.poisson_ratio = nu, d.motion = Motion::quasi_static;
