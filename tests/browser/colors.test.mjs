@@ -2,30 +2,18 @@
 // over the range of the data; what is black or as small as an atom can still be seen. Runs against the executable in
 // TRUESTEP_BINARY.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { openChromium, serveBinary } from "./chromium.mjs";
+import { before, test } from "node:test";
 import { ask, open, pixels, until } from "./pixels.mjs";
+import { bad, browser, page, url } from "./served.mjs";
 
 const kFree = { x: 60, y: 70, width: 880, height: 600 }; // no panel is there
 const kSaturated = 0.25; // of a pixel: (max - min) / max of its channels; ground and background have less
 const kSameHue = 12; // degrees: light and shade of the two renderers differ, colours do not
 
-let url;
-let stop;
-let browser;
-let page;
 let picture;
-let bad = [];
 
 before(async () => {
-  ({ url, stop } = await serveBinary(process.env.TRUESTEP_BINARY));
-  ({ browser, page, bad } = await openChromium());
   picture = await browser.newPage({ viewport: { width: 1280, height: 800 } });
-});
-
-after(async () => {
-  await browser?.close();
-  await stop?.();
 });
 
 /** Hue in degrees of all coloured pixels together, and how many there are. */
