@@ -59,8 +59,9 @@ TEST(FemChoice, AHundredCantileversBendAsBeams) {
   for (int k = 0; k < 100; ++k) {
     Cantilever c = cantilever(dice);
     EXPECT_TRUE(locking_of(c.def).empty()) << k;
-    // The end held flat against its contraction, and parabolas for a cubic, take up to 3 %.
-    EXPECT_NEAR(error_of(c), 0, 0.04)
+    // Four parabolas along a cubic are 2 % too stiff, an end held flat against its contraction adds to that,
+    // and one pressure for a section that is pressed above and drawn below leaves it 5 % too soft near 1/2.
+    EXPECT_NEAR(error_of(c), 0, 0.06)
         << k << ", a thickness of " << (c.def.quad ? c.def.quad->corners[2].y : c.def.block->size.y);
     // The control, and what was chosen once: first order, which is warned of where it is too stiff.
     c.def.element = c.def.quad ? Cell::quad4 : Cell::hex8;
