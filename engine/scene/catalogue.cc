@@ -42,7 +42,7 @@ std::span<const CatalogueRow> catalogue() {
         "the same bits on any number of threads",
         "events are located on the method's interpolant, not at steps",
         "expressions cannot loop, allocate without bound or access the machine"},
-       "tsit5",
+       "dop853",
        &ode::ode_outputs(),
        1e13,
        nullptr,

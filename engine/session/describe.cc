@@ -239,6 +239,11 @@ json::object validate_scene(const json::value& document, const AdmissionLimits& 
       out["estimate"] = describe_cost(built);
       require_admission(built, limits);
       for (Issue& doubt : scene_doubts(world, state)) report.warnings.push_back(std::move(doubt));
+      for (const World::SystemWarning& w : world.warnings(state)) {
+        const SceneSystem& system = report.scene->systems[w.system];
+        report.warnings.push_back({"/systems/" + std::to_string(system.place), w.warning.quantity,
+                                   w.warning.detail, write_json(json::value(w.warning.value)), "", "", ""});
+      }
       if (const auto dt = world.stable_dt(state)) {
         if (*dt > 0) out["stable_dt"] = *dt;
         if (*dt <= 0) {

@@ -130,6 +130,6 @@ long long worst_component(const Advance& in, size_t n, const double* y, Error er
 /// The message in that case, with remedies.
 std::string too_many_steps_message(uint64_t most, double t, double h);
 /// Likewise for too many steps.
-[[noreturn]] void too_many_steps(const Advance& in, double t, double h);
+[[noreturn]] void too_many_steps(const Advance& in, double t, double h, long long worst = -1);
 
 }  // namespace truestep::step_control

@@ -39,7 +39,7 @@ void drive(Advance& in, Method& method, const step_control::Law& law) {
     const bool last = h >= left * (1 - 1e-12);
     // Less than two steps left: two equal ones, so that no sliver remains.
     const double now = last ? left : 2 * h > left ? 0.5 * left : h;
-    if (steps + rejected >= in.max_steps) step_control::too_many_steps(in, t, h);
+    if (steps + rejected >= in.max_steps) step_control::too_many_steps(in, t, h, method.worst(now));
     const double error = method.attempt(t, now);
     if (!(error <= 1)) {
       h = now * controller.rejected(error);

@@ -5,6 +5,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/math/expression/names.h"
+#include "engine/systems/fem/fem_choice.h"
 
 namespace truestep::fem {
 
@@ -313,7 +314,7 @@ Body build_body(const FemDef& def) {
   b.mesh = build_mesh(def);
   b.plane = in_plane(def);
   b.plane_stress = b.plane && def.plane == Plane::stress;
-  b.mean_volume = def.volume == Volume::mean;
+  b.mean_volume = volume_of(def) == Volume::mean;
   if (def.incompatible_modes == Incompatible::wilson) set_modes(b);
   if (b.mesh.kind->dimension == 2) b.thickness = def.plane_thickness;
   set_geometry(def, b);

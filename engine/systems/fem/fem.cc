@@ -7,6 +7,7 @@
 #include "engine/base/text/short_number.h"
 #include "engine/integrators/implicit/impulse_answer.h"
 #include "engine/integrators/table/integrators.h"
+#include "engine/systems/fem/fem_choice.h"
 
 namespace truestep::fem {
 
@@ -44,7 +45,8 @@ Fem::Fem(std::unique_ptr<const FemField> field, const ChosenMethod& method, cons
       elements_(static_cast<const FemField&>(force_field())),
       motion_(def.motion),
       colliders_(build_colliders(def.colliders)),
-      radius_(def.contact == Meeting::barrier ? 0 : def.contact_distance.value_or(0)) {
+      radius_(def.contact == Meeting::barrier ? 0 : def.contact_distance.value_or(0)),
+      locking_(locking_of(def)) {
   for (const Collider& c : colliders_.colliders()) {
     surfaces_.push_back(c.surface);
     surfaces_.back().restitution = def.restitution;
@@ -87,6 +89,14 @@ void Fem::add_barrier(const FemDef& def) {
   barrier_ = std::make_unique<const BarrierStep>(elements_, std::move(surface), reach);
 }
 
+std::string Fem::elements_of(const FemDef& def) const {
+  const Element& kind = *body().mesh.kind;
+  std::string out = "; " + std::string(kind.name) + ", " + choose_cell(def).why;
+  if (kind.points.size() > 1 && !body().mesh.sheet && !body().plane_stress)
+    out += std::string("; volume ") + (body().mean_volume ? "mean: " : "pointwise: ") + volume_reason(def);
+  return out;
+}
+
 void Fem::plan_stages(const FemDef& def, const std::string& why) {
   if (def.fill) {
     std::vector<std::array<uint32_t, 4>> tetrahedra;
@@ -101,12 +111,13 @@ void Fem::plan_stages(const FemDef& def, const std::string& why) {
                            short_number(angles[0] / kDegree, 3) + " to " +
                            short_number(angles[1] / kDegree, 4) + " degrees");
   }
+  const std::string elements = elements_of(def);
   if (motion_ == Motion::quasi_static) {
-    add_stage("equilibrium", "displacements in equilibrium, by Newton's method with line search",
+    add_stage("equilibrium", "displacements in equilibrium, by Newton's method with line search" + elements,
               [this](State& s, const StepInput& in) { equilibrium(s, in); });
     skip_stage("integrate", "motion is quasi-static");
   } else {
-    add_dynamic_stages(def, why);
+    add_dynamic_stages(def, why, elements);
     if (!(def.damping > 0)) skip_stage("damping", "damping is 0");
   }
   add_stage("hands", "ends pushes whose duration is over",
@@ -114,20 +125,20 @@ void Fem::plan_stages(const FemDef& def, const std::string& why) {
   if (def.holds.empty()) skip_stage("holds", "no displacement is prescribed");
 }
 
-void Fem::add_dynamic_stages(const FemDef& def, const std::string& why) {
+void Fem::add_dynamic_stages(const FemDef& def, const std::string& why, const std::string& elements) {
   if (!def.holds.empty()) {
     add_stage("holds", std::to_string(def.holds.size()) + " sets have prescribed displacements",
               [this](State& s, const StepInput& in) { begin_holds(s, in.t, in.h); });
   }
   if (barrier_) {
-    add_stage("barrier", "implicit Euler with a barrier against contact, by Newton's method",
+    add_stage("barrier", "implicit Euler with a barrier against contact, by Newton's method" + elements,
               [this](State& s, const StepInput& in) { barrier_->step(s, in); });
     skip_stage("contacts", "the barrier prevents them");
   } else if (colliders_.empty()) {
-    add_integration_stage(why);
+    add_integration_stage(why + elements);
     skip_stage("contacts", "there are no colliders");
   } else {
-    add_contact_stages(why);
+    add_contact_stages(why + elements);
   }
   if (!def.holds.empty()) {
     add_stage("velocities of holds", "prescribed components take the velocities of their expressions",
@@ -200,6 +211,10 @@ void Fem::resolve_contacts(State& s, const StepInput& in) const {
                       .radius = radius_,
                       .surfaces = surfaces_},
                      in.workspace, in.arena);
+}
+
+void Fem::warn(const State&, double, std::vector<Warning>& out) const {
+  out.insert(out.end(), locking_.begin(), locking_.end());
 }
 
 std::optional<double> Fem::limit(Limit which, const State& s, double h) const {

@@ -35,6 +35,7 @@ class Fem final : public ForceSystem, public AnswersImpulses {
               std::span<double> dv) const override;
   std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;
+  void warn(const State& state, double h, std::vector<Warning>& out) const override;
   std::optional<double> limit(Limit which, const State& state, double h) const override;
 
   const Body& body() const { return elements_.body(); }
@@ -50,6 +51,8 @@ class Fem final : public ForceSystem, public AnswersImpulses {
   Energy::Exchange exchange(const State& state) const override;
   void add_barrier(const FemDef& def);
   void plan_stages(const FemDef& def, const std::string& why);
+  /// For the plan: which elements, and why.
+  std::string elements_of(const FemDef& def) const;
   void name_parts();
   template <class Visit>
   void prescribed(double t, Visit visit) const;
@@ -59,7 +62,7 @@ class Fem final : public ForceSystem, public AnswersImpulses {
   void resolve_contacts(State& s, const StepInput& in) const;
   /// Whether nodes are held to colliders within the solution of a step.
   bool solves_contacts() const;
-  void add_dynamic_stages(const FemDef& def, const std::string& why);
+  void add_dynamic_stages(const FemDef& def, const std::string& why, const std::string& elements);
   void add_contact_stages(const std::string& why);
   void step_on_surfaces(State& s, const StepInput& in) const;
   double default_drag(const State& s, size_t row) const;
@@ -70,6 +73,7 @@ class Fem final : public ForceSystem, public AnswersImpulses {
   ColliderSet colliders_;
   std::vector<Surface> surfaces_;  // one per collider
   double radius_;                  // m, distance kept from colliders
+  std::vector<Warning> locking_;
   SurfaceContacts on_surfaces_{
       colliders_,
       surfaces_,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/systems/fem/fem_choice.h"
 #include "engine/systems/fem/fem_tables.h"
 #include "engine/systems/fem/mesh.h"
 
@@ -18,12 +19,7 @@ ElementKind kind_of(Cell cell) {
   return static_cast<ElementKind>(static_cast<uint8_t>(cell) - 1);
 }
 Cell cell_of(const FemDef& d) {
-  if (d.element != Cell::automatic) return d.element;
-  if (d.mesh) {
-    constexpr Cell kFirst[] = {Cell::quad4, Cell::tri3, Cell::quad4, Cell::tet4, Cell::hex8};
-    return kFirst[static_cast<size_t>(d.mesh->form)];
-  }
-  return d.block ? Cell::hex8 : d.fill ? Cell::tet4 : Cell::quad4;
+  return d.element != Cell::automatic ? d.element : choose_cell(d).cell;
 }
 bool in_plane(const FemDef& d) {
   return d.plane <= Plane::stress && element_of(kind_of(cell_of(d))).dimension == 2;
@@ -96,9 +92,10 @@ const DefTable& fem_table() {
                 "a ball, a cylinder or the inside of a surface, filled with tetrahedra")
         .objects("copies", &D::copies, copy_table(), {0, 10000},
                  "copies of the shape, each rotated and translated; absent: one as given")
-        .choice("element", &D::element, cell_names(),
-                "kind of the elements; auto: hex8 for a block, quad4 for a quad; of second order: tri6, "
-                "quad9, tet10, hex27")
+        .choice(
+            "element", &D::element, cell_names(),
+            "kind of the elements; of second order: tri6, quad9, tet10, hex27; auto: of second order where "
+            "that is needed and cheap; the plan says which and why")
         .choice("plane", &D::plane, {"strain", "stress", "membrane", "shell"},
                 "plane strain (constant thickness) or plane stress; membrane: a sheet in space that resists "
                 "stretching; shell: also bending, with tri6")
@@ -111,13 +108,12 @@ const DefTable& fem_table() {
                 "elastic law; linear: small strains and small rotations only")
         .number("youngs_modulus", &D::youngs_modulus, "Pa", above(0), "E")
         .number("poisson_ratio", &D::poisson_ratio, "1", {.min = -1, .max = 0.5, .ends = Limits::Ends::open},
-                "nu; near 1/2 use volume mean")
+                "nu")
         .number("density", &D::density, "kg/m^3", above(0), "at rest")
         .number("second_share", &D::second_share, "1", between(0, 1), "mooney_rivlin: c2 / (c1 + c2)")
-        .choice("volume", &D::volume, {"pointwise", "mean"},
+        .choice("volume", &D::volume, {"auto", "pointwise", "mean"},
                 "mean: an element resists the change of its volume as a whole, so that nearly incompressible "
-                "bodies "
-                "do not lock")
+                "bodies do not lock; auto: mean from a Poisson's ratio of 0.45 on, where that applies")
         .choice("incompatible_modes", &D::incompatible_modes, {"none", "wilson"},
                 "wilson: bending modes within hex8 and quad4, so that they are not too stiff in bending")
         .number("damping", &D::damping, "1/s", at_least(0), "force -damping * mass * v")

@@ -17,7 +17,7 @@ namespace truestep::fem {
 
 /// Strain and stress: bodies in the plane z = 0. Membrane and shell: sheets in space.
 enum class Plane : uint8_t { strain, stress, membrane, shell };
-enum class Volume : uint8_t { pointwise, mean };
+enum class Volume : uint8_t { automatic, pointwise, mean };
 enum class Incompatible : uint8_t { none, wilson };
 enum class Motion : uint8_t { dynamic, quasi_static };
 enum class Meeting : uint8_t { nodes, barrier };
@@ -99,7 +99,7 @@ struct FemDef : IntegratorParams {
   Law material = Law::neo_hookean;
   double youngs_modulus = 1e5, poisson_ratio = 0.3, density = 1000;
   double second_share = 0;
-  Volume volume = Volume::pointwise;
+  Volume volume = Volume::automatic;
   Incompatible incompatible_modes = Incompatible::none;
   double damping = 0;  // 1/s
 

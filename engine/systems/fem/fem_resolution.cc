@@ -1,5 +1,6 @@
 // Refinement of finite elements: the same block or quad in more cells.
 #include "engine/core/def/resolution.h"
+#include "engine/systems/fem/fem_choice.h"
 #include "engine/systems/fem/mesh.h"
 
 namespace truestep::fem {
@@ -15,6 +16,7 @@ std::optional<std::string> divide(void* def, double factor) {
   for (const SetDef& s : d.sets) {
     if (!s.points.empty()) return "point indices mean other nodes at another resolution: give the set a box";
   }
+  settle_choices(d);
   if (d.fill) {
     d.fill->spacing /= factor;
     return std::nullopt;

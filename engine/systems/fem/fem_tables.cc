@@ -46,7 +46,7 @@ const DefTable& cells_table() {
           .required()
           .choice("form", &CellsShape::form,
                   {"as_element", "triangles", "quadrangles", "tetrahedra", "hexahedra"},
-                  "kind of the cells, as in mesh files; of first order unless element is given")
+                  "kind of the cells, as in mesh files")
           .objects("sets", &CellsShape::sets, set_table(), {0, 10'000},
                    "named sets of vertices, such as the groups of a mesh file")
           .build();

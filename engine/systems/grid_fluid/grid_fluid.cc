@@ -7,7 +7,8 @@
 #include "engine/base/text/short_number.h"
 #include "engine/core/commands/command_checks.h"
 #include "engine/systems/grid_fluid/liquid/liquid.h"
-#include "engine/systems/grid_fluid/steady_flow.h"
+#include "engine/systems/grid_fluid/steady/becomes_steady.h"
+#include "engine/systems/grid_fluid/steady/steady_flow.h"
 
 namespace truestep::grid_fluid {
 
@@ -118,7 +119,8 @@ GridFluid::GridFluid(const GridFluidDef& def, const BuildContext& context)
                          " each projected"
                    : "advected along paths, then projected") +
           (model_.solids.any() || model_.two_fluids() ? "; pressure by conjugate gradients and multigrid"
-                                                      : "; pressure by transforms"),
+                                                      : "; pressure by transforms") +
+          steady_offer(def),
       [this](State& s, const StepInput& in) { advance(s, in); });
   if (def.obstacles.empty()) skip_stage("obstacles", "no obstacles given");
   if (def.viscosity == 0) skip_stage("viscosity", "viscosity is 0");

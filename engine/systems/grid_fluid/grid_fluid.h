@@ -2,7 +2,8 @@
 // differences for smooth flows, advection along paths for all others; walls, inflow, outflow, periodic sides;
 // a transported scalar and its buoyancy. A step is divided into as many equal substeps as speed and viscosity
 // require, and its rest anew when the flow becomes too fast for them. Steady flows are found directly
-// (steady_flow.h). Commands: set_parameter viscosity; impulse gives momentum to the fluid around a point.
+// (steady/steady_flow.h). Commands: set_parameter viscosity; impulse gives momentum to the fluid around a
+// point.
 #pragma once
 #include "engine/core/system.h"
 #include "engine/systems/grid_fluid/flow.h"

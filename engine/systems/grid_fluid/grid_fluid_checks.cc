@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/systems/grid_fluid/steady_flow.h"
+#include "engine/systems/grid_fluid/steady/steady_flow.h"
 
 namespace truestep::grid_fluid {
 

@@ -5,7 +5,7 @@
 #include "engine/lattice/divide_cells.h"
 #include "engine/math/trig.h"
 #include "engine/systems/grid_fluid/grid_fluid_checks.h"
-#include "engine/systems/grid_fluid/steady_flow.h"
+#include "engine/systems/grid_fluid/steady/steady_flow.h"
 
 namespace truestep::grid_fluid {
 

@@ -22,14 +22,15 @@ constexpr int kMaxEventsPerStep = 1000;
 
 Ode::Ode(const OdeDef& def, const BuildContext& context)
     : def_(def), model_(compile_ode(def)), seed_(context.seed) {
+  tolerance_.relative = tolerance_.absolute = kOdeTolerance;
   if (model_.size() > 0) {
     OdeMethod chosen = choose_ode_method(def_, model_, context.dt);
     method_ = chosen.row;
     why_this_method_ = std::move(chosen.why);
+    tolerance_.relative = chosen.relative_tolerance, tolerance_.absolute = chosen.absolute_tolerance;
   }
-  const double both = def_.tolerance.value_or(kOdeTolerance);
-  tolerance_.relative = def_.relative_tolerance.value_or(both);
-  tolerance_.absolute = def_.absolute_tolerance.value_or(both);
+  tolerance_.relative = def_.relative_tolerance.value_or(def_.tolerance.value_or(tolerance_.relative));
+  tolerance_.absolute = def_.absolute_tolerance.value_or(def_.tolerance.value_or(tolerance_.absolute));
   tolerance_.absolute_each = model_.absolute_tolerances;
   options_ = def_.choice().options;
   if (method_) set_integration({method_, &options_, nullptr});

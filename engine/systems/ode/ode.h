@@ -1,12 +1,12 @@
 // The system type "ode": states, parameters and right-hand sides as a user writes them,
 //   dy/dt = f(t, y, p)   or   d2x/dt2 = a(t, x, x', p),
 // integrated by any method of the table for right-hand sides, with events along the way; and tracers, points
-// carried by a velocity field v(x, y, z, t). The default integrator is tsit5 (dop853 for tolerances below
-// 1e-9), or radau5 if the system looks stiff: at the start, or one explicit Euler step of a scene step from
-// it, the dominant eigenvalue of df/dy (power iteration, differences of f) is real, negative and such that an
-// explicit method would need more than 50 internal steps per step. An event that reverses a motion comes to
-// rest at its guard once it moves nothing by more than the tolerance (ode_contacts.h). Command: set_parameter
-// of a parameter or a state ("mu", "m[3]", "x").
+// carried by a velocity field v(x, y, z, t). The default integrator is dop853 (tsit5 for tolerances from 1e-9
+// on and for many states), or radau5 if the system looks stiff: at the start, or one explicit Euler step of a
+// scene step from it, the dominant eigenvalue of df/dy (power iteration, differences of f) is real, negative
+// and such that an explicit method would need more than 50 internal steps per step. An event that reverses a
+// motion comes to rest at its guard once it moves nothing by more than the tolerance (ode_contacts.h).
+// Command: set_parameter of a parameter or a state ("mu", "m[3]", "x").
 #pragma once
 #include "engine/core/system.h"
 #include "engine/integrators/advance.h"

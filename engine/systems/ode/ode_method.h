@@ -10,6 +10,8 @@ namespace truestep::ode {
 struct OdeMethod {
   const Integrator* row;
   std::string why;  ///< one sentence for the plan
+  /// Of adaptive methods, unless the scene says otherwise.
+  double relative_tolerance = kOdeTolerance, absolute_tolerance = kOdeTolerance;
 };
 
 /// The method that the scene names, or the default; see ode.h. `dt`: a substep, s. Error "scene_invalid"

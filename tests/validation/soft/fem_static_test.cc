@@ -106,7 +106,7 @@ TEST(FemStatic, OneElementHasTheNeoHookeanClosedForm) {
     for (const Volume volume : {Volume::pointwise, Volume::mean}) {
       FemDef d = still(Law::neo_hookean, 1, 0.3);
       d.block = SoftBlockShape{.cells_x = 1, .cells_y = 1, .cells_z = 1};
-      d.volume = volume;
+      d.element = Cell::hex8, d.volume = volume;
       d.holds = {{"x0", "0", {}, {}},
                  {"y0", {}, "0", {}},
                  {"z0", {}, {}, "0"},

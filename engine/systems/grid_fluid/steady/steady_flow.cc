@@ -1,4 +1,4 @@
-#include "engine/systems/grid_fluid/steady_flow.h"
+#include "engine/systems/grid_fluid/steady/steady_flow.h"
 
 #include <algorithm>
 #include <cmath>
