@@ -49,7 +49,7 @@ RecordingParams params_from(const json::object& body) {
   for (Issue& i : issues) {
     if (i.pointer.starts_with(member)) i.pointer.erase(0, member.size());
   }
-  throw Error("bad_request", e.what(), std::move(issues));
+  throw Error("invalid", e.what(), std::move(issues));
 }
 
 void begin(App& app, SessionEntry& entry, std::optional<uint64_t> after, const json::object& asked = {}) {

@@ -44,7 +44,7 @@ class Recordings(Restarted):
         wrong = self.service.post(link, {"every": 0, "fields": ["colour"], "evry": 1})
         self.assertEqual(wrong.status, 400, wrong.body)
         wrong = self.service.post(link, {"fields": ["colour"]})
-        self.assertEqual((wrong.status, wrong.json()["errors"][0]["pointer"]), (400, "/fields/0"))
+        self.assertEqual((wrong.status, wrong.json()["errors"][0]["pointer"]), (422, "/fields/0"))
         begun = self.service.post(link, {"every": 5, "fields": ["velocity"], "precision": "f64"})
         self.assertEqual((begun.status, begun.json()["state"]), (201, "live"), begun.body)
         self.assertEqual(self.service.post(link, {}).status, 409, "one at a time")

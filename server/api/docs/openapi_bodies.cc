@@ -220,7 +220,11 @@ json::object body_schemas() {
                    {"required", json::array{"gallery"}},
                    {"additionalProperties", false}};
   out["StudyRequest"] = study_schema();
-  out["RecordingRequest"] = schema_of(*scene_table().find("recording")->nested);
+  // Requests take no keys of the user's own, as scenes do.
+  json::object recording = schema_of(*scene_table().find("recording")->nested);
+  recording.erase("patternProperties");
+  recording["additionalProperties"] = false;
+  out["RecordingRequest"] = std::move(recording);
   out["Command"] = typed_schema(command_types());
   out["Query"] = typed_schema(query_types());
   return out;
