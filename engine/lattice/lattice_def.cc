@@ -74,7 +74,7 @@ double lattice_workspace_bytes(const LatticeDef& d, std::string_view usual) {
 double lattice_step_seconds(const LatticeDef& d, std::string_view usual) {
   // Measured on one core: time of an evaluation per row of the lattice and per node including the sums around
   // it, and of a solve by transforms or multigrid.
-  constexpr double kBase = 8e-6, kRow = 2e-7, kNode = 1.7e-9, kWideNode = 2.1e-9, kSolve = 4e-8;
+  constexpr double kBase = 1e-6, kRow = 2e-8, kNode = 1.7e-9, kWideNode = 2.1e-9, kSolve = 4e-8;
   const Integrator* m = find_integrator(d.integrator.empty() ? usual : std::string_view(d.integrator));
   if (!m) return kBase;
   const bool adaptive = m->stepping == Integrator::Stepping::adaptive;

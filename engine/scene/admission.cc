@@ -32,7 +32,8 @@ Cost estimate(const Scene& scene) {
     sum.workspace_bytes += c.workspace_bytes;
     sum.elements += c.elements;
     const double seconds = c.seconds_per_step * static_cast<double>(scene.substeps());
-    sum.seconds_per_step += seconds, sum.start_seconds += seconds * c.settles / scene.header.time.dt;
+    sum.seconds_per_step += seconds;
+    sum.start_seconds += c.start_seconds + seconds * c.settles / scene.header.time.dt;
   };
   std::vector<Cost> own;
   for (const SceneSystem& s : scene.systems) {

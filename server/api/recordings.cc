@@ -1,12 +1,16 @@
 #include "server/api/recordings.h"
 
 #include "engine/base/log.h"
+#include "engine/scene/params/params.h"
+#include "engine/scene/scene.h"
 #include "engine/sinks/recording/log/salvage.h"
 #include "engine/sinks/recording/recording_reader.h"
 #include "engine/sinks/recording/recording_sink.h"
 #include "server/persistence/sessions/session_keeper.h"
 
 namespace truestep {
+
+namespace json = boost::json;
 
 namespace {
 
@@ -27,22 +31,45 @@ void ended(App& app, const std::string& session, const std::string& id, const Re
   }
 }
 
-void begin(App& app, SessionEntry& entry, std::optional<uint64_t> after) {
+const DefTable& recording_table() {
+  return *scene_table().find("recording")->nested;
+}
+
+RecordingParams params_from(const json::object& body) {
+  RecordingParams out;
+  std::vector<Issue> issues;
+  read_params(recording_table(), &out, body, "", {}, issues);
+  if (!issues.empty()) throw Error("bad_request", "the recording is described wrongly", std::move(issues));
+  return out;
+}
+
+// A request describes the recording itself, a scene has it as a member.
+[[noreturn]] void rethrow_without(const std::string& member, const Error& e) {
+  std::vector<Issue> issues = e.issues();
+  for (Issue& i : issues) {
+    if (i.pointer.starts_with(member)) i.pointer.erase(0, member.size());
+  }
+  throw Error("invalid", e.what(), std::move(issues));
+}
+
+void begin(App& app, SessionEntry& entry, std::optional<uint64_t> after, const json::object& asked = {}) {
   if (!app.recordings.on())
     throw Error("folder_io",
                 "this server's data folder could not be used when it started, so it cannot record");
   // Whatever is written now must not look like a file left by an earlier run.
   if (app.repairing) throw Error("starting", "recordings of an earlier run are being repaired");
   const SceneHeader& header = entry.session.world().scene().header;
+  std::optional<RecordingParams> params;
+  if (!asked.empty()) params = params_from(asked);
   const RecordingFacts facts =
-      app.recordings.begin(entry.id, entry.owner, header.title.empty() ? header.name : header.title);
+      app.recordings.begin(entry.id, entry.owner, header.title.empty() ? header.name : header.title, asked);
   const auto finished = [&app, id = facts.id, session = entry.id](const RecordingStatus& status) {
     ended(app, session, id, status);
   };
   try {
     entry.recording = std::make_shared<RecordingSink>(app.recording_thread, entry.session,
                                                       app.recordings.path(facts.id).string(),
-                                                      RecordingTies{after, finished});
+                                                      RecordingTies{after, params, finished});
   } catch (...) {
     app.recordings.forget(facts.id);
     throw;
@@ -85,16 +112,37 @@ std::optional<uint64_t> last_recorded_step(App& app, const std::string& session)
 
 void continue_recording(App& app, SessionEntry& entry, std::optional<uint64_t> after) {
   const World& world = entry.session.world();
-  if (!world.scene().header.recording || (after && !RecordingSink::goes_on(world, *after))) return;
+  const auto newest = app.recordings.newest(entry.id);
+  const json::object asked = newest ? newest->asked : json::object();
+  if (asked.empty() && (!world.scene().header.recording || (after && !RecordingSink::goes_on(world, *after))))
+    return;
   // The session went on unrecorded (a full disk), and no state from before leads to the next frame.
   if (const uint64_t from = entry.session.step_index(); from > after.value_or(0)) {
     if (const auto last = app.recordings.newest(entry.id))
       app.recordings.end(last->id, RecordingFate::incomplete, last->frames,
                          "frames up to step " + std::to_string(from) + " are missing" +
                              (last->note.empty() ? "" : ": " + last->note));
-    return attach_recording(app, entry);
+    return begin(app, entry, std::nullopt, asked);
   }
-  begin(app, entry, after);
+  begin(app, entry, after, asked);
+}
+
+RecordingFacts start_recording(App& app, SessionEntry& entry, const json::object& body) {
+  if (entry.recording && entry.recording->status().state == RecordingState::kRecording)
+    throw Error("conflict", "this session is being recorded; finish that recording first");
+  // Complete and with defaults, so that it says of itself what it is.
+  const RecordingParams params = params_from(body);
+  if (entry.recording) close_recording(app, entry);
+  end_newest(app, entry.id);
+  try {
+    begin(app, entry, std::nullopt, write_params(recording_table(), &params));
+  } catch (const Error& e) {
+    if (e.code() == "scene_invalid") rethrow_without("/recording", e);
+    throw;
+  }
+  entry.recording_failed = false;
+  if (entry.keeper) entry.keeper->keep_for(entry.recording);
+  return app.recordings.newest(entry.id).value();
 }
 
 void discard_recording(App& app, SessionEntry& entry) {
@@ -130,7 +178,8 @@ RecordingFacts finish_recording(App& app, SessionEntry& entry) {
   }
   end_newest(app, entry.id);
   const auto last = app.recordings.newest(entry.id);
-  if (!last) throw Error("not_found", "this session records nothing; give its scene a \"recording\"");
+  if (!last)
+    throw Error("not_found", "this session records nothing; give its scene a \"recording\" or POST one");
   return *last;
 }
 

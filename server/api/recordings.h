@@ -15,6 +15,9 @@ void continue_recording(App& app, SessionEntry& entry, std::optional<uint64_t> a
 bool recording_goes_on(const App& app, const std::string& session);
 /// The step of the last frame in the session's recordings.
 std::optional<uint64_t> last_recorded_step(App& app, const std::string& session);
+/// Begins a recording of a session that runs, as the body asks: the object that a scene's "recording" is.
+/// Error "conflict" while one runs.
+RecordingFacts start_recording(App& app, SessionEntry& entry, const boost::json::object& body);
 /// Undoes attach or continue.
 void discard_recording(App& app, SessionEntry& entry);
 /// Completes the file for now: the session may come back and continue.

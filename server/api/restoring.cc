@@ -104,14 +104,26 @@ void begin_keeping(App& app, SessionEntry& entry) {
   }
 }
 
+namespace {
+
+// What there is no memory to save is in the log, from which it is computed again.
+void save_with_what_there_is(SessionEntry& e) {
+  if (!e.keeper) return;
+  try {
+    e.keeper->save();
+  } catch (const std::bad_alloc&) {
+    log_warn("session {}: no memory to save its state; its log leads there", e.id);
+  }
+}
+
+}  // namespace
+
 void unload(App& app, const EntryPtr& entry) {
   {
     const std::lock_guard lock(entry->mutex);
     close_recording(app, *entry);
-    if (entry->keeper) {
-      entry->keeper->save();
-      entry->keeper->abandon();
-    }
+    save_with_what_there_is(*entry);
+    if (entry->keeper) entry->keeper->abandon();
   }
   app.store.unloaded(entry);
 }
@@ -120,7 +132,7 @@ void save_sessions(App& app) {
   if (!app.archive) return;
   for (const EntryPtr& e : app.store.all()) {
     const std::lock_guard lock(e->mutex);
-    if (e->keeper) e->keeper->save();
+    save_with_what_there_is(*e);
   }
   try {
     // Once for all sessions.

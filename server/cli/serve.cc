@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <iostream>
 #include <mutex>
+#include <new>
+#include <optional>
 #include <thread>
 
 #include "engine/base/log.h"
@@ -83,12 +85,21 @@ std::chrono::seconds pause_between_sweeps(const AppOptions& options) {
 }
 
 // Unloads and removes what nobody uses.
-void sweep(App& app) {
+void sweep_all(App& app) {
   for (const EntryPtr& entry : app.store.expire()) unload(app, entry);
   if (app.archive) {
     for (const std::string& id : app.archive->sweep()) log_info("session {} is no longer kept", id);
   }
   app.recordings.sweep();
+}
+
+void sweep(App& app) {
+  try {
+    sweep_all(app);
+  } catch (const std::bad_alloc&) {
+    // The rest is for the next sweep, when there may be memory again.
+    log_warn("no memory to unload what nobody uses");
+  }
   // Returns memory freed by large sessions and studies to the operating system.
   malloc_trim(0);
 }
@@ -102,37 +113,49 @@ void let_sinks_go(App& app) {
 }
 
 /// Ends the process when work that cannot be interrupted exceeds the time allowed for shutdown. By then
-/// recordings are complete and peers have been told.
+/// recordings are complete and peers have been told. Its thread exists from the start: at the end there may
+/// be no memory for one.
 class LastResort {
  public:
-  explicit LastResort(std::chrono::milliseconds patience)
-      : thread_([this, end = std::chrono::steady_clock::now() + patience] {
-          std::unique_lock lock(mutex_);
-          if (over_.wait_until(lock, end, [this] { return ended_; })) return;
-          log_warn("work still running is abandoned");
-          std::_Exit(kExitOk);
-        }) {}
+  LastResort() : thread_([this] { watch(); }) {}
   ~LastResort() {
     {
       const std::lock_guard lock(mutex_);
       ended_ = true;
     }
-    over_.notify_one();
+    changed_.notify_one();
     thread_.join();
   }
   LastResort(const LastResort&) = delete;
   LastResort& operator=(const LastResort&) = delete;
 
+  void begin(std::chrono::milliseconds patience) {
+    {
+      const std::lock_guard lock(mutex_);
+      end_ = std::chrono::steady_clock::now() + patience;
+    }
+    changed_.notify_one();
+  }
+
  private:
+  void watch() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return ended_ || end_; });
+    if (ended_ || changed_.wait_until(lock, *end_, [this] { return ended_; })) return;
+    log_warn("work still running is abandoned");
+    std::_Exit(kExitOk);
+  }
+
   std::mutex mutex_;
-  std::condition_variable over_;
+  std::condition_variable changed_;
   bool ended_ = false;
+  std::optional<std::chrono::steady_clock::time_point> end_;
   std::thread thread_;
 };
 
 /// In this order: stop accepting, tell the streams, stop the work, complete the recordings, end the network
 /// threads, then the threads that hand them answers. Nothing is destroyed while a thread may use it.
-void shut_down(net::Server& server, App& app) {
+void shut_down(net::Server& server, App& app, LastResort& last_resort) {
   const auto begun = std::chrono::steady_clock::now();
   for (const EntryPtr& entry : app.store.all()) {
     const std::lock_guard lock(entry->mutex);
@@ -146,8 +169,7 @@ void shut_down(net::Server& server, App& app) {
   server.stop(std::chrono::milliseconds(1500));
   const auto taken =
       std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - begun);
-  const LastResort last_resort(
-      std::max(std::chrono::milliseconds(4000) - taken, std::chrono::milliseconds(500)));
+  last_resort.begin(std::max(std::chrono::milliseconds(4000) - taken, std::chrono::milliseconds(500)));
   app.operations.stop();
   app.runner.join();
   save_sessions(app);
@@ -186,6 +208,7 @@ int serve(const ServeOptions& options) {
   // A closed peer or log pipe shows up as an error of write().
   ::signal(SIGPIPE, SIG_IGN);
   net::Termination termination;
+  LastResort last_resort;
   app.repairing = true;
   app.recordings.read_folder();
   server.start();
@@ -198,7 +221,7 @@ int serve(const ServeOptions& options) {
 
   termination.wait(pause_between_sweeps(app.options), [&app] { sweep(app); });
   log_info("shutting down");
-  shut_down(server, app);
+  shut_down(server, app, last_resort);
   return kExitOk;
 }
 

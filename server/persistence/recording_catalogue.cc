@@ -58,6 +58,7 @@ RecordingFacts read_note(const fs::path& path, const std::string& id) {
     f.owner = text_member(o, "owner");
     f.title = text_member(o, "title");
     f.note = text_member(o, "note");
+    if (const json::value* asked = o.if_contains("asked")) f.asked = asked->as_object();
     f.created = o.at("created").to_number<int64_t>();
     f.frames = o.at("frames").to_number<uint64_t>();
     const std::string state = text_member(o, "state");
@@ -77,12 +78,11 @@ RecordingFacts read_note(const fs::path& path, const std::string& id) {
 }
 
 std::string note_text(const RecordingFacts& f) {
-  return write_json(json::object{{"owner", f.owner},
-                                 {"title", f.title},
-                                 {"created", f.created},
-                                 {"state", state_name(f.state)},
-                                 {"frames", f.frames},
-                                 {"note", f.note}});
+  json::object o{{"owner", f.owner},     {"title", f.title},
+                 {"created", f.created}, {"state", state_name(f.state)},
+                 {"frames", f.frames},   {"note", f.note}};
+  if (!f.asked.empty()) o["asked"] = f.asked;
+  return write_json(o);
 }
 
 Error unknown() {
@@ -177,7 +177,7 @@ void RecordingCatalogue::repair(RecordingThread& thread) {
 // --- a recording being written
 
 RecordingFacts RecordingCatalogue::begin(const std::string& session, const std::string& owner,
-                                         const std::string& title) {
+                                         const std::string& title, json::object asked) {
   const std::lock_guard lock(mutex_);
   if (limits_.most_bytes > 0) {
     double sum = 0;
@@ -205,6 +205,7 @@ RecordingFacts RecordingCatalogue::begin(const std::string& session, const std::
   row.facts.owner = owner;
   row.facts.title = title;
   row.facts.created = static_cast<int64_t>(std::time(nullptr));
+  row.facts.asked = std::move(asked);
   // Without it nobody would know whose it is.
   write_file(note_path(path(row.facts.id)), bytes_of(note_text(row.facts)), Durability::process);
   rows_[row.facts.id] = row;

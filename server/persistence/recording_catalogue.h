@@ -2,6 +2,7 @@
 // NAME.vtkhdf.json says whose it is and what became of it. A session's first recording bears the session's
 // id, later ones are ID.2, ID.3 ...; no name is reused while any file of that name exists.
 #pragma once
+#include <boost/json.hpp>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -41,6 +42,7 @@ struct RecordingFacts {
   uint64_t frames = 0;
   double bytes = 0;
   std::string note;
+  boost::json::object asked;  ///< every, fields, precision of one begun by a request; empty: of the scene's
 };
 
 /// A recording's id: the session's id, with ".2", ".3" ... for later ones.
@@ -57,7 +59,8 @@ class RecordingCatalogue {
   void repair(RecordingThread& thread);
 
   /// Reserves a new name for a recording of the session. Error "quota_exceeded", "disk_full", "recording_io".
-  RecordingFacts begin(const std::string& session, const std::string& owner, const std::string& title);
+  RecordingFacts begin(const std::string& session, const std::string& owner, const std::string& title,
+                       boost::json::object asked);
   /// Sets the sink that writes it.
   void attach(const std::string& id, std::weak_ptr<const RecordingSink> sink);
   /// The recording has no frame: its name is free again.

@@ -1,5 +1,6 @@
 """One budget of memory: whatever takes much asks it first, and what it grants is what the process takes."""
 import pathlib
+import resource
 import time
 import unittest
 
@@ -86,6 +87,29 @@ class Memory(unittest.TestCase):
         rows = service.get(link + "/result.csv").body.decode()
         self.assertEqual(rows.count(",ok"), 1, rows)
         self.assertIn("memory", rows)
+
+    def test_a_machine_that_gives_no_more_memory_is_an_answer_not_an_end(self):
+        service = self.serve(8000)
+
+        def leave(more):
+            used = int(pathlib.Path("/proc/%d/statm" % service.process.pid).read_text().split()[0]) * resource.getpagesize()
+            resource.prlimit(service.process.pid, resource.RLIMIT_AS, (used + more, resource.RLIM_INFINITY))
+
+        leave(900_000_000)
+        gas = {"systems": [{"type": "particles", "id": "gas", "fill": [{"count": 300_000, "speed_spread": 2}],
+                            "colliders": [{"type": "plane", "point": [0, -1, 0]}]}]}
+        statuses = []
+        while len(statuses) < 60 and (not statuses or statuses[-1] == 201):
+            answer = service.made(gas)
+            statuses.append(answer.status)
+            if answer.status == 201:
+                service.post(answer.json()["links"]["step"], {"steps": 2})
+        self.assertEqual(statuses[-1], 503, "the control: memory ends before the budget does")
+        self.assertGreater(len(statuses), 1)
+        self.assertEqual(service.get("/healthz").status, 200)
+        # The end finds none at all: what cannot be saved is in its log.
+        resource.prlimit(service.process.pid, resource.RLIMIT_AS, (1 << 20, resource.RLIM_INFINITY))
+        self.assertEqual(service.stop(), 0)
 
     def test_memory_comes_back_after_load(self):
         service = self.serve(2000)

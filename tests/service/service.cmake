@@ -6,6 +6,11 @@ foreach(part sessions lifecycle memory output catalogue equations stream watched
                        ENVIRONMENT "TRUESTEP_BINARY=$<TARGET_FILE:truestep>;TRUESTEP_SANITIZE=${TRUESTEP_SANITIZE}")
 endforeach()
 
+# Two hundred clients that never read take most of a minute to be given up.
+add_test(NAME service.silent COMMAND ${Python3_EXECUTABLE} -m unittest -v silent_test
+         WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/tests/service)
+set_tests_properties(service.silent PROPERTIES LABELS "service;deep" ENVIRONMENT "TRUESTEP_BINARY=$<TARGET_FILE:truestep>")
+
 # These measure the process's memory, or how soon a request is served while others compute: meaningless under sanitizers.
 set_tests_properties(service.memory service.lifecycle service.keys PROPERTIES LABELS "service;measured")
 # How soon a request is served is measured with nothing else on the machine.

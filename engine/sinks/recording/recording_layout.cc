@@ -63,9 +63,9 @@ std::optional<Precision> precision_of(Scalar type, RecordingParams::Precision wa
 
 class Planner {
  public:
-  Planner(const World& world, const std::string& path) : world_(world), state_(world.initial_state()) {
+  Planner(const World& world, const std::string& path, RecordingParams asked)
+      : world_(world), state_(world.initial_state()), params_(std::move(asked)) {
     const Scene& scene = world.scene();
-    params_ = scene.header.recording.value_or(RecordingParams{});
     RecordingLayout& layout = out_.layout;
     layout.path = path;
     layout.scene_json = write_json(scene.canonical());
@@ -153,8 +153,8 @@ class Planner {
 
 }  // namespace
 
-PlannedRecording plan_recording(const World& world, const std::string& path) {
-  return Planner(world, path).plan();
+PlannedRecording plan_recording(const World& world, const std::string& path, const RecordingParams& asked) {
+  return Planner(world, path, asked).plan();
 }
 
 RecordedDrawing recorded_drawing(const std::vector<RecordedSource>& sources, const Drawing& constant,

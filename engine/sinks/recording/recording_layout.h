@@ -19,11 +19,11 @@ struct PlannedRecording {
   std::vector<RecordedSource> sources;  ///< in the layout's order
 };
 
-/// What the scene's `recording` asks for. By default, whatever drawing needs (positions, orientations,
-/// shapes, the values that colour them, which rows sleep), all of a grid, and the states of purely numerical
-/// systems; energies and probes always. Error "scene_invalid" with the pointer of a field that no system has
-/// or that cannot be recorded.
-PlannedRecording plan_recording(const World& world, const std::string& path);
+/// What `asked` asks for, as a scene's `recording` does. By default, whatever drawing needs (positions,
+/// orientations, shapes, the values that colour them, which rows sleep), all of a grid, and the states of
+/// purely numerical systems; energies and probes always. Error "scene_invalid" with the pointer of a field
+/// that no system has or that cannot be recorded.
+PlannedRecording plan_recording(const World& world, const std::string& path, const RecordingParams& asked);
 
 /// The shapes of a drawing in the order of `sources`.
 RecordedDrawing recorded_drawing(const std::vector<RecordedSource>& sources, const Drawing& constant,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "engine/scene/json/json_write.h"
@@ -13,6 +14,10 @@ namespace {
 
 RecordingParams params_of(const World& world) {
   return world.scene().header.recording.value_or(RecordingParams{});
+}
+
+RecordingParams params_of(const World& world, const RecordingTies& ties) {
+  return ties.asked ? *ties.asked : params_of(world);
 }
 
 uint64_t last_step(const World& world) {
@@ -41,15 +46,16 @@ FieldValues values_of(const FrameBlock& b) {
 
 RecordingSink::RecordingSink(std::shared_ptr<RecordingThread> thread, const Session& session,
                              const std::string& path, RecordingTies ties)
-    : RecordingSink(std::move(thread), session, plan_recording(session.world(), path), std::move(ties)) {}
+    : RecordingSink(std::move(thread), session,
+                    plan_recording(session.world(), path, params_of(session.world(), ties)), ties) {}
 
 RecordingSink::RecordingSink(std::shared_ptr<RecordingThread> thread, const Session& session,
                              PlannedRecording plan, RecordingTies ties)
     : session_(session),
       ties_(std::move(ties)),
-      every_(static_cast<uint64_t>(params_of(session.world()).every)),
+      every_(static_cast<uint64_t>(params_of(session.world(), ties_).every)),
       first_step_(ties_.after ? *ties_.after + every_ : session.step_index()),
-      last_step_(last_step(session.world())),
+      last_step_(ties_.asked ? std::numeric_limits<uint64_t>::max() : last_step(session.world())),
       sources_(std::move(plan.sources)),
       writer_(std::move(thread), std::move(plan.layout),
               ties_.after ? RecordingWriter::File::with_first_frames : RecordingWriter::File::at_once) {

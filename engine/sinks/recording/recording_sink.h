@@ -18,14 +18,16 @@ struct RecordingTies {
   /// Continues an earlier file whose last frame was of this step: the next frame is the first one missing
   /// there.
   std::optional<uint64_t> after;
+  /// What is recorded, until it is told to end; empty: what the scene asks for, as long as the scene lasts.
+  std::optional<RecordingParams> asked;
   /// Called once, by `finish`.
   std::function<void(const RecordingStatus&)> finished;
 };
 
 class RecordingSink : public Sink {
  public:
-  /// Records what the scene's `recording` (or its default) asks for: recording_layout.h. Creates the file
-  /// and, unless it continues another, records the session's present state.
+  /// Records what the ties, or the scene's `recording` (or its default), ask for: recording_layout.h. Creates
+  /// the file and, unless it continues another, records the session's present state.
   RecordingSink(std::shared_ptr<RecordingThread> thread, const Session& session, const std::string& path,
                 RecordingTies ties = {});
 

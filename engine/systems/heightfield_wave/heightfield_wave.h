@@ -18,6 +18,7 @@ class HeightfieldWave final : public StagedSystem {
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   void apply(State& state, const Command& command) const override;
+  std::optional<double> limit(Limit which, const State& state, double h) const override;
   void check(StateCheck& check, double) const override { check.finish(); }
 
   const shallow::Basin& basin() const { return basin_; }

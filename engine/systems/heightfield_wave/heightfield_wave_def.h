@@ -39,6 +39,8 @@ struct HeightfieldWaveDef {
 const DefTable& heightfield_wave_table();
 const Outputs& heightfield_wave_outputs();
 Cost heightfield_wave_cost(const void* def);
+/// On one core, of a substep of two stages.
+double heightfield_substep_seconds(const HeightfieldWaveDef& def);
 const Resolution& heightfield_wave_resolution();
 
 EdgeDef::Kind edge_of(const HeightfieldWaveDef& d, size_t axis, size_t end);

@@ -63,6 +63,23 @@ void HeightfieldWave::finish(const Water& water, const Work& work, double fricti
   });
 }
 
+std::optional<double> HeightfieldWave::limit(Limit which, const State& s, double h) const {
+  if (which != Limit::step_seconds) return std::nullopt;
+  const std::span<const double> depth = s.f64(kDepth), qx = s.f64(kX);
+  const std::span<const double> qy = basin_.dimensions == 2 ? s.f64(kY) : std::span<const double>();
+  double deepest = 0, fastest = 0;
+  for (size_t i = 0; i < depth.size(); ++i) {
+    deepest = std::max(deepest, depth[i]);
+    if (!(depth[i] > basin_.dry)) continue;
+    fastest = std::max(fastest, std::abs(qx[i]) / depth[i]);
+    if (!qy.empty()) fastest = std::max(fastest, std::abs(qy[i]) / depth[i]);
+  }
+  const double wave = std::sqrt(basin_.gravity * deepest) + fastest;
+  double crossings = 0;
+  for (size_t a = 0; a < basin_.dimensions; ++a) crossings += wave / basin_.spacing[a];
+  return heightfield_substep_seconds(def_) * std::max(1.0, std::ceil(h * crossings / def_.cfl));
+}
+
 void HeightfieldWave::advance(State& s, const StepInput& in) const {
   auto& work = in.workspace.object<Work>("heightfield_wave");
   bind(work);

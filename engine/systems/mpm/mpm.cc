@@ -199,6 +199,10 @@ void Mpm::check(StateCheck& check, double t) const {
   }
 }
 
+std::optional<double> Mpm::limit(Limit which, const State&, double h) const {
+  return which == Limit::step_seconds ? std::optional(mpm_step_seconds(setting_->def, h)) : std::nullopt;
+}
+
 void Mpm::apply(State& s, const Command& c) const {
   check_command_numbers(c);
   if (c.kind == CommandKind::impulse) {

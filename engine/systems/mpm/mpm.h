@@ -22,6 +22,7 @@ class Mpm final : public StagedSystem {
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
+  std::optional<double> limit(Limit which, const State& state, double h) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   /// A medium: bodies may be immersed in it (coupling immersion).
   Ports ports() const override;

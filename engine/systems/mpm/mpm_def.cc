@@ -321,37 +321,42 @@ const Resolution& mpm_resolution() {
   return kCell;
 }
 
-Cost mpm_cost(const void* def) {
-  const auto& d = *static_cast<const MpmDef*>(def);
-  const double scalar = d.precision == Precision::f32 ? 4 : 8;
-  const double n = static_cast<double>(
+namespace {
+
+// What memory and time follow from: blocks.h and substep.h reserve memory for four times the blocks that the
+// particles are in and reach (at most all of the box).
+struct Counts {
+  double particles = 0, fields = 1, table = 0, own = 0, all = 0;
+};
+
+Counts counts_of(const MpmDef& d) {
+  Counts c;
+  c.particles = static_cast<double>(
       largest_count(d, static_cast<size_t>(std::min(expected_particles(d), kMostParticles))));
   const bool plane = d.dimension == 2;
-  // Memory as blocks.h and substep.h reserve it: for four times the blocks that the particles are in and
-  // reach (at most all of the box), a tile and nodes of four numbers each; sorted columns before and after a
-  // sort, whose lane groups are padded for every block and body.
-  const double components = plane ? 17 : 32, block = plane ? 8 : 4, lanes = 32 / scalar;
-  const double tile = plane ? 12.0 * 13 : 8.0 * 8 * 9;
-  const double owners = expected_blocks(d, n),
-               fields = std::max(1.0, static_cast<double>(velocity_fields(d).size()));
-  const double side = side_of(owners / fields, d.dimension) + 2;
-  double table = fields;
+  const double block = plane ? 8 : 4, owners = expected_blocks(d, c.particles);
+  c.fields = std::max(1.0, static_cast<double>(velocity_fields(d).size()));
+  const double side = side_of(owners / c.fields, d.dimension) + 2;
+  c.table = c.fields;
   for (int a = 0; a < d.dimension; ++a) {
     const double size = a == 0 ? d.high.x - d.low.x : a == 1 ? d.high.y - d.low.y : d.high.z - d.low.z;
-    table *= (size / d.cell + 4 * block) / block + 1;
+    c.table *= (size / d.cell + 4 * block) / block + 1;
   }
-  const double own = std::min(table, 4 * owners + 64);
-  const double all = std::min(table, 4 * fields * side * side * (plane ? 1 : side) + 256);
-  const double slots =
-      n + std::min(n, own * static_cast<double>(d.bodies.size() + d.emitters.size())) * (lanes - 1);
-  const double flip = d.transfer == Transfer::flip ? 2 : 1;
-  // Plastic laws need singular values and logarithms. Snow compacted to three quarters is e^2.5 times as
-  // stiff, and its waves are 3.5 times as fast.
+  c.own = std::min(c.table, 4 * owners + 64);
+  c.all = std::min(c.table, 4 * c.fields * side * side * (plane ? 1 : side) + 256);
+  return c;
+}
+
+}  // namespace
+
+double mpm_step_seconds(const MpmDef& d, double h) {
+  const Counts c = counts_of(d);
+  const bool plane = d.dimension == 2;
+  // Plastic laws need singular values and logarithms.
   double fastest = 0, law = 1;
   const auto count = [&](const MaterialDef& b, double speed) {
     const Material m = material_of(b);
-    const double harder = b.material == Law::snow ? 3.5 : 1;
-    fastest = std::max({fastest, harder * std::sqrt((m.lambda + 2 * m.mu) / b.density), speed});
+    fastest = std::max({fastest, std::sqrt((m.lambda + 2 * m.mu) / b.density), speed});
     if (b.material == Law::snow || b.material == Law::sand || b.material == Law::foam)
       law = std::max(law, plane ? 2.0 : 2.4);
     if (b.material == Law::corotated && !plane) law = std::max(law, 1.6);
@@ -361,23 +366,40 @@ Cost mpm_cost(const void* def) {
   for (const InletDef& e : d.emitters) count(e, e.speed);
   // Cubic splines reach 16 nodes instead of 9, in space 64 instead of 27.
   const double reach = d.splines == Splines::quadratic ? 1 : plane ? 1.6 : 2.2;
-  const double substeps = std::max(1.0, fastest / (d.courant * d.cell) / 60);
-  // The implicit step adds seven vectors of nodes and every particle's stiffness.
-  const double implicit = d.is_implicit() ? 8 * (7 * 4 * 64 * all + slots * (plane ? 14 : 33)) : 0;
+  const double substeps = std::max(1.0, h * fastest / (d.courant * d.cell));
   // A direction takes as many products as a wave would need substeps, or cells to cross.
   const double across = side_of(cells_of(d), 3),
                products = d.is_implicit() ? 6 * std::min(substeps, across) : substeps;
   // A character of an expression is about two thirds of an instruction.
   double letters = 0;
   for (const std::string& text : d.force) letters += static_cast<double>(text.size());
+  // Tiles and nodes cost extra, which matters if particles are spread over many blocks.
+  return products * (c.particles * (law * reach * (plane ? 2.2e-8 : 6e-8) + 8e-10 * letters) +
+                     (c.fields > 1 ? 3e-6 : 1e-6) * c.all / 4);
+}
+
+Cost mpm_cost(const void* def) {
+  const auto& d = *static_cast<const MpmDef*>(def);
+  const double scalar = d.precision == Precision::f32 ? 4 : 8;
+  const Counts c = counts_of(d);
+  const double n = c.particles;
+  const bool plane = d.dimension == 2;
+  // A tile and nodes of four numbers for each block; sorted columns before and after a sort, whose lane
+  // groups are padded for every block and body.
+  const double components = plane ? 17 : 32, lanes = 32 / scalar;
+  const double tile = plane ? 12.0 * 13 : 8.0 * 8 * 9;
+  const double slots =
+      n + std::min(n, c.own * static_cast<double>(d.bodies.size() + d.emitters.size())) * (lanes - 1);
+  const double flip = d.transfer == Transfer::flip ? 2 : 1;
+  // The implicit step adds seven vectors of nodes and every particle's stiffness.
+  const double implicit = d.is_implicit() ? 8 * (7 * 4 * 64 * c.all + slots * (plane ? 14 : 33)) : 0;
   return {.state_bytes = n * (scalar * (plane ? 16 : 26) + (d.changes() ? 12 : 0)),
           .workspace_bytes = slots * (2 * components * scalar + 16) + n * (plane ? 24 : 30) * scalar +
-                             flip * 4 * scalar * (own * tile + all * 64) + 180 * all + 4 * table + implicit +
-                             (fields > 1 ? 44 * slots : 0),
+                             flip * 4 * scalar * (c.own * tile + c.all * 64) + 180 * c.all + 4 * c.table +
+                             implicit + (c.fields > 1 ? 44 * slots : 0),
           .elements = n,
-          // Tiles and nodes cost extra, which matters if particles are spread over many blocks.
-          .seconds_per_step = products * (n * (law * reach * (plane ? 2.2e-8 : 6e-8) + 8e-10 * letters) +
-                                          (fields > 1 ? 3e-6 : 1e-6) * all / 4)};
+          // Until the length of a step is known (System::limit).
+          .seconds_per_step = mpm_step_seconds(d, 1.0 / 60)};
 }
 
 }  // namespace truestep::mpm

@@ -75,6 +75,8 @@ struct MpmDef : KillDefs {
 const DefTable& mpm_table();
 const Outputs& mpm_outputs();
 Cost mpm_cost(const void* def);
+/// On one core, of a step of h (s): as many substeps as the stiffest material at rest requires.
+double mpm_step_seconds(const MpmDef& def, double h);
 const Resolution& mpm_resolution();
 
 /// Indices of the velocity fields that bodies and nozzles name, in order.

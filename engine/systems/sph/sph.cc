@@ -50,6 +50,13 @@ Sph::Sph(const SphDef& def, const BuildContext& context)
   set_remedies({"a shorter step", "a larger spacing", "more max_substeps"});
 }
 
+std::optional<double> Sph::limit(Limit which, const State&, double h) const {
+  if (which != Limit::step_seconds) return std::nullopt;
+  // The speed of sound is ten times the largest speed that is expected; half of that is reached as a rule.
+  const double speed = setting_->sound_for(gravity_) / 20;
+  return sph_step_seconds(setting_->def, h, speed, setting_->sound, norm(gravity_));
+}
+
 std::vector<PlanRow> Sph::plan() const {
   std::vector<PlanRow> rows = StagedSystem::plan();
   const double settle = setting_->def.settle;

@@ -28,6 +28,8 @@ class Sph final : public StagedSystem {
   void warn(const State& s, double h, std::vector<Warning>& out) const override;
   Ports ports() const override;
 
+  std::optional<double> limit(Limit which, const State& state, double h) const override;
+
   const Setting& setting() const { return *setting_; }
 
  private:

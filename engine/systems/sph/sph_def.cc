@@ -361,6 +361,37 @@ double expected_neighbours(const SphDef& d) {
   return (d.dimension == 2 ? kPi * s * s : 4 * kPi / 3 * s * s * s) + 4;
 }
 
+namespace {
+
+// m, of the highest body that the liquid starts as.
+double filled_height(const SphDef& d) {
+  double most = 0;
+  for (const BodyDef& b : d.bodies)
+    most = std::max(most, 2 * (b.shape == Shape::box ? b.half_extents.y : b.radius));
+  return most;
+}
+
+}  // namespace
+
+double sph_step_seconds(const SphDef& d, double h, double speed, double sound, double gravity) {
+  const double n = static_cast<double>(largest_count(d, static_cast<size_t>(expected_particles(d))));
+  const double pairs = n * expected_neighbours(d), reach = d.courant * d.spacing;
+  const double fastest = d.solver == Method::wcsph ? speed + sound : speed;
+  double allowed = fastest > 0 ? reach / fastest : HUGE_VAL;
+  if (d.solver != Method::wcsph && gravity > 0) {
+    // Of the time in which a particle falls half a spacing, and of position-based pressure, which carries so
+    // many layers an iteration: the shares are those of solvers/allowed.h.
+    constexpr double kFall = 0.09, kCarried = 0.09;
+    allowed = std::min(allowed, kFall * std::sqrt(d.spacing / gravity));
+    const double deep = std::max(filled_height(d), d.spacing);
+    if (d.solver == Method::pbf)
+      allowed = std::min(allowed, d.spacing * std::sqrt(kCarried * static_cast<double>(d.pbf_iterations) /
+                                                        (gravity * deep)));
+  }
+  const double substeps = std::max(1.0, h / allowed), passes = d.solver == Method::wcsph ? 3 : 30;
+  return substeps * pairs * (4e-9 + passes * 0.7e-9);
+}
+
 Cost sph_cost(const void* def) {
   const auto& d = *static_cast<const SphDef*>(def);
   const double n = static_cast<double>(largest_count(d, static_cast<size_t>(expected_particles(d)))),
@@ -371,8 +402,6 @@ Cost sph_cost(const void* def) {
   const Vec3 size = d.high - d.low;
   const double reach = d.support * d.spacing;
   const double cells = size.x * size.y * (plane ? 1 : size.z) / (reach * reach * (plane ? 1 : reach));
-  const double substeps = d.solver == Method::wcsph ? 10 : 2, passes = d.solver == Method::wcsph ? 3 : 30;
-  const double substep = pairs * (4e-9 + passes * 0.7e-9);
   return {.state_bytes = n * scalar * (d.settle > 0 ? 20 : 10),
           .workspace_bytes = pairs * 1.5 * (d.precision == Precision::f32 ? 17 : 50) +
                              n * scalar *
@@ -380,7 +409,8 @@ Cost sph_cost(const void* def) {
                                   (d.shifting.value_or(d.without_sides() ? 2 : 0) > 0 ? 5 : 0)) +
                              cells * 4 + n * 4 + bytes_of_mesh_walls(d),
           .elements = n,
-          .seconds_per_step = substeps * substep,
+          // Until the length of a step is known (System::limit): water that falls as far as it is deep.
+          .seconds_per_step = sph_step_seconds(d, 1.0 / 60, 2, 20, 9.81),
           .settles = d.settle};
 }
 

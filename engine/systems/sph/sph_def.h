@@ -99,6 +99,9 @@ const DefTable& sph_table();
 const Outputs& sph_outputs();
 const Resolution& sph_resolution();
 Cost sph_cost(const void* def);
+/// On one core, of a step of h (s) in which liquid moves at `speed` (m/s) and sound at `sound` (m/s), under
+/// `gravity` (m/s^2).
+double sph_step_seconds(const SphDef& def, double h, double speed, double sound, double gravity);
 
 /// m, initial positions of a body's particles, in the order of rows.
 std::vector<Vec3> places_of(const SphDef& def, const BodyDef& body);

@@ -81,6 +81,10 @@ curl -sf "$base/v1/sessions/$arm/motion.bvh?rate=24" -o arm.bvh)"},
     {M::post, "/v1/sessions/{id}/recording/finish",
      R"(curl -sf --json '{"steps": 20}' $base/v1/sessions/$mine/step
 curl -sf -X POST $base/v1/sessions/$mine/recording/finish)"},
+    {M::post, "/v1/sessions/{id}/recording",
+     R"(# The one that the scene asked for has been finished; this one begins now.
+curl -sf --json '{"every": 2}' $base/v1/sessions/$mine/recording)"},
+    {M::delete_, "/v1/sessions/{id}/recording", "curl -sf -X DELETE $base/v1/sessions/$mine/recording"},
     {M::get, "/v1/sessions/{id}/recording", "curl -sf $base/v1/sessions/$mine/recording -o mine.vtkhdf"},
     {M::get, "/v1/recordings", "curl -sf $base/v1/recordings"},
     {M::get, "/v1/recordings/{rid}", "curl -sf $base/v1/recordings/$mine"},

@@ -79,6 +79,8 @@ constexpr RouteAnswer kAnswers[] = {
     {M::post, "/v1/sessions/{id}/play", 200, kJson, "Clock", "it runs"},
     {M::get, "/v1/sessions/{id}/recording", 200, "application/x-hdf5", "", "the file"},
     {M::get, "/v1/sessions/{id}/recording", 206, "application/x-hdf5", "", "the range requested"},
+    {M::post, "/v1/sessions/{id}/recording", 201, kJson, "Recording", "it is recorded from this step on"},
+    {M::delete_, "/v1/sessions/{id}/recording", 200, kJson, "RecordingFinished", "it can be downloaded"},
     {M::post, "/v1/sessions/{id}/recording/finish", 200, kJson, "RecordingFinished", "it can be downloaded"},
     {M::post, "/v1/sessions/{id}/queries", 200, kJson, "QueryAnswer", "results"},
     {M::post, "/v1/sessions/{id}/reset", 200, kJson, "Clock", "step 0"},

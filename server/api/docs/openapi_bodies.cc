@@ -2,6 +2,7 @@
 #include "engine/scene/gallery.h"
 #include "engine/scene/json/json.h"
 #include "engine/scene/params/params.h"
+#include "engine/scene/scene.h"
 #include "engine/session/commands.h"
 #include "engine/session/queries.h"
 #include "engine/studies/study.h"
@@ -192,6 +193,7 @@ json::object body_of(const net::Route& route) {
   if (p.ends_with("/step")) return as_json(schema_reference("StepRequest"));
   if (p.ends_with("/play")) return as_json(schema_reference("PlayRequest"));
   if (p.ends_with("/seek")) return as_json(schema_reference("SeekRequest"));
+  if (p == "/v1/sessions/{id}/recording") return as_json(schema_reference("RecordingRequest"));
   if (p.ends_with("/commands")) return as_json(schema_reference("Command"));
   const bool asset = p == "/v1/assets/{sha256}";
   json::object media = as_json(schema_reference(asset ? "Value" : "Nothing"));
@@ -218,6 +220,11 @@ json::object body_schemas() {
                    {"required", json::array{"gallery"}},
                    {"additionalProperties", false}};
   out["StudyRequest"] = study_schema();
+  // Requests take no keys of the user's own, as scenes do.
+  json::object recording = schema_of(*scene_table().find("recording")->nested);
+  recording.erase("patternProperties");
+  recording["additionalProperties"] = false;
+  out["RecordingRequest"] = std::move(recording);
   out["Command"] = typed_schema(command_types());
   out["Query"] = typed_schema(query_types());
   return out;

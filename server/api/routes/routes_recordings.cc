@@ -50,11 +50,22 @@ Task<Response> session_recording(App& app, const Request& request) {
   const EntryPtr entry = co_await session_of(app, request);
   co_return co_await with_session_on_worker(app, entry, [&](SessionEntry& e) {
     auto facts = app.recordings.newest(e.id);
-    if (!facts) throw Error("not_found", "this session records nothing; give its scene a \"recording\"");
+    if (!facts)
+      throw Error("not_found", "this session records nothing; give its scene a \"recording\" or POST one");
     // A recording that ended on a full disk is brought into the form that readers expect.
     if (facts->state == RecordingFate::incomplete && app.recordings.live(facts->id))
       facts = finish_recording(app, e);
     return file_of(app, request, *facts);
+  });
+}
+
+Task<Response> start(App& app, const Request& request) {
+  const json::object body = object_body_of(request, {"every", "fields", "precision"});
+  const EntryPtr entry = co_await session_of(app, request);
+  co_return co_await with_session_on_worker(app, entry, [&app, &body](SessionEntry& e) {
+    Response answer = json_response(describe(start_recording(app, e, body)), 201);
+    answer.header("Location", "/v1/sessions/" + e.id + "/recording");
+    return answer;
   });
 }
 
@@ -105,6 +116,12 @@ void add_recording_routes(net::Router& router, App& app) {
   const std::string path = "/v1/sessions/{id}/recording", one = "/v1/recordings/{rid}";
   router.add(Method::get, path, "The newest recording as HDF5 (H5MD and VTKHDF); 409 while it is written",
              [&app](const Request& r) { return session_recording(app, r); });
+  router.add(
+      Method::post, path,
+      "Begins a recording of a session that runs, described as a scene's \"recording\"; 409 while one runs",
+      [&app](const Request& r) { return start(app, r); });
+  router.add(Method::delete_, path, "Ends the recording in progress, as finish does: what it holds stays",
+             [&app](const Request& r) { return finish(app, r); });
   router.add(Method::post, path + "/finish", "Completes the recording for download",
              [&app](const Request& r) { return finish(app, r); });
   router.add(Method::get, "/v1/recordings",

@@ -57,7 +57,9 @@ void SessionKeeper::notify(std::string_view kind, uint64_t step, const std::stri
 }
 
 void SessionKeeper::before_command(const JournalEntry& entry) {
-  write({LogRecord::Kind::command, entry.step, entry.sequence, command_text(entry.command)});
+  // What cannot be kept is not carried out: a restart would come back without it.
+  if (!write({LogRecord::Kind::command, entry.step, entry.sequence, command_text(entry.command)}))
+    throw Error(problem_code_, "the command cannot be kept: " + problem_);
   told_step_ = entry.step;
 }
 
@@ -101,8 +103,8 @@ void SessionKeeper::begin_log(LogRecord::Kind first) {
 bool SessionKeeper::write(const LogRecord& record) {
   if (!problem_.empty()) {
     // What was missed cannot be written later, but a state contains it all.
-    if (SteadyClock::now() - tried_at_ > kTryEvery && record.kind == LogRecord::Kind::stands) save_anew();
-    return problem_.empty();
+    if (SteadyClock::now() - tried_at_ > kTryEvery && record.kind != LogRecord::Kind::refused) save_anew();
+    if (!problem_.empty() || record.kind != LogRecord::Kind::command) return problem_.empty();
   }
   try {
     if (log_->bytes() == 0) files_->append(*log_, {first_, session_.step_index(), 0, ""});
@@ -117,7 +119,7 @@ bool SessionKeeper::write(const LogRecord& record) {
 
 void SessionKeeper::lose(const Error& e) {
   if (problem_.empty()) log_warn("session {} is not kept: {}", folder().path().filename().string(), e.what());
-  problem_ = e.what();
+  problem_ = e.what(), problem_code_ = e.code();
   tried_at_ = SteadyClock::now();
 }
 

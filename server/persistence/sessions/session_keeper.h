@@ -93,7 +93,7 @@ class SessionKeeper final : public Sink {
   std::optional<uint64_t> told_step_;
   double worked_ = 0;  ///< s of computing time since the newest state
   std::chrono::steady_clock::time_point told_at_{}, tried_at_{};
-  std::string problem_;
+  std::string problem_, problem_code_;
   const std::shared_ptr<Shared> shared_;
 };
 

@@ -217,6 +217,9 @@ def main():
             print("%-12s %-9s %3d ran, %2d refused or failed: %s, within a factor of 3: %3.0f %%" %
                   (name, "counts" if key[0] == "e" else "built", len(found), missing[name], quantiles(ratios), 100 * near / len(ratios)))
         within, total = within + near, total + len(found)
+        begins = [f["start_seconds"] for _, f in found]
+        short = sum(f["start_seconds"] > 0.1 and f["estimated_start_seconds"] < f["start_seconds"] / 3 for _, f in found)
+        print("    started in %.3g s at most; %d take longer than 0.1 s and three times their estimate" % (max(begins), short))
         off = sorted(found, key=lambda row: -abs(math.log(row[1]["built_seconds"] / row[1]["seconds"])))
         for seed, f in off[:given.worst]:
             print("    %s %d: counts %.3g s, built %.3g s, measured %.3g s (%d steps)" %
