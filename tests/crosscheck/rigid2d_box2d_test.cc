@@ -246,7 +246,7 @@ TEST(Box2d, CommandsActAndARebuiltWorldGoesOn) {
   EngineRun r = theirs(d);
   r.seconds(1);
   EngineRun copy = theirs(d);
-  copy.state = State::deserialize(r.state.serialize()), copy.step = r.step;
+  copy.state = State::deserialize(r.state.serialize()), copy.steps = r.steps;
   r.run(20), copy.run(20);
   EXPECT_LT(norm(r.x(1) - copy.x(1)), 1e-5);
   for (size_t i = 2; i < 6; ++i) EXPECT_LT(norm(r.x(i) - copy.x(i)), 3e-3) << i;

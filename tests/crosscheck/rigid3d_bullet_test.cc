@@ -98,7 +98,7 @@ TEST(Bullet, CommandsActAndARebuiltWorldGoesOn) {
   r.seconds(1);
   // The same state in a fresh workspace: free flight continues to the bit, and what stands keeps standing.
   EngineRun copy = theirs(d);
-  copy.state = State::deserialize(r.state.serialize()), copy.step = r.step;
+  copy.state = State::deserialize(r.state.serialize()), copy.steps = r.steps;
   r.run(20), copy.run(20);
   EXPECT_LT(norm(r.x(5) - copy.x(5)), 1e-12);
   for (size_t i = 1; i < 5;

@@ -5,40 +5,18 @@
 #include <cmath>
 
 #include "engine/systems/nbody/nbody.h"
+#include "tests/support/system_run.h"
 
 namespace truestep::testing_rig {
 
-struct NbodyRun {
+struct NbodyRun : SystemRun<std::unique_ptr<const nbody::Nbody>> {
   explicit NbodyRun(const nbody::NbodyDef& def, double dt, int threads = 1)
-      : system(nbody::Nbody::make(def, BuildContext{.id = "n", .dt = dt, .seed = 5})),
-        state(system->initial_state()),
-        arena(threads),
-        h(dt) {}
+      : SystemRun([&] { return nbody::Nbody::make(def, BuildContext{.id = "n", .dt = dt, .seed = 5}); }, dt,
+                  threads) {}
 
-  void step(uint64_t count = 1) {
-    for (uint64_t k = 0; k < count; ++k, ++steps) {
-      system->step(state, {t(), h, steps, workspace, arena});
-    }
-  }
-  double t() const { return h * static_cast<double>(steps); }
   size_t count() const { return state.rows(nbody::Columns::position); }
   Vec3 x(size_t i) const { return load3(state.f64(nbody::Columns::position).data(), i); }
   Vec3 v(size_t i) const { return load3(state.f64(nbody::Columns::velocity).data(), i); }
-  double observe(std::string_view name) const {
-    Observables out;
-    system->observe(state, t(), out);
-    return out.find(name).value();
-  }
-  Vec3 observe3(const std::string& name) const {
-    return {observe(name + ".x"), observe(name + ".y"), observe(name + ".z")};
-  }
-
-  std::unique_ptr<const nbody::Nbody> system;
-  State state;
-  Workspace workspace;
-  ThreadArena arena;
-  double h;
-  uint64_t steps = 0;
 };
 
 /// Model units: G = 1.

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-#include "engine/session/world/world.h"
+#include "tests/support/world_run.h"
 
 namespace truestep::test {
 
@@ -16,21 +16,19 @@ inline std::string write_number(double v) {
   return text;
 }
 
-class OdeRun {
- public:
+struct OdeRun : testing_rig::WorldRun {
   /// `system`: the JSON object of the system without its type and id; `threads` of the arena.
   explicit OdeRun(const std::string& system, double dt = 0.1, int threads = 1)
-      : world_(parse_scene(R"({"schema_version": "1.0", "time": {"dt": )" + write_number(dt) +
-                           R"(}, "systems": [{"type": "ode", "id": "s", )" + system + "}]}")),
-        arena_(threads),
-        state(world_.initial_state()) {}
+      : WorldRun(R"({"schema_version": "1.0", "time": {"dt": )" + write_number(dt) +
+                     R"(}, "systems": [{"type": "ode", "id": "s", )" + system + "}]}",
+                 threads) {}
 
   OdeRun& steps(int n) {
-    for (int k = 0; k < n; ++k) world_.step(state, workspace, arena_, {});
+    WorldRun::steps(n);
     return *this;
   }
   double value(const std::string& name) const {
-    const auto v = world_.observe(state).find("s." + name);
+    const auto v = world.observe(state).find("s." + name);
     EXPECT_TRUE(v.has_value()) << name;
     return v.value_or(0);
   }
@@ -38,18 +36,9 @@ class OdeRun {
     Command c;
     c.kind = CommandKind::set_parameter;
     c.system = "s", c.name = name, c.value = to;
-    world_.apply(state, c);
+    world.apply(state, c);
   }
-  const World& world() const { return world_; }
-  const State& columns() const { return state.systems[0]; }
-
- private:
-  World world_;
-  ThreadArena arena_;
-
- public:
-  WorldState state;
-  Workspace workspace;
+  const State& columns() const { return s(); }
 };
 
 /// The errors with which a system is refused, when parsed or built.

@@ -67,7 +67,7 @@ TEST_P(FieldBits, DoNotDependOnHowTheRunIsMade) {
     for (uint64_t n = 0; n < kSteps; ++n) {
       run->steps(1);
       std::swap(run->state, other);
-      --run->done;
+      --run->done();
       run->steps(1);
       std::swap(run->state, other);
     }
@@ -77,7 +77,7 @@ TEST_P(FieldBits, DoNotDependOnHowTheRunIsMade) {
   {
     const auto run = make(GetParam(), 1);
     run->state = State::deserialize(snapshot);
-    run->done = kSteps / 2;
+    run->done() = kSteps / 2;
     run->steps(kSteps - kSteps / 2);
     EXPECT_EQ(run->state.hash(), hash) << "restored";
   }

@@ -67,7 +67,7 @@ TEST(GridFluidSteadyBits, DoNotDependOnHowTheRunIsMade) {
   EXPECT_EQ(run(*make_flow(1), 0, 4, true), hash) << "workspace dropped";
   const auto restored = make_flow(1);
   restored->state = State::deserialize(snapshot);
-  restored->done = 2;
+  restored->done() = 2;
   EXPECT_EQ(run(*restored, 2, 4, false), hash) << "restored";
 }
 
@@ -101,7 +101,7 @@ TEST(GridFluidTwoFluidsBits, DoNotDependOnHowTheRunIsMade) {
       EXPECT_EQ(dropped->state.hash(), hash) << "workspace dropped";
       const auto restored = make_flow(1, 100);
       restored->state = State::deserialize(snapshot);
-      restored->done = kSteps / 2;
+      restored->done() = kSteps / 2;
       restored->steps(kSteps / 2);
       EXPECT_EQ(restored->state.hash(), hash) << "restored";
       const auto other = make_flow(1, 99);
@@ -133,7 +133,7 @@ TEST_P(GridFluidBits, DoNotDependOnHowTheRunIsMade) {
   EXPECT_EQ(dropped->state.hash(), hash) << "workspace dropped";
   const auto restored = make_flow(GetParam(), 1);
   restored->state = State::deserialize(snapshot);
-  restored->done = kSteps / 2;
+  restored->done() = kSteps / 2;
   restored->steps(kSteps - kSteps / 2);
   EXPECT_EQ(restored->state.hash(), hash) << "restored";
 }

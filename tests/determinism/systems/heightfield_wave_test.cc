@@ -38,7 +38,7 @@ TEST(HeightfieldWaveBits, DoNotDependOnHowTheRunIsMade) {
     EXPECT_EQ(dropped->state.hash(), hash) << "workspace dropped";
     const auto restored = make(dimensions, 1);
     restored->state = State::deserialize(snapshot);
-    restored->done = kSteps / 2;
+    restored->done() = kSteps / 2;
     restored->steps(kSteps - kSteps / 2);
     EXPECT_EQ(restored->state.hash(), hash) << "restored";
   }

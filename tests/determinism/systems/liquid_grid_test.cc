@@ -72,7 +72,7 @@ TEST_P(LiquidBits, DoNotDependOnHowTheRunIsMade) {
   EXPECT_EQ(dropped->state.hash(), hash) << "workspace dropped";
   const auto restored = make_liquid(GetParam(), 1);
   restored->state = State::deserialize(snapshot);
-  restored->done = kSteps / 2;
+  restored->done() = kSteps / 2;
   restored->steps(kSteps - kSteps / 2);
   EXPECT_EQ(restored->state.hash(), hash) << "restored";
 }

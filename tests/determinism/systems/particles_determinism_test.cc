@@ -68,7 +68,7 @@ TEST_P(ParticlesDeterminism, ASnapshotContinuesTheTrajectory) {
   a.run(10);
   ParticlesRun b(everything(GetParam()), 1.0 / 120);
   b.state = State::deserialize(a.state.serialize());
-  b.step = a.step;
+  b.steps = a.steps;
   for (int k = 0; k < 40; ++k) {
     a.run(1), b.run(1);
     ASSERT_EQ(a.state, b.state) << k;

@@ -84,7 +84,7 @@ TEST_P(Rigid3dJointDeterminism, RestoredInMotionItGoesOnTheSame) {
   run.run(70);
   RigidRun other(scene());
   other.state = State::deserialize(run.state.serialize());
-  other.step = run.step;
+  other.steps = run.steps;
   run.run(60), other.run(60);
   EXPECT_EQ(run.state, other.state);
   // The controls: without the drives' impulses, or without the angles, the bits differ.

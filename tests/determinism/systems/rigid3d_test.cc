@@ -67,7 +67,7 @@ TEST_P(Rigid3dDeterminism, RestoredInTheMiddleOfACollapseItGoesOnTheSame) {
   run.run(40);
   RigidRun other(scene());
   other.state = State::deserialize(run.state.serialize());
-  other.step = run.step;
+  other.steps = run.steps;
   run.run(60), other.run(60);
   EXPECT_EQ(run.state, other.state);
   // The control: without the contacts' impulses they would.

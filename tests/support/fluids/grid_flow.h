@@ -6,32 +6,20 @@
 #include <string>
 
 #include "engine/systems/grid_fluid/grid_fluid.h"
+#include "tests/support/system_run.h"
 
 namespace truestep::test {
 
-class GridFlow {
- public:
+struct GridFlow : testing_rig::SystemRun<std::unique_ptr<const System>> {
   GridFlow(const grid_fluid::GridFluidDef& d, double dt, int threads = 1, const Vec3& gravity = {0, 0, 0})
-      : dt_(dt),
-        system(grid_fluid::build_grid_fluid(&d, {.id = "flow", .gravity = gravity, .dt = dt})),
-        arena(threads) {
-    state = system->initial_state();
-  }
+      : SystemRun(
+            [&] { return grid_fluid::build_grid_fluid(&d, {.id = "flow", .gravity = gravity, .dt = dt}); },
+            dt, threads) {}
   const grid_fluid::FlowModel& model() const {
     return static_cast<const grid_fluid::GridFluid&>(*system).model();
   }
-  void steps(uint64_t n) {
-    for (uint64_t i = 0; i < n; ++i, ++done) {
-      system->step(state,
-                   {.t = double(done) * dt_, .h = dt_, .step = done, .workspace = workspace, .arena = arena});
-    }
-  }
-  double t() const { return double(done) * dt_; }
-  double observed(const std::string& name) const {
-    Observables o;
-    system->observe(state, t(), o);
-    return o.find(name).value_or(NAN);
-  }
+  void steps(uint64_t n) { step(n); }
+  uint64_t& done() { return SystemRun::steps; }
   /// Component c at a point (m) in the plane, by cubics through the four nearest inner values along each
   /// axis, so that sampling adds nothing to an error of second order.
   double velocity(size_t c, double x, double y) const {
@@ -58,16 +46,6 @@ class GridFlow {
     }
     return sum;
   }
-
- private:
-  double dt_;
-
- public:
-  std::unique_ptr<const System> system;
-  State state;
-  Workspace workspace;
-  ThreadArena arena;
-  uint64_t done = 0;
 };
 
 }  // namespace truestep::test

@@ -5,43 +5,21 @@
 #include <string>
 
 #include "engine/systems/grid_fluid/grid_fluid.h"
+#include "tests/support/system_run.h"
 
 namespace truestep::test {
 
-class LiquidRun {
- public:
+struct LiquidRun : testing_rig::SystemRun<std::unique_ptr<const System>> {
   LiquidRun(const grid_fluid::GridFluidDef& d, double dt, int threads = 1,
             const Vec3& gravity = {0, -9.81, 0})
-      : dt_(dt),
-        system(grid_fluid::build_grid_fluid(&d, {.id = "water", .gravity = gravity, .dt = dt})),
-        arena(threads) {
-    state = system->initial_state();
-  }
-  void steps(uint64_t n) {
-    for (uint64_t i = 0; i < n; ++i, ++done) {
-      system->step(state,
-                   {.t = double(done) * dt_, .h = dt_, .step = done, .workspace = workspace, .arena = arena});
-    }
-  }
-  double t() const { return double(done) * dt_; }
-  double observed(const std::string& name) const {
-    Observables o;
-    system->observe(state, t(), o);
-    return o.find(name).value_or(NAN);
-  }
+      : SystemRun(
+            [&] { return grid_fluid::build_grid_fluid(&d, {.id = "water", .gravity = gravity, .dt = dt}); },
+            dt, threads) {}
+  void steps(uint64_t n) { step(n); }
+  uint64_t& done() { return SystemRun::steps; }
   /// m and m/s, x y z of every particle.
   std::span<const double> places() const { return state.f64(0); }
   std::span<const double> velocities() const { return state.f64(1); }
-
- private:
-  double dt_;
-
- public:
-  std::unique_ptr<const System> system;
-  State state;
-  Workspace workspace;
-  ThreadArena arena;
-  uint64_t done = 0;
 };
 
 inline grid_fluid::LiquidBodyDef box_of_liquid(const Vec3& low, const Vec3& high) {

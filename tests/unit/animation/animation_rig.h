@@ -8,6 +8,7 @@
 #include "engine/systems/blend_shapes/blend_shapes.h"
 #include "engine/systems/keyframes/keyframes.h"
 #include "engine/systems/skeleton/skeleton.h"
+#include "tests/support/system_run.h"
 
 namespace truestep::testing_rig {
 
@@ -53,33 +54,11 @@ struct Chain {
 
 /// A system with a state, to be stepped.
 template <class S>
-struct AnimationRun {
+struct AnimationRun : SystemRun<std::unique_ptr<const S>> {
   template <class Def>
   explicit AnimationRun(const Def& def, double dt = 1.0 / 60, int threads = 1)
-      : system(std::make_unique<S>(def, BuildContext{.id = "s", .dt = dt})),
-        state(system->initial_state()),
-        arena(threads),
-        h(dt) {}
-  void step(uint64_t count = 1) {
-    for (uint64_t k = 0; k < count; ++k, ++steps) {
-      system->step(state, {.t = h * static_cast<double>(steps),
-                           .h = h,
-                           .step = steps,
-                           .workspace = workspace,
-                           .arena = arena});
-    }
-  }
-  double observe(std::string_view name) const {
-    Observables out;
-    system->observe(state, h * static_cast<double>(steps), out);
-    return out.find(name).value();
-  }
-  std::unique_ptr<const S> system;
-  State state;
-  Workspace workspace;
-  ThreadArena arena;
-  double h;
-  uint64_t steps = 0;
+      : SystemRun<std::unique_ptr<const S>>(
+            [&] { return std::make_unique<S>(def, BuildContext{.id = "s", .dt = dt}); }, dt, threads) {}
 };
 
 }  // namespace truestep::testing_rig

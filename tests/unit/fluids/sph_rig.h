@@ -8,32 +8,15 @@
 #include "engine/base/random.h"
 #include "engine/core/ports/medium.h"
 #include "engine/systems/sph/sph.h"
+#include "tests/support/system_run.h"
 
 namespace truestep::testing_rig {
 
-struct SphRun {
+struct SphRun : SystemRun<sph::Sph> {
   explicit SphRun(const sph::SphDef& def, double dt = 1.0 / 60, Vec3 gravity = {}, int threads = 1)
-      : system(def, BuildContext{.id = "s", .gravity = gravity, .dt = dt}),
-        state(system.initial_state()),
-        arena(threads),
-        h(dt) {}
+      : SystemRun([&] { return sph::Sph(def, BuildContext{.id = "s", .gravity = gravity, .dt = dt}); }, dt,
+                  threads) {}
 
-  void step(uint64_t count = 1, std::span<ImmersedBody> bodies = {}) {
-    for (uint64_t k = 0; k < count; ++k, ++steps) {
-      system.step(state, {.t = h * static_cast<double>(steps),
-                          .h = h,
-                          .step = steps,
-                          .workspace = workspace,
-                          .arena = arena,
-                          .bodies = bodies});
-    }
-  }
-  void seconds(double t) { step(static_cast<uint64_t>(t / h + 0.5)); }
-  double observe(std::string_view name) const {
-    Observables out;
-    system.observe(state, h * static_cast<double>(steps), out);
-    return out.find(name).value();
-  }
   Vec3 position(size_t i) const { return RealColumn<const double>(state, sph::columns::position).vector(i); }
   /// Moves every particle by up to `size` (m) along each axis: another start of the same flow.
   void shake(double size, uint64_t seed) {
@@ -52,13 +35,6 @@ struct SphRun {
     return out;
   }
   Vec3 velocity(size_t i) const { return RealColumn<const double>(state, sph::columns::velocity).vector(i); }
-
-  sph::Sph system;
-  State state;
-  Workspace workspace;
-  ThreadArena arena;
-  double h;
-  uint64_t steps = 0;
 };
 
 /// The channel of Morris, Fox & Zhu 1997 (cases sph.couette and sph.poiseuille), at 40 particles across.

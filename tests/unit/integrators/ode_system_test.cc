@@ -16,7 +16,7 @@ using namespace ode;
 namespace {
 
 const OdeModel& model_of(const OdeRun& run) {
-  return static_cast<const Ode&>(run.world().system(0)).model();
+  return static_cast<const Ode&>(run.world.system(0)).model();
 }
 
 TEST(OdeSystem, PairsOfEquationsAreRecognisedAsSecondOrder) {
@@ -103,9 +103,7 @@ TEST(OdeSystem, JacobiansOfAllShapesAreTheLimitsOfDifferences) {
 }
 
 TEST(OdeSystem, StiffEquationsGetAnImplicitMethod) {
-  const auto method = [](const OdeRun& run) {
-    return static_cast<const Ode&>(run.world().system(0)).method();
-  };
+  const auto method = [](const OdeRun& run) { return static_cast<const Ode&>(run.world.system(0)).method(); };
   OdeRun easy(R"s("states": {"x": 2, "v": 0}, "equations": {"x": "v", "v": "5 * (1 - x^2) * v - x"})s", 0.01);
   EXPECT_EQ(method(easy)->kind, Integrator::Kind::explicit_);
   // The second system shows its stiffness only after a moment.
@@ -131,7 +129,7 @@ TEST(OdeSystem, FieldsAreThePathAndEveryState) {
   OdeRun run(
       R"s("states": {"x": [1, 2], "y": [3, 4]}, "equations": {"x[i]": "0", "y[k]": "1"}, "trail": 2)s");
   run.steps(2);
-  const System& s = run.world().system(0);
+  const System& s = run.world.system(0);
   ASSERT_EQ(s.parts().size(), 2u);
   EXPECT_EQ(s.parts()[0].fields[0].name, "position");
   EXPECT_EQ(s.parts()[1].fields.size(), 2u);

@@ -3,30 +3,16 @@
 #include <gtest/gtest.h>
 
 #include "engine/systems/molecular/molecular.h"
+#include "tests/support/system_run.h"
 
 namespace truestep::testing_rig {
 
-struct AtomRun {
+struct AtomRun : SystemRun<std::unique_ptr<const molecular::Molecular>> {
   explicit AtomRun(const molecular::MolecularDef& def, double dt, int threads = 1, uint64_t seed = 11)
-      : system(molecular::Molecular::make(def, BuildContext{.id = "s", .dt = dt, .seed = seed})),
-        state(system->initial_state()),
-        arena(threads),
-        h(dt) {}
+      : SystemRun(
+            [&] { return molecular::Molecular::make(def, BuildContext{.id = "s", .dt = dt, .seed = seed}); },
+            dt, threads) {}
 
-  void step(uint64_t count = 1) {
-    for (uint64_t k = 0; k < count; ++k, ++steps) {
-      system->step(state, {.t = h * static_cast<double>(steps),
-                           .h = h,
-                           .step = steps,
-                           .workspace = workspace,
-                           .arena = arena});
-    }
-  }
-  double observe(std::string_view name) const {
-    Observables out;
-    system->observe(state, h * static_cast<double>(steps), out);
-    return out.find(name).value();
-  }
   /// Accelerations at the state's positions, by a workspace of their own.
   std::vector<double> acceleration() const {
     Workspace fresh;
@@ -35,13 +21,6 @@ struct AtomRun {
     system->atoms().acceleration({0, state.f64(0), state.f64(1), state}, a, e);
     return a;
   }
-
-  std::unique_ptr<const molecular::Molecular> system;
-  State state;
-  Workspace workspace;
-  ThreadArena arena;
-  double h;
-  uint64_t steps = 0;
 };
 
 /// mass = sigma = epsilon = boltzmann = 1.

@@ -7,26 +7,16 @@
 #include "engine/systems/rigid2d/columns.h"
 #include "engine/systems/rigid2d/rigid2d.h"
 #include "tests/support/drawn.h"
+#include "tests/support/system_run.h"
 
 namespace truestep::rigid2d {
 namespace {
 
-struct Trial {
-  explicit Trial(const Rigid2dDef& def) : arena(1), system(def, context()), state(system.initial_state()) {}
-  static BuildContext context() {
-    BuildContext c;
-    c.id = "r", c.gravity = {}, c.dt = 1.0 / 60;
-    return c;
-  }
-  void run(uint64_t steps) {
-    for (uint64_t k = 0; k < steps; ++k, ++step)
-      system.step(state, {static_cast<double>(step) / 60, 1.0 / 60, step, workspace, arena});
-  }
-  ThreadArena arena;
-  Rigid2d system;
-  State state;
-  Workspace workspace;
-  uint64_t step = 0;
+struct Trial : testing_rig::SystemRun<Rigid2d> {
+  explicit Trial(const Rigid2dDef& def)
+      : SystemRun([&] { return Rigid2d(def, BuildContext{.id = "r", .gravity = {}, .dt = 1.0 / 60}); },
+                  1.0 / 60) {}
+  void run(uint64_t count) { step(count); }
 };
 
 BodyDef square(Vec3 at) {

@@ -6,47 +6,27 @@
 #include <vector>
 
 #include "engine/systems/xpbd/xpbd.h"
+#include "tests/support/system_run.h"
 
 namespace truestep::testing_rig {
 
-struct XpbdRun {
+struct XpbdRun : SystemRun<std::unique_ptr<const xpbd::Xpbd>> {
   explicit XpbdRun(const xpbd::XpbdDef& def, double dt = 1.0 / 60, Vec3 gravity = {0, -9.81, 0},
                    int threads = 1)
-      : system(std::make_unique<xpbd::Xpbd>(def, BuildContext{.id = "s", .gravity = gravity, .dt = dt})),
-        state(system->initial_state()),
-        arena(threads),
-        h(dt) {}
+      : SystemRun(
+            [&] {
+              return std::make_unique<xpbd::Xpbd>(def, BuildContext{.id = "s", .gravity = gravity, .dt = dt});
+            },
+            dt, threads) {}
 
   Vec3 position(size_t i) const { return load3(state.f64(xpbd::XpbdColumns::position).data(), i); }
   Vec3 velocity(size_t i) const { return load3(state.f64(xpbd::XpbdColumns::velocity).data(), i); }
-  void step(uint64_t count = 1) {
-    for (uint64_t k = 0; k < count; ++k, ++steps) {
-      system->step(state, {.t = h * static_cast<double>(steps),
-                           .h = h,
-                           .step = steps,
-                           .workspace = workspace,
-                           .arena = arena});
-    }
-  }
-  void seconds(double t) { step(static_cast<uint64_t>(t / h + 0.5)); }
-  double observe(std::string_view name) const {
-    Observables out;
-    system->observe(state, 0, out);
-    return out.find(name).value();
-  }
   bool finite() const {
     for (const double x : state.f64(xpbd::XpbdColumns::position)) {
       if (!std::isfinite(x)) return false;
     }
     return true;
   }
-
-  std::unique_ptr<const xpbd::Xpbd> system;
-  State state;
-  Workspace workspace;
-  ThreadArena arena;
-  double h;
-  uint64_t steps = 0;
 };
 
 }  // namespace truestep::testing_rig

@@ -4,6 +4,7 @@
 #include "engine/base/errors.h"
 #include "engine/systems/articulation/articulation.h"
 #include "engine/systems/rod_chain/rod_chain.h"
+#include "tests/support/system_run.h"
 
 namespace truestep {
 using namespace articulation;
@@ -14,35 +15,16 @@ using Treatment = RodChainDef::Treatment;
 
 constexpr double kG = 9.81;
 
-struct RodRun {
-  RodRun(const RodChainDef& d, double step) : h(step), system(build_rod_chain(&d, context(step))) {
-    state = system->initial_state();
-  }
-  static BuildContext context(double step) {
-    BuildContext c;
-    c.dt = step;
-    return c;
-  }
+struct RodRun : testing_rig::SystemRun<std::unique_ptr<const System>> {
+  RodRun(const RodChainDef& d, double dt)
+      : SystemRun([&] { return build_rod_chain(&d, BuildContext{.dt = dt}); }, dt) {}
   void seconds(double s) {
-    const auto steps = static_cast<uint64_t>(std::llround(s / h));
-    for (uint64_t k = 0; k < steps; ++k, ++step) {
-      system->step(state, {static_cast<double>(step) * h, h, step, workspace, arena});
-      gap = std::max(gap, observed("joints.gap"));
-    }
+    for (auto k = std::llround(s / h); k > 0; --k) step(), gap = std::max(gap, observed("joints.gap"));
   }
-  double observed(const char* name) const {
-    Observables out;
-    system->observe(state, 0, out);
-    return out.find(name).value();
-  }
+  double observed(const char* name) const { return observe(name); }
   Vec3 x(size_t j) const { return load3(state.f64(0).data(), j); }
 
-  double h, gap = 0;
-  std::unique_ptr<const System> system;
-  State state;
-  Workspace workspace;
-  ThreadArena arena{1};
-  uint64_t step = 0;
+  double gap = 0;
 };
 
 RodChainDef chain(Treatment t, int64_t links = 10) {
@@ -109,7 +91,7 @@ TEST(RodChain, FollowsTheSameChainInJointCoordinates) {
     d.links.push_back(l);
   }
   d.integrator = "dop853", d.tolerance = 1e-11;
-  const auto system = build_articulation(&d, RodRun::context(1.0 / 240));
+  const auto system = build_articulation(&d, BuildContext{.dt = 1.0 / 240});
   State s = system->initial_state();
   Workspace workspace;
   ThreadArena arena{1};

@@ -47,7 +47,7 @@ double growth(double below, double above, int64_t cells) {
   const double volume = run.observed("second_fluid.volume"), first = amplitude(run);
   EXPECT_NEAR(first, kStart, 0.01 * kStart);
   double last = first;
-  while (2 * std::numbers::pi * last < kSteepness && run.done < 400) run.steps(4), last = amplitude(run);
+  while (2 * std::numbers::pi * last < kSteepness && run.done() < 400) run.steps(4), last = amplitude(run);
   // Sums of some 5,000 cells over a hundred steps.
   EXPECT_NEAR(run.observed("second_fluid.volume"), volume, 1e-12);
   return std::acosh(last / first) / run.t();
@@ -75,7 +75,7 @@ double period(double below, double above, int64_t cells, double place) {
   double before = amplitude(run);
   int passed = 0;
   double at = 0;
-  while (run.done < 2000) {
+  while (run.done() < 2000) {
     run.steps(1);
     const double now = amplitude(run);
     if (before * now < 0) {

@@ -111,7 +111,7 @@ TEST(LiquidGrid, ADamBreakRunsAsMeasured) {
     const double unit = std::sqrt(2 * kLiquidGravity / kA);
     for (const auto& [when, where] : kFront) {
       const auto target = static_cast<uint64_t>(std::round(when / unit / 0.002));
-      while (run.done < target) {
+      while (run.done() < target) {
         run.steps(1);
         path.push_back((run.observed("high.x") + 0.25 * kA / 15) / kA);
       }
