@@ -25,8 +25,9 @@ constexpr Wish without(Wish wishes, Wish one) {
   return static_cast<Wish>(static_cast<uint8_t>(wishes) & ~static_cast<unsigned>(one));
 }
 
-/// How a scalar is mapped to a colour, from its smallest to its largest value.
-enum class ColorMap : uint8_t { viridis, water, ember };
+/// How a scalar is mapped to a colour, from its smallest to its largest value. `automatic` is what suits the
+/// field: `balance` for deviations to both sides of zero, otherwise viridis.
+enum class ColorMap : uint8_t { automatic, viridis, water, ember, balance, smoke, snow, sand };
 
 /// Triangles in a solid's own frame, shared by all solids that look alike; immutable.
 struct DrawnMesh {

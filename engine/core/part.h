@@ -32,6 +32,9 @@ struct FieldInfo {
   Scalar type = Scalar::f64;
   uint32_t width = 1;
   Meaning meaning = Meaning::value;
+  /// Whether zero is its lower end, or the middle from which it deviates to both sides.
+  enum class Scale : uint8_t { amount, deviation } scale = Scale::amount;
+  std::vector<std::string> kinds = {};  ///< names of its values 0, 1, 2 ... when these are kinds, not amounts
 };
 
 /// rows x width elements of a field, either inside the state or inside the scratch passed in.
@@ -89,6 +92,11 @@ constexpr std::string_view name_of(Meaning meaning) {
   return kNames[static_cast<size_t>(meaning)];
 }
 inline constexpr size_t kMeanings = 6;
+
+/// As in streams: "", "deviation".
+constexpr std::string_view name_of(FieldInfo::Scale scale) {
+  return scale == FieldInfo::Scale::deviation ? "deviation" : "";
+}
 
 /// As in streams and recordings: "points", "grid", "values".
 constexpr std::string_view name_of(PartInfo::Kind kind) {

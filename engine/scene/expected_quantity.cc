@@ -20,8 +20,9 @@ constexpr std::pair<std::string_view, Reduction> kReductions[] = {
 bool letter(char c) {
   return std::isalpha(static_cast<unsigned char>(c)) || c == '_';
 }
+/// Of names such as "s.q'.1", the rate of an element of a state.
 bool in_name(char c) {
-  return letter(c) || std::isdigit(static_cast<unsigned char>(c)) || c == '.';
+  return letter(c) || std::isdigit(static_cast<unsigned char>(c)) || c == '.' || c == '\'';
 }
 
 bool is_name(const std::string& text) {

@@ -64,14 +64,17 @@ struct ViewerParams {
   std::optional<CameraParams> camera;
   std::string color_by;  ///< name of a field
   std::string legend;    ///< what its values mean; empty: its name
-  ColorMap color_map = ColorMap::viridis;
-  std::vector<double> range;  ///< lowest and highest value of the colours; empty: those shown
+  ColorMap color_map = ColorMap::automatic;
+  std::vector<std::string> names;  ///< of the values 0, 1, 2 ... of `color_by`, each in a colour of its own
+  std::vector<double> range;       ///< lowest and highest value of the colours; empty: those shown
   std::optional<SliceParams> slice;
   std::optional<double> height;  ///< m per unit of the value
   Liquid liquid = Liquid::balls;
   int64_t contours = 0;
   int64_t streamlines = 0;
-  bool labels = true;  ///< names above systems
+  bool labels = true;           ///< names above systems
+  bool probe_labels = false;    ///< names beside the rows that probes watch
+  std::optional<double> trail;  ///< s; for how long points leave a trail
 };
 
 struct ExpectParams {

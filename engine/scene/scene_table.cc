@@ -99,8 +99,15 @@ const DefTable& viewer_table() {
                 "speed")
           .text("legend", &ViewerParams::legend,
                 "what the colours of `color_by` show; without it the name of the field. Its unit follows")
-          .choice("color_map", &ViewerParams::color_map, {"viridis", "water", "ember"},
-                  "colour map from the lowest to the highest value")
+          .choice(
+              "color_map", &ViewerParams::color_map,
+              {"automatic", "viridis", "water", "ember", "balance", "smoke", "snow", "sand"},
+              "colour map from the lowest to the highest value; balance is for what deviates to both sides "
+              "of zero, and automatic is that for such fields, otherwise viridis")
+          .texts(
+              "names", &ViewerParams::names, {0, 32},
+              "of the values 0, 1, 2 ... of `color_by`: each has a colour of its own, and a legend instead "
+              "of a colour bar")
           .numbers("range", &ViewerParams::range, "", any(), {0, 2},
                    "lowest and highest value of the colours; without it those of the data shown")
           .object("slice", &ViewerParams::slice, slice_table(),
@@ -116,11 +123,16 @@ const DefTable& viewer_table() {
                    "lines along a vector field of a grid in the plane or a slice")
           .boolean("labels", &ViewerParams::labels,
                    "names above the systems where there are two to eight of them; false: none")
+          .boolean("probe_labels", &ViewerParams::probe_labels, "names of probes beside what they watch")
+          .number("trail", &ViewerParams::trail, "s", above(0),
+                  "for how long points leave a trail; of up to 64 points a system")
           .check([](const ViewerParams& v, const DefTable::Report& report) {
             if (!v.legend.empty() && v.color_by.empty())
               report("/legend", "it says what the colours of `color_by` show: give that, too");
             if (v.range.size() == 1 || (v.range.size() == 2 && !(v.range[0] < v.range[1])))
               report("/range", "two numbers, the lower first");
+            if (!v.names.empty() && v.color_by.empty())
+              report("/names", "they are names of the values of `color_by`: give that, too");
           })
           .build();
   return t;

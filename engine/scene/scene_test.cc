@@ -15,7 +15,7 @@ namespace json = boost::json;
 namespace {
 
 constexpr size_t kMostSteps = 1000, kMostCases = 1000, kMostCommands = 10000;
-constexpr std::string_view kWords[] = {"precision", "sleeping", "dt", "threads", "resumed"};
+constexpr std::string_view kWords[] = {"precision", "sleeping", "dt", "threads", "resumed", "scratch"};
 
 /// Members of a case that a test without cases has itself.
 constexpr const char* kOfAnyCase[] = {"refused", "faults", "instability", "says", "plan"};
@@ -87,7 +87,7 @@ const DefTable& test_table() {
       TableOf<SceneTest>("how `truestep check` tests the scene; everything else ignores it")
           .text("why", &SceneTest::why, "what the test protects, in a sentence")
           .texts("same", &SceneTest::same, {0, 32},
-                 "names in `vary` that change no bit of the final state (threads and resumed never do)")
+                 "names in `vary` that change no bit of any state (threads, resumed and scratch never do)")
           .objects("agree", &SceneTest::agree, agreement_table(), {0, 64}, "quantities that variations share")
           .number("still", &SceneTest::still, "m", at_least(0),
                   "most that a sleeping row of the first system may move within 0.4 s of being woken")
@@ -175,8 +175,8 @@ class TestReader {
 
   SceneChange change(const std::string& name, const json::value& value, const std::string& where) {
     if (!name.starts_with('/') && !is_word(name))
-      fault(where, "bad_pointer", "expected a JSON pointer, precision, sleeping, dt, threads or resumed",
-            name);
+      fault(where, "bad_pointer",
+            "expected a JSON pointer, precision, sleeping, dt, threads, resumed or scratch", name);
     return {name, value};
   }
 
@@ -263,14 +263,15 @@ json::object scene_test_schema() {
   const json::object set{{"type", "object"},
                          {"description",
                           "changes: a JSON pointer (* stands for every element of an array) and the value "
-                          "put there, null to remove it; or precision, sleeping, dt, threads, resumed"}};
+                          "put there, null to remove it; or precision, sleeping, dt, threads, resumed, "
+                          "scratch"}};
   const json::object ending = schema_of(case_table()).at("properties").as_object();
   const json::object vary{
       {"type", "object"},
       {"additionalProperties", json::object{{"type", "array"}, {"minItems", 1}}},
       {"description",
        "lists of values, of which every combination is run: by JSON pointer, by precision, sleeping, dt, "
-       "threads or resumed, or by any word for values that are objects of changes"}};
+       "threads, resumed or scratch, or by any word for values that are objects of changes"}};
   const auto list = [](json::object items, const char* sentence) {
     return json::object{{"type", "array"}, {"description", sentence}, {"items", std::move(items)}};
   };

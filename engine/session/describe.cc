@@ -99,6 +99,9 @@ json::array describe_gallery() {
     for (const char* key : {"title", "teaches", "tags"}) {
       if (const json::value* v = o.if_contains(key)) entry[key] = *v;
     }
+    json::array systems;
+    for (const json::value& system : o.at("systems").as_array()) systems.push_back(system.at("type"));
+    entry["systems"] = std::move(systems);
     entry["thumbnail"] = "/v1/gallery/" + std::string(g.name) + "/picture.png";
     a.push_back(std::move(entry));
   }
@@ -108,11 +111,17 @@ json::array describe_gallery() {
 json::array describe_fields(const PartInfo& part) {
   json::array fields;
   for (const FieldInfo& f : part.fields) {
-    fields.push_back(json::object{{"name", f.name},
-                                  {"unit", f.unit},
-                                  {"width", f.width},
-                                  {"type", scalar_name(f.type)},
-                                  {"meaning", name_of(f.meaning)}});
+    json::object field{{"name", f.name},
+                       {"unit", f.unit},
+                       {"width", f.width},
+                       {"type", scalar_name(f.type)},
+                       {"meaning", name_of(f.meaning)}};
+    if (f.scale != FieldInfo::Scale::amount) field["scale"] = name_of(f.scale);
+    if (!f.kinds.empty()) {
+      json::array& kinds = field["kinds"].emplace_array();
+      for (const std::string& kind : f.kinds) kinds.emplace_back(kind);
+    }
+    fields.push_back(std::move(field));
   }
   return fields;
 }

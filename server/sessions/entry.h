@@ -33,6 +33,7 @@ struct CachedAnswer {
 };
 
 class RecordingSink;
+class TrailSink;
 class SessionKeeper;
 
 /// How a session came back from disk.
@@ -77,6 +78,7 @@ struct SessionEntry {
   MemoryBudget::Lease kept;  ///< of journal, series and frames, booked as they grow
   Session session;
   std::map<std::string, std::shared_ptr<const Snapshot>> snapshots;
+  std::shared_ptr<TrailSink> trails;         ///< null: the scene has none
   std::shared_ptr<PollSink> poll;            ///< keeps frames for clients that poll
   std::shared_ptr<RecordingSink> recording;  ///< null: the scene asks for none, or it has ended
   std::string recording_id;                  ///< id of that recording

@@ -5,6 +5,7 @@
 
 #include "engine/base/log.h"
 #include "engine/session/describe.h"
+#include "engine/sinks/picture/draw/trails.h"
 #include "engine/studies/precision/accuracy.h"
 #include "server/persistence/sessions/session_archive.h"
 
@@ -135,6 +136,8 @@ EntryPtr SessionStore::build(Creation& creation, SceneDraft draft, Accuracy accu
   entry->scene_hash = creation.scene_hash;
   entry->accuracy = std::move(settled.report);
   entry->estimated_step = draft.cost.seconds_per_step;
+  entry->trails = TrailSink::of(entry->session.world());
+  if (entry->trails) entry->session.add_sink(entry->trails);
   prepare(*entry);
   return entry;
 }

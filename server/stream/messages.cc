@@ -89,6 +89,8 @@ void set_field(v1::Field& field, const FieldInfo& f) {
   const Scalar type = f.type == Scalar::f64 ? Scalar::f32 : f.type;
   field.set_encoding(static_cast<v1::Encoding>(plain_encoding(type)));
   field.set_meaning(std::string(name_of(f.meaning)));
+  field.set_scale(std::string(name_of(f.scale)));
+  for (const std::string& kind : f.kinds) field.add_kinds(kind);
 }
 
 void set_part(v1::Part& p, const PartTable::Entry& part, const std::string& system) {

@@ -3,28 +3,18 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import path from "node:path";
-import { after, before, test } from "node:test";
-import { need, openChromium, serveBinary, web } from "./chromium.mjs";
+import { before, test } from "node:test";
+import { need, web } from "./chromium.mjs";
 import { until } from "./pixels.mjs";
+import { page, url } from "./served.mjs";
 
 const axe = path.join(web, "node_modules/axe-core/axe.min.js");
 
 let script;
-let url;
-let stop;
-let browser;
-let page;
 
 before(async () => {
   need(axe, "axe-core is missing: run npm ci in web/");
   script = readFileSync(axe, "utf8");
-  ({ url, stop } = await serveBinary(process.env.TRUESTEP_BINARY));
-  ({ browser, page } = await openChromium());
-});
-
-after(async () => {
-  await browser?.close();
-  await stop?.();
 });
 
 /** Serious and critical findings, one line each. */

@@ -2,25 +2,10 @@
 // drawn, sleepers are darker, contacts and joints come and go, a body is pulled where the mouse holds it, and a bad
 // body is named in the editor. Runs against the executable in TRUESTEP_BINARY.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { openChromium, patience, serveBinary } from "./chromium.mjs";
+import { test } from "node:test";
+import { patience } from "./chromium.mjs";
 import { settled } from "./pixels.mjs";
-
-let url;
-let stop;
-let browser;
-let page;
-let bad = [];
-
-before(async () => {
-  ({ url, stop } = await serveBinary(process.env.TRUESTEP_BINARY));
-  ({ browser, page, bad } = await openChromium());
-});
-
-after(async () => {
-  await browser?.close();
-  await stop?.();
-});
+import { bad, page, url } from "./served.mjs";
 
 async function ask(path, body) {
   const response = await fetch(url + path, { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body) });

@@ -2,30 +2,18 @@
 // over the range of the data; what is black or as small as an atom can still be seen. Runs against the executable in
 // TRUESTEP_BINARY.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { openChromium, serveBinary } from "./chromium.mjs";
+import { before, test } from "node:test";
 import { ask, open, pixels, until } from "./pixels.mjs";
+import { bad, browser, page, url } from "./served.mjs";
 
 const kFree = { x: 60, y: 70, width: 880, height: 600 }; // no panel is there
 const kSaturated = 0.25; // of a pixel: (max - min) / max of its channels; ground and background have less
 const kSameHue = 12; // degrees: light and shade of the two renderers differ, colours do not
 
-let url;
-let stop;
-let browser;
-let page;
 let picture;
-let bad = [];
 
 before(async () => {
-  ({ url, stop } = await serveBinary(process.env.TRUESTEP_BINARY));
-  ({ browser, page, bad } = await openChromium());
   picture = await browser.newPage({ viewport: { width: 1280, height: 800 } });
-});
-
-after(async () => {
-  await browser?.close();
-  await stop?.();
 });
 
 /** Hue in degrees of all coloured pixels together, and how many there are. */
@@ -100,6 +88,22 @@ test("the low end of a colour map has the colour of its legend", async () => {
   const shot = await pixels(page, kFree);
   const purple = shot.where((r, g, b) => b > 50 && g < 0.5 * r);
   assert.ok(purple.length > 0.6 * own.count, `${purple.length} of ${own.count} pixels are purple`);
+});
+
+test("kinds have names beside their colours instead of a bar", async () => {
+  const box = (x, material) => ({ shape: "box", center: [x, 0.5, 0], half_extents: [0.2, 0.2, 1], material });
+  const both = { type: "mpm", id: "both", dimension: 2, low: [0, 0, 0], high: [1, 1, 0], cell: 0.05, bodies: [box(0.25, "fluid"), box(0.75, "sand")] };
+  await open(page, url, { ...still, viewer: { color_by: "material" }, systems: [both] });
+  await until(page, async () => (await page.$$("#scale em > span")).length === 2, "two names");
+  assert.deepEqual(await page.$$eval("#scale em > span", (names) => names.map((name) => name.textContent)), ["fluid", "sand"]);
+  assert.ok(await page.locator("#scale > i").isHidden());
+  const shot = await pixels(page, kFree);
+  const [fluid, sand] = [shot.where((r, g, b) => b > 90 && b > 1.5 * r), shot.where((r, g, b) => r > 90 && r > 1.3 * b)];
+  assert.ok(fluid.length > 2000 && sand.length > 2000, `${fluid.length} pixels of fluid, ${sand.length} of sand`);
+  // Control: amounts have a bar.
+  await open(page, url, { ...still, viewer: { color_by: "density" }, systems: [both] });
+  await until(page, () => page.locator("#scale > i").isVisible(), "a bar");
+  assert.equal((await page.$$("#scale em > span")).length, 0);
 });
 
 test("black balls are seen on a dark ground", async () => {

@@ -4,34 +4,12 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import path from "node:path";
-import { after, before, test } from "node:test";
-import { openChromium, serveBinary, web } from "./chromium.mjs";
+import { before, test } from "node:test";
+import { web } from "./chromium.mjs";
 import { open, pixels, settled } from "./pixels.mjs";
+import { bad, page, url } from "./served.mjs";
 
-let url;
-let stop;
-let browser;
-let page;
-let bad = [];
 let view; // pixels: {metre, middle: [x, y]} of the plane of the unit square
-
-before(async () => {
-  ({ url, stop } = await serveBinary(process.env.TRUESTEP_BINARY));
-  ({ browser, page, bad } = await openChromium());
-  // On a light background ink stands out. How the view fits its camera's picture into the window is seen from a plate.
-  await open(page, url, sceneOf({ type: "heat", cells: [60, 60], initial: "1" }, { range: [0, 1] }, front));
-  await page.keyboard.press("l");
-  await settled(page);
-  const yellow = (await pixels(page, clip)).where((r, g, b) => r > 200 && g > 180 && b < 120);
-  const [low, high] = [Math.min, Math.max].map((most) => [0, 1].map((c) => yellow.reduce((v, at) => most(v, at[c]), yellow[0][c])));
-  view = { metre: high[0] + 1 - low[0], middle: [0, 1].map((c) => (low[c] + high[c]) / 2) };
-  assert.ok(Math.abs(high[1] + 1 - low[1] - view.metre) <= 1, "a square");
-});
-
-after(async () => {
-  await browser?.close();
-  await stop?.();
-});
 
 const kStops = readFileSync(path.join(web, "src/render/fields/color_stops.ts"), "utf8")
   .match(/viridisHex = \[([^\]]*)\]/)[1].split(",").map(Number);
@@ -84,6 +62,17 @@ const worst = ({ at }, value) => Math.max(...places.flatMap((x) => places.map((y
 
 const plate = { type: "heat", cells: [60, 60], initial: "(x^2 + y)/2" };
 const value = (x, y) => 0.5 * (x * x + y);
+
+before(async () => {
+  // On a light background ink stands out. How the view fits its camera's picture into the window is seen from a plate.
+  await open(page, url, sceneOf({ type: "heat", cells: [60, 60], initial: "1" }, { range: [0, 1] }, front));
+  await page.keyboard.press("l");
+  await settled(page);
+  const yellow = (await pixels(page, clip)).where((r, g, b) => r > 200 && g > 180 && b < 120);
+  const [low, high] = [Math.min, Math.max].map((most) => [0, 1].map((c) => yellow.reduce((v, at) => most(v, at[c]), yellow[0][c])));
+  view = { metre: high[0] + 1 - low[0], middle: [0, 1].map((c) => (low[c] + high[c]) / 2) };
+  assert.ok(Math.abs(high[1] + 1 - low[1] - view.metre) <= 1, "a square");
+});
 
 test("a slice has the colours of its values", async () => {
   assert.ok(worst(await shown(plate, { range: [0, 1] }), value) < kSame, "those of its values");

@@ -2,25 +2,9 @@
 // plots, a choice of observables, the scene's own text, a body held by a double click, an address that comes back.
 // Runs against the executable in TRUESTEP_BINARY.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { openChromium, serveBinary } from "./chromium.mjs";
+import { test } from "node:test";
 import { ask, open, sessionOf, until } from "./pixels.mjs";
-
-let url;
-let stop;
-let browser;
-let page;
-let bad = [];
-
-before(async () => {
-  ({ url, stop } = await serveBinary(process.env.TRUESTEP_BINARY));
-  ({ browser, page, bad } = await openChromium());
-});
-
-after(async () => {
-  await browser?.close();
-  await stop?.();
-});
+import { bad, expected, page, url } from "./served.mjs";
 
 const seen = () => page.$$eval("#gallery article", (cards) => cards.filter((card) => card.offsetParent !== null).map((card) => card.dataset.scene));
 
@@ -149,7 +133,7 @@ test("an address makes scene, time and camera again when its session is gone", a
   const id = await sessionOf(page);
   await page.goto("about:blank");
   assert.equal((await fetch(`${url}/v1/sessions/${id}`, { method: "DELETE" })).ok, true);
-  bad = bad.filter((text) => !/404/.test(text));
+  expected(/404/);
   await page.goto(address);
   await until(page, async () => Math.abs(Number((await page.textContent("#read-time")).replace(/[^\d.]/g, "")) - time) < 0.05, "the same time");
   const eye = /eye=([^&]+)/.exec(address)[1];

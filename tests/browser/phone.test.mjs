@@ -1,25 +1,12 @@
 // A phone held upright: every control of a scene is reached by a finger, and so is what the scene is about; and the
 // system's choice of light or dark is followed until another is made. Runs against the executable in TRUESTEP_BINARY.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { openChromium, serveBinary } from "./chromium.mjs";
+import { before, test } from "node:test";
 import { ask, until } from "./pixels.mjs";
-
-let url;
-let stop;
-let browser;
-let page;
-let bad = [];
+import { bad, page, url } from "./served.mjs";
 
 before(async () => {
-  ({ url, stop } = await serveBinary(process.env.TRUESTEP_BINARY));
-  ({ browser, page, bad } = await openChromium());
   await page.setViewportSize({ width: 390, height: 844 });
-});
-
-after(async () => {
-  await browser?.close();
-  await stop?.();
 });
 
 const kFinger = 44; // CSS pixels

@@ -2,26 +2,14 @@
 // lines that can be seen, axes, level lines, values of springs, themes. Runs against the executable in
 // TRUESTEP_BINARY.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { openChromium, serveBinary } from "./chromium.mjs";
+import { before, test } from "node:test";
 import { ask, open, pixels, settled, until } from "./pixels.mjs";
+import { bad, page, url } from "./served.mjs";
 
-let url;
-let stop;
-let browser;
-let page;
-let bad = [];
 let warned = [];
 
 before(async () => {
-  ({ url, stop } = await serveBinary(process.env.TRUESTEP_BINARY));
-  ({ browser, page, bad } = await openChromium());
   page.on("console", (message) => message.type() === "warning" && warned.push(message.text()));
-});
-
-after(async () => {
-  await browser?.close();
-  await stop?.();
 });
 
 const whole = { x: 0, y: 56, width: 1280, height: 640 };

@@ -1,25 +1,9 @@
 // What a person comes back to: an earlier moment by the bar of time, a session that ended under the open page, a server that
 // was away; and scenes that are not upright along y. Runs against the executable in TRUESTEP_BINARY.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { openChromium, serveBinary } from "./chromium.mjs";
+import { test } from "node:test";
 import { ask, open, pixels, sessionOf, settled, until } from "./pixels.mjs";
-
-let url;
-let stop;
-let browser;
-let page;
-let bad = [];
-
-before(async () => {
-  ({ url, stop } = await serveBinary(process.env.TRUESTEP_BINARY));
-  ({ browser, page, bad } = await openChromium());
-});
-
-after(async () => {
-  await browser?.close();
-  await stop?.();
-});
+import { bad, browser, expected, page, url } from "./served.mjs";
 
 const spring = { time: { dt: 0.01, duration: 20 }, gravity: [0, 0, 0], systems: [{ type: "mass_spring", id: "s", free: { points: [[0, 0, 0], [1.5, 0, 0]], masses: [1, 1], springs: [{ a: 0, b: 1, stiffness: 9, rest_length: 1 }] } }] };
 const shownTime = async () => Number((await page.textContent("#read-time")).replace(/[^\d.]/g, ""));
@@ -72,7 +56,7 @@ test("a card about a server that was away goes when the server is back", async (
   await sockets[0].close({ code: 3001 });
   await until(page, async () => sockets.length > 1 && (await page.getAttribute("#connection", "data-state")) === "open", "live again");
   await until(page, async () => (await page.locator("#problems .card").count()) === 0, "no card is left");
-  bad = bad.filter((text) => !/ERR_FAILED/.test(text));
+  expected(/ERR_FAILED/);
 });
 
 test("a page that leaves a session does not take it away from another page", async () => {

@@ -1,25 +1,9 @@
 // What an address hands over: a run of one's own, sight of a run, or control of one. And runs that stop at the end of
 // their scene, from the editor's first scene on. Runs against the executable in TRUESTEP_BINARY.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { openChromium, serveBinary } from "./chromium.mjs";
+import { test } from "node:test";
 import { ask, open, sessionOf, until } from "./pixels.mjs";
-
-let url;
-let stop;
-let browser;
-let page;
-let bad = [];
-
-before(async () => {
-  ({ url, stop } = await serveBinary(process.env.TRUESTEP_BINARY));
-  ({ browser, page, bad } = await openChromium());
-});
-
-after(async () => {
-  await browser?.close();
-  await stop?.();
-});
+import { bad, browser, page, url } from "./served.mjs";
 
 const spring = { name: "two masses", time: { dt: 0.01, duration: 200 }, gravity: [0, 0, 0], systems: [{ type: "mass_spring", id: "s", free: { points: [[0, 0, 0], [1.5, 0, 0]], masses: [1, 1], springs: [{ a: 0, b: 1, stiffness: 9, rest_length: 1 }] } }] };
 const session = async (id) => (await fetch(`${url}/v1/sessions/${id}`)).json();

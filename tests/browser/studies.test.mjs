@@ -2,42 +2,12 @@
 // table, make a mistake, cancel. Runs against the executable in TRUESTEP_BINARY, or against a running service in
 // TRUESTEP_URL.
 import assert from "node:assert/strict";
-import { after, before, test as nodeTest } from "node:test";
-import { openChromium, patience, serveBinary } from "./chromium.mjs";
-
-let url = process.env.TRUESTEP_URL;
-let stop;
-let browser;
-let page;
-let bad;
-
-// The steps build on each other: after one that failed the others fail at once.
-let broken;
-function test(name, step) {
-  nodeTest(name, async () => {
-    if (broken) throw new Error(`not tried, for "${broken}" failed`);
-    broken = name;
-    await step();
-    broken = undefined;
-  });
-}
-
-before(async () => {
-  if (!url) {
-    if (!process.env.TRUESTEP_BINARY) throw new Error("set TRUESTEP_BINARY to the executable, or TRUESTEP_URL to a running service");
-    ({ url, stop } = await serveBinary(process.env.TRUESTEP_BINARY));
-  }
-  ({ browser, page, bad } = await openChromium());
-});
-
-after(async () => {
-  await browser?.close();
-  await stop?.();
-});
+import { patience } from "./chromium.mjs";
+import { bad, page, step, url } from "./served.mjs";
 
 const measured = 3 * patience; // a study with a budget of 2 s of CPU, on a busy machine
 
-test("the gallery leads to the studies of a scene", async () => {
+step("the gallery leads to the studies of a scene", async () => {
   await page.goto(url);
   await page.hover('#gallery article[data-scene="terminal_velocity"]');
   await page.click('#gallery article[data-scene="terminal_velocity"] .study');
@@ -47,7 +17,7 @@ test("the gallery leads to the studies of a scene", async () => {
   assert.equal(await page.locator("#result").isVisible(), false);
 });
 
-test("only the useful parameters are shown at first", async () => {
+step("only the useful parameters are shown at first", async () => {
   await page.waitForSelector("#fields [data-pointer='/budget'] input");
   assert.equal(await page.locator("[data-pointer='/horizon'] input").isVisible(), true);
   assert.equal(await page.locator("[data-pointer='/samples'] input").isVisible(), false);
@@ -58,7 +28,7 @@ test("only the useful parameters are shown at first", async () => {
   assert.equal(unnamed, 0);
 });
 
-test("a study of run time against error ends with a plot, sentences and a table", async () => {
+step("a study of run time against error ends with a plot, sentences and a table", async () => {
   await page.fill("[data-pointer='/budget'] input", "2");
   await page.click("#start");
   await page.waitForSelector("#progress, #result:not([hidden])");
@@ -73,7 +43,7 @@ test("a study of run time against error ends with a plot, sentences and a table"
   assert.match(await page.textContent(".how"), /checked by/);
 });
 
-test("the point under the mouse is read out, and nothing is where no point is", async () => {
+step("the point under the mouse is read out, and nothing is where no point is", async () => {
   const dot = await page.locator(".chart .front circle").first().boundingBox();
   await page.mouse.move(dot.x + dot.width / 2, dot.y + dot.height / 2);
   assert.match(await page.textContent(".figure-readout"), /CPU time.*\d [nµm]?s/);
@@ -81,7 +51,7 @@ test("the point under the mouse is read out, and nothing is where no point is", 
   assert.equal(await page.locator(".figure-readout").isVisible(), false);
 });
 
-test("a column sorts, both ways", async () => {
+step("a column sorts, both ways", async () => {
   const first = async () => page.textContent("#rows tbody tr:first-child td:first-child");
   const before = await first();
   await page.click("#rows th:first-child button");
@@ -90,7 +60,7 @@ test("a column sorts, both ways", async () => {
   assert.notEqual(await first(), before);
 });
 
-test("the three downloads have something in them", async () => {
+step("the three downloads have something in them", async () => {
   const links = await page.$$eval(".result-head nav a", (anchors) => anchors.map((anchor) => anchor.href));
   assert.equal(links.length, 3);
   for (const link of links) {
@@ -100,16 +70,16 @@ test("the three downloads have something in them", async () => {
   }
 });
 
-test("a reload shows the same study", async () => {
+step("a reload shows the same study", async () => {
   const lines = await page.locator("#rows tbody tr").count();
   await page.reload();
   await page.waitForSelector("#rows tbody tr");
   assert.equal(await page.locator("#rows tbody tr").count(), lines);
 });
 
-test("nothing was written to the console as an error so far", () => assert.deepEqual(bad, []));
+step("nothing was written to the console as an error so far", () => assert.deepEqual(bad, []));
 
-test("a mistake becomes a card, and its field is marked", async () => {
+step("a mistake becomes a card, and its field is marked", async () => {
   await page.fill("[data-pointer='/horizon'] input", "-3");
   await page.click("#start");
   await page.waitForSelector("#problems .card");
@@ -120,7 +90,7 @@ test("a mistake becomes a card, and its field is marked", async () => {
   await page.fill("[data-pointer='/horizon'] input", "");
 });
 
-test("a running study can be cancelled", async () => {
+step("a running study can be cancelled", async () => {
   await page.selectOption("#scene", "attractors");
   await page.fill("[data-pointer='/budget'] input", "60");
   await page.click("#start");
@@ -129,7 +99,7 @@ test("a running study can be cancelled", async () => {
   assert.equal(await page.locator("#start").isEnabled(), true);
 });
 
-test("an adaptive method's error is shown over its tolerance, with its own steps", async () => {
+step("an adaptive method's error is shown over its tolerance, with its own steps", async () => {
   await page.goto(`${url}/studies.html?gallery=lotka_volterra&kind=convergence`);
   await page.waitForSelector("#fields [data-pointer='/budget'] input");
   await page.fill("[data-pointer='/budget'] input", "2");
@@ -145,7 +115,7 @@ test("an adaptive method's error is shown over its tolerance, with its own steps
   assert.equal((await page.$$(".chart .dashed")).length, 0);
 });
 
-test("a scene that cannot be studied says why, and the button covers nothing", async () => {
+step("a scene that cannot be studied says why, and the button covers nothing", async () => {
   await page.goto(`${url}/studies.html?gallery=pyramid_2d`);
   await page.waitForSelector("#not-offered:not([hidden])");
   assert.match(await page.textContent("#not-offered"), /rigid2d has a solver of its own/);
@@ -163,7 +133,7 @@ test("a scene that cannot be studied says why, and the button covers nothing", a
   assert.ok(boxes.body <= boxes.actions + 0.5 && boxes.bottom <= boxes.window, JSON.stringify(boxes));
 });
 
-test("a narrow window has no sideways scrolling", async () => {
+step("a narrow window has no sideways scrolling", async () => {
   await page.setViewportSize({ width: 390, height: 800 });
   await page.waitForSelector("#start");
   assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= 390);
@@ -171,6 +141,6 @@ test("a narrow window has no sideways scrolling", async () => {
   assert.ok(box.x >= 0 && box.x + box.width <= 390);
 });
 
-test("only the refused request was written to the console as an error", () => {
+step("only the refused request was written to the console as an error", () => {
   assert.deepEqual(bad.filter((text) => !/status of 422/.test(text)), []);
 });

@@ -1,25 +1,9 @@
 // A run that becomes unstable under the eyes of a person: what the page says, and how one gets on. Runs against the executable in
 // TRUESTEP_BINARY.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { openChromium, serveBinary } from "./chromium.mjs";
+import { test } from "node:test";
 import { ask, open, sessionOf, until } from "./pixels.mjs";
-
-let url;
-let stop;
-let browser;
-let page;
-let bad = [];
-
-before(async () => {
-  ({ url, stop } = await serveBinary(process.env.TRUESTEP_BINARY));
-  ({ browser, page, bad } = await openChromium());
-});
-
-after(async () => {
-  await browser?.close();
-  await stop?.();
-});
+import { bad, page, url } from "./served.mjs";
 
 // Two masses of 1 kg on 900 N/m: symplectic Euler grows beyond 2 / omega = 2 / sqrt(1800 / s^2) = 47.1 ms, at 47.2 ms slowly enough
 // for a past to go back to. Half of it holds: the control. (At a tenth less it swings so far that the masses pass through each

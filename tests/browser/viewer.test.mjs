@@ -1,51 +1,9 @@
 // A person's way through the viewer in Chromium: load, pick a scene, see it move, pause, pull a point, make a
-// mistake in a scene, reset. Runs against the executable in TRUESTEP_BINARY, against a running service in
-// TRUESTEP_URL, or against the JavaScript mock of the protocol when both are unset. Every check that something
-// changes has a control in which it must not.
+// mistake in a scene, reset. Runs against the executable in TRUESTEP_BINARY, or against a running service in TRUESTEP_URL.
+// Every check that something changes has a control in which it must not.
 import assert from "node:assert/strict";
-import path from "node:path";
-import { after, before, test as nodeTest } from "node:test";
-import { pathToFileURL } from "node:url";
-import { need, openChromium, patience, serveBinary, web } from "./chromium.mjs";
-
-const binary = process.env.TRUESTEP_BINARY;
-
-let url;
-let stop;
-let browser;
-let page;
-let bad = []; // console errors and uncaught exceptions
-
-// The steps build on each other: after one that failed the others fail at once.
-let broken;
-function test(name, step) {
-  nodeTest(name, async () => {
-    if (broken) throw new Error(`not tried, for "${broken}" failed`);
-    broken = name;
-    await step();
-    broken = undefined;
-  });
-}
-
-before(async () => {
-  if (binary) {
-    ({ url, stop } = await serveBinary(binary));
-  } else if (process.env.TRUESTEP_URL) {
-    url = process.env.TRUESTEP_URL;
-  } else {
-    need(path.join(web, "dist/index.html"), "the viewer is not built: run npm run build in web/");
-    const { serve } = await import(pathToFileURL(path.join(web, "test/mock_server.mjs")));
-    const mock = await serve();
-    url = mock.url;
-    stop = () => mock.close();
-  }
-  ({ browser, page, bad } = await openChromium());
-});
-
-after(async () => {
-  await browser?.close();
-  await stop?.();
-});
+import { patience } from "./chromium.mjs";
+import { bad, page, step, url } from "./served.mjs";
 
 const number = async (id) => Number((await page.textContent(id)).replace(/[^\d.]/g, ""));
 
@@ -65,7 +23,7 @@ async function picture() {
 
 const playing = async () => (await page.getAttribute("#play", "aria-label")) === "Pause";
 
-test("the gallery shows its scenes, and picking one plays it", async () => {
+step("the gallery shows its scenes, and picking one plays it", async () => {
   await page.goto(url);
   await page.waitForSelector("#gallery [data-scene]");
   const names = await page.$$eval("#gallery article", (cards) => cards.map((card) => card.dataset.scene));
@@ -80,7 +38,7 @@ test("the gallery shows its scenes, and picking one plays it", async () => {
   await until(playing, "it plays");
 });
 
-test("frame number, time and picture change while it plays, and stand still when paused", async () => {
+step("frame number, time and picture change while it plays, and stand still when paused", async () => {
   const frame = await number("#read-frame");
   const first = await picture();
   await until(async () => (await number("#read-frame")) > frame + 2, "the frame number grows");
@@ -103,13 +61,13 @@ test("frame number, time and picture change while it plays, and stand still when
   assert.ok(still.equals(await picture()), "a paused picture stands still");
 });
 
-test("one step is one step", async () => {
+step("one step is one step", async () => {
   const step = await number("#read-step");
   await page.click("#step");
   await until(async () => (await number("#read-step")) === step + 1, "one step more");
 });
 
-test("the energy plot has series with values", async () => {
+step("the energy plot has series with values", async () => {
   await page.waitForSelector("#energy:not([hidden]) canvas");
   assert.ok((await page.$$("#legend button")).length >= 1);
   assert.match(await page.textContent("#legend button b"), /\d/);
@@ -151,7 +109,7 @@ async function letGo() {
   await until(async () => !(await page.locator("#probe").isVisible()), "the mark goes");
 }
 
-test("a point follows the mouse", async () => {
+step("a point follows the mouse", async () => {
   const at = await overAPoint();
   const name = await page.textContent("#probe b");
   const [, before] = await place();
@@ -162,7 +120,7 @@ test("a point follows the mouse", async () => {
   await letGo();
 });
 
-test("a double click pins a point, and another one sets it free", async () => {
+step("a double click pins a point, and another one sets it free", async () => {
   const at = await overAPoint();
   const name = await page.textContent("#probe b");
   const before = await place();
@@ -187,16 +145,16 @@ test("a double click pins a point, and another one sets it free", async () => {
   await letGo();
 });
 
-test("reset goes back to step 0", async () => {
+step("reset goes back to step 0", async () => {
   await page.keyboard.press("Space");
   await until(async () => !(await playing()), "paused");
   await page.click("#reset");
   await until(async () => (await number("#read-step")) === 0, "back at the start");
 });
 
-test("nothing was written to the console as an error so far", () => assert.deepEqual(bad, []));
+step("nothing was written to the console as an error so far", () => assert.deepEqual(bad, []));
 
-test("a scene with a mistake names its pointer in the editor, and a click shows the place", async () => {
+step("a scene with a mistake names its pointer in the editor, and a click shows the place", async () => {
   await page.click("#toggle-panel");
   if (!(await page.locator("#tab-editor").isVisible())) await page.click("#toggle-panel");
   await page.click("#tab-editor");
@@ -212,7 +170,7 @@ test("a scene with a mistake names its pointer in the editor, and a click shows 
   assert.ok((await page.$$("#gutter .marked")).length >= 1);
 });
 
-test("what the service refuses becomes a card that can be read and closed", async () => {
+step("what the service refuses becomes a card that can be read and closed", async () => {
   await page.goto(`${url}/?session=00000000-0000-4000-8000-000000000000`);
   const card = page.locator("#problems .card");
   await card.waitFor();
@@ -221,7 +179,7 @@ test("what the service refuses becomes a card that can be read and closed", asyn
   assert.equal(await card.count(), 0);
 });
 
-test("a narrow window keeps its buttons inside", async () => {
+step("a narrow window keeps its buttons inside", async () => {
   await page.setViewportSize({ width: 390, height: 844 });
   await page.goto(url);
   await page.waitForSelector("#gallery [data-scene]");
@@ -239,6 +197,6 @@ test("a narrow window keeps its buttons inside", async () => {
   for (const box of boxes.filter(({ y }) => y < 60)) assert.ok(box.x + box.width <= title.x + 1 || title.x + title.width <= box.x + 1, JSON.stringify([title, box]));
 });
 
-test("only refused requests were written to the console as errors", () => {
+step("only refused requests were written to the console as errors", () => {
   assert.deepEqual(bad.filter((text) => !/status of 4(04|22)/.test(text)), []);
 });

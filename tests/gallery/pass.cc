@@ -1,9 +1,9 @@
-// gallery_pass SCENE.json [--golden FILE] [--control expect|golden|memory|threads|resumed]: everything that a
-// scene of the gallery promises, by two starts, each in a process of its own. The first runs its duration
-// with one thread: what it expects to measure, its memory beside its estimate, hashes on the way, its state
-// in the middle. The second has eight threads: the first steps once more, then on from the saved state; its
-// hashes are those of the first. FILE has lines `name hash`: after 40 steps (or the last, of shorter scenes),
-// for scenes whose hash is committed.
+// gallery_pass SCENE.json [--golden FILE] [--control expect|golden|memory|threads|resumed|picture]:
+// everything that a scene of the gallery promises, by two starts, each in a process of its own. The first
+// runs its duration with one thread: what it expects to measure, its memory beside its estimate, hashes on
+// the way, its state at two fifths. The second has eight threads: the first steps once more, then on from the
+// saved state; its hashes are those of the first, and the picture of that state shows what it is about. FILE
+// has lines `name hash`: after 40 steps (or the last, of shorter scenes), for scenes whose hash is committed.
 // --control alters one thing; exit code 0 if that is found and nothing else.
 #include <sys/mman.h>
 #include <sys/wait.h>
@@ -62,7 +62,8 @@ int main(int count, char** words) {
     if (option == "--control") wish.control = control_of(words[k + 1]);
   }
   if (count < 2 || count % 2 != 0) {
-    std::cerr << "gallery_pass SCENE.json [--golden FILE] [--control expect|golden|memory|threads|resumed]\n";
+    std::cerr << "gallery_pass SCENE.json [--golden FILE] [--control "
+                 "expect|golden|memory|threads|resumed|picture]\n";
     return 2;
   }
   wish.scene = words[1];

@@ -13,6 +13,7 @@
 #include "engine/session/expectation.h"
 #include "engine/session/session.h"
 #include "engine/studies/precision/accuracy.h"
+#include "tests/gallery/pictured.h"
 #include "tests/gallery/weighed_memory.h"
 #include "tests/support/slowdown.h"
 
@@ -52,11 +53,11 @@ WorldState saved(const std::filesystem::path& file) {
 }
 
 // The steps at which hashes are taken, from how many the scene has: the second start repeats a tenth and goes
-// on from the middle.
+// on from two fifths of the run.
 void choose_steps(uint64_t steps, Marks& marks) {
   marks.golden_step = std::min(kGoldenStep, steps);
   marks.early_step = std::min(marks.golden_step, std::max<uint64_t>(10, steps / 10));
-  marks.saved_step = steps / 2;
+  marks.saved_step = 2 * steps / 5;
   marks.last_step = std::min(marks.saved_step + kFewSteps, steps);
 }
 
@@ -154,6 +155,7 @@ unsigned second_start(const Wish& wish, const Marks& marks) {
   }
   Session resumed(world, eight, {.history_bytes = 0});
   resumed.restore(saved(wish.state));
+  if (!is_pictured(resumed, wish.control == kPicture ? Spoil::camera : Spoil::nothing)) found |= kPicture;
   resumed.step(marks.last_step - marks.saved_step);
   return found | judge_hash(marks.last_step, resumed.hash(), last, kResumed);
 }

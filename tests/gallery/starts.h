@@ -12,9 +12,10 @@ enum Finding : unsigned {
   kMemory = 4,    ///< it needs less or more than its estimate allows
   kThreads = 8,   ///< other bits with eight threads
   kResumed = 16,  ///< other bits from a saved state
-  kDied = 32      ///< it failed, or could not be read
+  kPicture = 32,  ///< what it is about is outside its picture, or text lies on text
+  kDied = 64      ///< it failed, or could not be read
 };
-inline constexpr const char* kNames[] = {"expect", "golden", "memory", "threads", "resumed"};
+inline constexpr const char* kNames[] = {"expect", "golden", "memory", "threads", "resumed", "picture"};
 
 struct Wish {
   std::filesystem::path scene, golden, state;

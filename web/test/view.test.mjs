@@ -1,9 +1,9 @@
 // What the viewer computes before it draws: where a camera sees everything, axes, level lines, gaps of plots, speeds,
 // addresses. Pure functions, in Node.
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
+import { readdirSync, readFileSync } from "node:fs";
 import { test } from "node:test";
-import { arrows, axisOf, chapterOf, chooseAtFirst, colorStops, endsOf, evenStreamlines, Extent, gapsIn, infoOf, levelLine, matches, packScene, particleSurface, placeOf, readAddress, relative, scaleLabel, scaleOf, speedAtFirst, speedsFor, streamline, triangleValues, unpackScene, fieldsOf, JointValues, jointValues, Past, upOf, writeAddress } from "../build/view.mjs";
+import { arrows, axisOf, balanced, chapterOf, chooseAtFirst, colorStops, endsOf, evenStreamlines, Extent, gapsIn, infoOf, kindAt, levelLine, matches, packScene, particleSurface, placeOf, readAddress, relative, scaleLabel, scaleOf, schemeOf, speedAtFirst, speedsFor, streamline, timeText, triangleValues, unpackScene, fieldsOf, JointValues, jointValues, Past, upOf, writeAddress } from "../build/view.mjs";
 
 const front = { right: [1, 0, 0], above: [0, 1, 0], back: [0, 0, 1] };
 
@@ -144,22 +144,58 @@ test("an address makes the scene again", async () => {
   assert.deepEqual(read("/#"), {});
 });
 
-test("scenes have chapters and are found by their words", () => {
-  assert.equal(chapterOf(["coupling", "cloth"]), "Things that meet");
+test("a scene's chapter is that of its systems, whatever its tags say", () => {
+  assert.equal(chapterOf(["rigid2d"]), "Rigid bodies in the plane");
+  assert.equal(chapterOf(["mass_spring", "rigid3d"]), "Things that meet");
+  assert.equal(chapterOf(["mass_spring", "xpbd"]), chapterOf(["xpbd"]));
+  assert.equal(chapterOf(["skeleton", "mass_spring"]), "Animation");
   assert.equal(chapterOf(["something"]), "More");
-  const entry = { name: "flag", title: "A flag", teaches: "wind on cloth", tags: ["cloth"] };
-  assert.ok(matches(entry, "cloth WIND") && matches(entry, "") && !matches(entry, "flag rigid"));
+  const folder = new URL("../../scenes/", import.meta.url);
+  const chapters = new Map(readdirSync(folder).filter((name) => name.endsWith(".json")).map((name) => [name, chapterOf(JSON.parse(readFileSync(new URL(name, folder), "utf8")).systems.map(({ type }) => type))]));
+  assert.deepEqual([...chapters].filter(([, chapter]) => chapter === "More"), []);
+  assert.equal(chapters.get("car_3d.json"), "Rigid bodies");
+});
+
+test("scenes are found by words, not by letters within them", () => {
+  const entry = { name: "flag", title: "A flag", teaches: "it flutters because of the wind on cloth", tags: ["cloth"], systems: ["mass_spring"] };
+  for (const query of ["cloth WIND", "", "flut", "mass spring", "flag,"]) assert.ok(matches(entry, query), query);
+  for (const query of ["use", "cause", "flag rigid", "win", "lag"]) assert.ok(!matches(entry, query), query);
+  assert.ok(matches({ name: "cars", title: "", tags: [] }, "car"));
+});
+
+test("a field is coloured by what it means", () => {
+  const amount = { width: 1, scale: "", kinds: [] };
+  const deviation = { width: 1, scale: "deviation", kinds: [] };
+  const material = { width: 1, scale: "", kinds: ["fluid", "jelly", "sand"] };
+  assert.equal(schemeOf({ color_by: "speed" }, "speed", amount).map, "viridis");
+  assert.equal(schemeOf({ color_by: "vorticity" }, "vorticity", deviation).map, "balance");
+  assert.equal(schemeOf({ color_by: "vorticity", color_map: "ember" }, "vorticity", deviation).map, "ember");
+  assert.deepEqual(balanced([-1, 3]), [-3, 3]);
+  const kinds = schemeOf({ color_by: "material" }, "material", material);
+  assert.deepEqual([0, 1, 2, 7, NaN].map((value) => kindAt(kinds, value)), [0, 1, 2, 2, 0]);
+  const halves = schemeOf({ color_by: "id", names: ["first", "second"], range: [0, 100] }, "id", amount);
+  assert.deepEqual([0, 49, 51, 100].map((value) => kindAt(halves, value)), [0, 0, 1, 1]);
+  // A legend and names are only those of the field that they speak of.
+  assert.deepEqual(schemeOf({ color_by: "id", names: ["first", "second"] }, "speed", amount).kinds, []);
+});
+
+test("times are told in the unit of the run", () => {
+  assert.equal(timeText(1.25, 8), "1.250 s");
+  assert.equal(timeText(31557600, 157680000), "1.00 years");
+  assert.equal(timeText(1.2e-11, 3e-11), "12.00 ps");
+  assert.equal(timeText(0, 2e-12), "0.00 ps");
+  assert.equal(timeText(0), "0.000 s");
 });
 
 test("a scene says whether gravity pulls and how long it lasts", () => {
-  assert.deepEqual(infoOf({ gravity: [0, 0, 0], time: { dt: 0.01, duration: 3 }, systems: [] }), { pulled: false, gravity: [0, 0, 0], observables: [], duration: 3, dt: 0.01 });
+  assert.deepEqual(infoOf({ gravity: [0, 0, 0], time: { dt: 0.01, duration: 3 }, systems: [] }), { pulled: false, gravity: [0, 0, 0], observables: [], probes: [], duration: 3, dt: 0.01 });
   assert.ok(infoOf({ systems: [] }).pulled && infoOf(undefined).pulled);
 });
 
 test("the viewer has the colours of the service's pictures", () => {
   const header = readFileSync(new URL("../../engine/sinks/picture/color_stops.h", import.meta.url), "utf8");
   for (const [name, hex] of Object.entries(colorStops)) {
-    const table = new RegExp(`k${name}\\[\\] = \\{([^}]*)\\}`, "i").exec(header)[1].split(",").map(Number);
+    const table = new RegExp(`k${name}\\[\\] = \\{([^}]*)\\}`, "i").exec(header)[1].split(",").map((one) => JSON.parse(one.trim().replace(/^0x(.*)$/, (_, digits) => String(Number.parseInt(digits, 16)))));
     assert.deepEqual(hex, table, name);
   }
 });

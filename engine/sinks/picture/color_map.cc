@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <span>
 
 #include "engine/sinks/picture/color_stops.h"
@@ -26,6 +27,12 @@ constexpr auto kPalette = colors_of(kPaletteHex);
 constexpr auto kViridis = colors_of(kViridisHex);
 constexpr auto kWater = colors_of(kWaterHex);
 constexpr auto kEmber = colors_of(kEmberHex);
+constexpr auto kBalance = colors_of(kBalanceHex);
+constexpr auto kSmoke = colors_of(kSmokeHex);
+constexpr auto kSnow = colors_of(kSnowHex);
+constexpr auto kSand = colors_of(kSandHex);
+constexpr auto kNatural = colors_of(kNaturalHex);
+static_assert(kNatural.size() == std::size(kNaturalNames));
 
 std::span<const Color> stops(ColorMap map) {
   switch (map) {
@@ -33,6 +40,15 @@ std::span<const Color> stops(ColorMap map) {
       return kWater;
     case ColorMap::ember:
       return kEmber;
+    case ColorMap::balance:
+      return kBalance;
+    case ColorMap::smoke:
+      return kSmoke;
+    case ColorMap::snow:
+      return kSnow;
+    case ColorMap::sand:
+      return kSand;
+    case ColorMap::automatic:
     case ColorMap::viridis:
       break;
   }
@@ -43,6 +59,13 @@ std::span<const Color> stops(ColorMap map) {
 
 Color palette(size_t i) {
   return kPalette[i % kPalette.size()];
+}
+
+Color color_of_kind(std::string_view name, size_t i) {
+  for (size_t k = 0; k < kNatural.size(); ++k) {
+    if (name == kNaturalNames[k]) return kNatural[k];
+  }
+  return palette(i);
 }
 
 Color ink_over(const Color& paper) {

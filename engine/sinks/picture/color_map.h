@@ -1,11 +1,17 @@
 // Colours: palette of systems, scalar maps, and the sRGB transfer function (IEC 61966-2-1).
 #pragma once
+#include <string_view>
+
 #include "engine/sinks/picture/draw/draw_list.h"
 
 namespace truestep::picture {
 
 /// Default colour of the i-th system; repeats after eight.
 Color palette(size_t i);
+
+/// Colour of the i-th kind of something: its own if it is a material that people know, otherwise the
+/// palette's.
+Color color_of_kind(std::string_view name, size_t i);
 
 /// Colour of text and lines on a background of this colour: dark on bright, bright on dark.
 Color ink_over(const Color& paper);

@@ -15,6 +15,15 @@ constexpr uint32_t kViridisHex[] = {0x440154, 0x482878, 0x3e4a89, 0x31688e, 0x26
                                     0x1f9e89, 0x35b779, 0x6dcd59, 0xb4de2c, 0xfde725};
 constexpr uint32_t kWaterHex[] = {0x0b3c7d, 0x14599f, 0x1f78bd, 0x3c9ad2, 0x6dbbe3, 0xa6d9f0, 0xe4f5fc};
 constexpr uint32_t kEmberHex[] = {0x3b0f2e, 0x6f1a3a, 0xa52c3a, 0xd54a2f, 0xf07c2a, 0xf9b04a, 0xfde6a0};
+// From one side of zero to the other: as dark at both ends, palest in the middle.
+constexpr uint32_t kBalanceHex[] = {0x1b3f7f, 0x2f6fb7, 0x7fb0d8, 0xc9dcea, 0xf4f2ee, 0xf0cdb9, 0xdf8f6b, 0xbd4a3c, 0x7d1731};
+constexpr uint32_t kSmokeHex[] = {0xe9eef3, 0xc9cfd6, 0xa3aab3, 0x7d858f, 0x5a626c, 0x3d444d};
+// Loose snow is white; packed, it is blue as ice.
+constexpr uint32_t kSnowHex[] = {0xffffff, 0xf1f7fc, 0xd9e8f4, 0xb3d1e8, 0x84b3d6, 0x5590bf, 0x2f6a9c};
+constexpr uint32_t kSandHex[] = {0x6b4a25, 0x8f6636, 0xb08449, 0xcda463, 0xe2c488, 0xf3e2b8};
+// Kinds that have a colour of their own, by their names.
+constexpr const char* kNaturalNames[] = {"fluid", "water", "oil", "snow", "sand", "foam", "smoke", "ice", "Sun", "Mercury", "Venus", "Earth", "Mars", "Jupiter", "Saturn", "Uranus", "Neptune"};
+constexpr uint32_t kNaturalHex[] = {0x2f86c9, 0x2f86c9, 0xd9a52b, 0xf4f9fd, 0xd8b06a, 0xe9c4a0, 0x7d858f, 0xb3d1e8, 0xf2b233, 0x9a8f86, 0xdfb06c, 0x3f7fd0, 0xc9552f, 0xbf8a58, 0xd6bd7c, 0x6fc0cd, 0x4463c9};
 // clang-format on
 
 }  // namespace truestep::picture

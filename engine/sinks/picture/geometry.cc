@@ -48,8 +48,7 @@ std::vector<Bytes4> mapped_colors(const DrawPoints& set, const std::vector<float
   if (values.empty()) return colors;
   const auto [low, high] = scalar_range(set);
   std::array<Bytes4, 256> table;
-  for (size_t i = 0; i < table.size(); ++i)
-    table[i] = bytes_of(map_color(set.color_map, static_cast<float>(i) / 255));
+  for (size_t i = 0; i < table.size(); ++i) table[i] = bytes_of(color_at(set, static_cast<float>(i) / 255));
   const float scale = high > low ? 255 / (high - low) : 0;
   for (size_t i = 0; i < n; ++i) {
     const float t = (values[i] - low) * scale;
@@ -202,7 +201,17 @@ std::pair<float, float> scalar_range(const DrawPoints& set) {
                                                       : set.scalar)
     if (std::isfinite(s)) low = std::min(low, s), high = std::max(high, s);
   if (!(low <= high)) low = 0, high = 1;
+  if (set.color_map == ColorMap::balance) {
+    const float reach = std::max(std::abs(low), std::abs(high));
+    low = -reach, high = reach;
+  }
   return {set.scalar_min.value_or(low), set.scalar_max.value_or(high)};
+}
+
+Color color_at(const DrawPoints& set, float t) {
+  if (set.kinds.empty()) return map_color(set.color_map, t);
+  const auto n = static_cast<float>(set.kinds.size());
+  return set.kinds[t > 0 ? static_cast<size_t>(std::min(t * n, n - 1)) : 0].color;
 }
 
 void sort_far_to_near(std::vector<MeshVertex>& glass, const View& view) {

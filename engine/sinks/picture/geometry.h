@@ -52,8 +52,11 @@ Bytes4 bytes_of(const Color& color);
 bool has_scalars(const DrawPoints& set);
 
 /// Limits of the colour map of `set`: the given ones, otherwise the smallest and largest finite value (0, 1
-/// if there is none).
+/// if there is none), or for a balance as far to both sides of zero.
 std::pair<float, float> scalar_range(const DrawPoints& set);
+
+/// The set's colour at t in [0, 1] of its range.
+Color color_at(const DrawPoints& set, float t);
 
 /// Sorts triangles by the distance of their centroids from the eye.
 void sort_far_to_near(std::vector<MeshVertex>& triangles, const View& view);

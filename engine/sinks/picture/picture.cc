@@ -5,10 +5,10 @@
 #include <optional>
 
 #include "engine/base/errors.h"
-#include "engine/sinks/picture/draw/overlay.h"
 #include "engine/sinks/picture/geometry.h"
 #include "engine/sinks/picture/gl/gl_context.h"
 #include "engine/sinks/picture/gl/gl_objects.h"
+#include "engine/sinks/picture/text/overlay.h"
 
 namespace truestep {
 namespace {

@@ -13,7 +13,7 @@ namespace truestep {
 namespace json = boost::json;
 
 bool keeps_bits(const std::string& axis) {
-  return axis == "threads" || axis == "resumed";
+  return axis == "threads" || axis == "resumed" || axis == "scratch";
 }
 
 std::optional<double> measured(const TrialResult& r, const std::string& quantity) {
@@ -53,8 +53,7 @@ void SceneCheck::compare(size_t of_case, std::optional<size_t> control,
                          std::vector<CheckFinding>& out) const {
   for (size_t axis = 0; axis < test_.vary.size(); ++axis) {
     const std::string& name = test_.vary[axis].name;
-    if (!keeps_bits(name) && std::find(test_.same.begin(), test_.same.end(), name) == test_.same.end())
-      continue;
+    if (!changes_no_bit(name)) continue;
     for (const auto& group : groups(axis, of_case, control)) {
       for (const Run* run : group) {
         if (run->result.hash == group[0]->result.hash) continue;

@@ -45,6 +45,10 @@ void apply(const SceneChange& change, Trial& trial) {
   } else if (change.where == "resumed") {
     if (!v.is_bool()) refuse("resumed is true or false", write_json(v));
     trial.resumed = v.as_bool();
+  } else if (change.where == "scratch") {
+    if (v != json::value("kept") && v != json::value("dropped"))
+      refuse("scratch is kept or dropped", write_json(v));
+    trial.drops_scratch = v == json::value("dropped");
   } else if (change.where == "dt") {
     set_at(trial.document, "/time/dt", v);
   } else if (change.where.starts_with('/')) {
@@ -101,6 +105,10 @@ SceneCheck::SceneCheck(const json::value& document) {
   }
 }
 
+bool SceneCheck::changes_no_bit(const std::string& axis) const {
+  return keeps_bits(axis) || std::find(test_.same.begin(), test_.same.end(), axis) != test_.same.end();
+}
+
 // A control is run once, unless it is a comparison that must fail.
 bool SceneCheck::varies(size_t axis, std::optional<size_t> control) const {
   if (!control) return true;
@@ -109,8 +117,7 @@ bool SceneCheck::varies(size_t axis, std::optional<size_t> control) const {
     return std::find(fails.begin(), fails.end(), what) != fails.end();
   };
   const std::string& name = test_.vary[axis].name;
-  const bool same =
-      keeps_bits(name) || std::find(test_.same.begin(), test_.same.end(), name) != test_.same.end();
+  const bool same = changes_no_bit(name);
   const bool agree = std::any_of(test_.agree.begin(), test_.agree.end(),
                                  [&](const TestAgreement& a) { return a.over == name; });
   return (same && fails_in(kSame)) || (agree && fails_in(kAgree));
@@ -134,6 +141,8 @@ void SceneCheck::add_run(const json::value& scene, Run run) {
   run.trial.document = scene;
   run.trial.plan = c.plan;
   run.trial.sleepers = test_.still.has_value();
+  run.trial.compared = std::any_of(test_.vary.begin(), test_.vary.end(),
+                                   [this](const TestAxis& a) { return changes_no_bit(a.name); });
   if (c.expect) run.trial.document.as_object()["expect"] = *c.expect;
   // What cannot be built measures nothing: that is no fault of its own.
   if (c.is_refused() && !c.expect && run.trial.document.is_object())
@@ -186,6 +195,8 @@ void SceneCheck::judge(const Run& run, std::vector<CheckFinding>& out) const {
     if (c.instability == TestEnding::runs || (run.control && c.instability == TestEnding::may_fail) ||
         r.failure->find(c.says) == std::string::npos)
       add("instability", std::nullopt, c.says, *r.failure);
+    // What a run ends with is still meaningful.
+    if (!r.not_finite.empty()) add("not_finite", std::nullopt, "", r.not_finite + " is not finite");
     return;
   }
   if (c.instability == TestEnding::fails)

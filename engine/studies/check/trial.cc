@@ -5,6 +5,7 @@
 #include <ctime>
 #include <numeric>
 
+#include "engine/base/hash.h"
 #include "engine/base/interrupt.h"
 #include "engine/scene/admission.h"
 #include "engine/session/commands.h"
@@ -57,7 +58,9 @@ class Run {
       interruption_point();
       if (trial_.resumed && n == (steps_ + 1) / 2) resume();
       for (; next_ < commands_.size() && step_of(commands_[next_]) <= n; ++next_) carry_out(commands_[next_]);
+      if (trial_.drops_scratch) session_->drop_workspace();
       if (session_->step(1) == 0) break;
+      if (trial_.compared) states_.integer(session_->hash());
       if (every || n + 1 == steps_) look();
       if (trial_.sleepers) sleepers_.add(*session_, arena_);
     }
@@ -73,7 +76,7 @@ class Run {
       if (!std::isfinite(o.value) && out_.not_finite.empty()) out_.not_finite = o.name;
     }
     out_.verdicts = expectations_.verdicts();
-    out_.hash = session_->hash();
+    out_.hash = trial_.compared ? states_.value() : session_->hash();
     out_.steps = session_->step_index();
     out_.moved = sleepers_.moved(), out_.moved_at = sleepers_.at();
   }
@@ -146,6 +149,7 @@ class Run {
   std::unique_ptr<Session> session_;
   size_t next_ = 0;
   Sleepers sleepers_;
+  Hasher states_;
 };
 
 }  // namespace

@@ -14,7 +14,9 @@ namespace truestep {
 struct Trial {
   boost::json::value document;  ///< a scene
   int threads = 1;
-  bool resumed = false;  ///< saved halfway and continued by another session
+  bool resumed = false;        ///< saved halfway and continued by another session
+  bool drops_scratch = false;  ///< begins every step without scratch memory
+  bool compared = false;       ///< whether the bits of all its states are compared with another run's
   std::vector<TestCommand> commands;
   std::vector<NamedText> plan;  ///< reasons that stages are to have
   bool sleepers = false;        ///< whether what sleeps is woken to see whether it moves
@@ -22,7 +24,8 @@ struct Trial {
 
 struct TrialResult {
   std::vector<Verdict> verdicts;
-  uint64_t hash = 0, steps = 0;
+  uint64_t hash = 0;  ///< of all states of a run that is compared, else of the last one
+  uint64_t steps = 0;
   std::vector<Issue> refused;          ///< faults of a scene that was not accepted
   std::optional<std::string> refusal;  ///< the sentence above them
   std::optional<std::string> failure;  ///< the instability that ended the run

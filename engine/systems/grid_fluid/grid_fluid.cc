@@ -34,6 +34,7 @@ PartInfo cells_part(const FlowModel& m) {
   part.kind = PartInfo::Kind::grid;
   part.fields = {
       {"velocity", "m/s", Scalar::f64, 3}, {"speed", "m/s"}, {"pressure", "Pa"}, {"vorticity", "1/s"}};
+  part.fields.back().scale = FieldInfo::Scale::deviation;
   if (m.def.scalar) part.fields.push_back({"scalar", "1"});
   if (m.two_fluids()) part.fields.push_back({"second_fluid", "1"});
   part.max_rows = m.grid.cell_count();

@@ -120,6 +120,7 @@ MassSpring::MassSpring(std::unique_ptr<const MassSpringField> field, const Chose
     drawing_.line_kinds.push_back(line_kind(schedule.family[s]));
   }
   drawing_.triangles = springs_.network().triangles;
+  if (def.color) drawing_.color = {def.color->x, def.color->y, def.color->z};
   if (drawing_.triangles.empty()) publish_segments();
   name_parts();
 }

@@ -170,6 +170,7 @@ const DefTable& mass_spring_table() {
         .number("air_density", &D::air_density, "kg/m^3", at_least(0), "of the air, if there is wind")
         .number("drag_coefficient", &D::drag_coefficient, "1", at_least(0),
                 "of the cloth's faces or the rope's cross-section")
+        .vector("color", &D::color, "1", between(0, 1), "red, green, blue as a screen shows them")
         .number("thickness", &D::thickness, "m", at_least(0),
                 "diameter of the rope for the wind; points stay half of it away from obstacles")
         .number("restitution", &D::restitution, "1", between(0, 1),

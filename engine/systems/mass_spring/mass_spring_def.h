@@ -49,6 +49,7 @@ struct MassSpringDef : IntegratorParams {
   double gust = 0, gust_period = 2;
   double air_density = 1.2, drag_coefficient = 1.2;
   double thickness = 0.01;  // m
+  std::optional<Vec3> color;
   double restitution = 0;
   std::optional<double> friction;
   ColliderDefs colliders;

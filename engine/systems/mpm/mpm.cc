@@ -84,6 +84,7 @@ Mpm::Mpm(const MpmDef& def, const BuildContext& context)
                    {"density", "kg/m^3"},
                    {"plastic_strain", "1"},
                    {"material", "1"}};
+  points.fields.back().kinds = {"fluid", "corotated", "neo_hookean", "snow", "sand", "foam", "elastic"};
   if (def.changes()) points.fields.push_back({"id", "1", Scalar::u64});
   points.max_rows = setting_->capacity;
   set_parts({std::move(points)});
@@ -223,8 +224,24 @@ void Mpm::apply(State& s, const Command& c) const {
   store3(s.f64(columns::gravity).data(), 0, g);
 }
 
+namespace {
+
+/// The box that the material cannot leave.
+DrawnShape walls_of(const MpmDef& def) {
+  DrawnShape box;
+  box.kind = DrawnShape::Kind::box, box.container = true, box.id = "walls";
+  box.position = (def.low + def.high) * 0.5, box.size = (def.high - def.low) * 0.5;
+  if (def.dimension == 2) box.position.z = 0, box.size.z = 0;
+  return box;
+}
+
+}  // namespace
+
 void Mpm::draw(const State&, double t, Wish wishes, Drawing& out) const {
-  if (wants(wishes, Wish::obstacles)) out.obstacles = setting_->colliders.drawn(t);
+  if (wants(wishes, Wish::obstacles)) {
+    out.obstacles = setting_->colliders.drawn(t);
+    out.obstacles.push_back(walls_of(setting_->def));
+  }
   if (!wants(wishes, Wish::constant)) return;
   PartDrawing& d = out.parts.emplace_back();
   d.point_radius = 0.5 * setting_->def.cell / setting_->def.particles_per_axis;

@@ -96,6 +96,9 @@ const DefTable& ode_table() {
         .texts("plot", &D::plot, {1, 3},
                "drawn coordinates x, y, z: states, arrays (one point per element) or expressions; [i] is the "
                "point's own element")
+        .texts("axes", &D::axes, {0, 3},
+               "what the axes of `plot` show, in words; without them the states' names or the expressions")
+        .texts("curves", &D::curves, {0, 64}, "names of the points of `plot`, whose paths are its curves")
         .integer("trail", &D::trail, between(0, 100000), "past steps shown by the drawn path")
         .number("draw_radius", &D::draw_radius, "m", at_least(0), "of the drawn points")
         .vector("color", &D::color, "1", between(0, 1), "red, green, blue of the points");

@@ -40,7 +40,7 @@ struct OdeDef : IntegratorParams {
   std::vector<OdeEventDef> events;
   std::optional<TracersDef> tracers;
   std::vector<NamedNumbers> absolute_tolerances;
-  std::vector<std::string> plot;
+  std::vector<std::string> plot, axes, curves;
   std::optional<double> max_step;
   std::optional<int> trail;
   double draw_radius = 0.02;

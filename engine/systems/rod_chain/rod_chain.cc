@@ -1,6 +1,7 @@
 #include "engine/systems/rod_chain/rod_chain.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "engine/base/errors.h"
@@ -70,7 +71,8 @@ class RodChain final : public StagedSystem {
                 {{"position", "m", Scalar::f64, 3, Meaning::position},
                  {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity},
                  {"direction", "1", Scalar::f64, 3},
-                 {"angular_velocity", "rad/s", Scalar::f64, 3}},
+                 {"angular_velocity", "rad/s", Scalar::f64, 3},
+                 {"orientation", "1", Scalar::f64, 4, Meaning::orientation}},
                 static_cast<size_t>(def.links),
                 {}},
                {PartInfo::Kind::values,
@@ -135,6 +137,7 @@ class RodChain final : public StagedSystem {
 
   FieldView field(const State& s, size_t part, size_t field, std::vector<double>& scratch) const override {
     if (part == 1) return ends(s, field == 1, scratch);
+    if (field > kSpin) return orientations(s, scratch);
     const auto c = static_cast<State::Column>(field);
     return {s.f64(c).data(), Scalar::f64, s.rows(c), 3};
   }
@@ -172,16 +175,11 @@ class RodChain final : public StagedSystem {
   }
 
   void draw(const State& s, double, Wish wishes, Drawing& out) const override {
-    if (wants(wishes, Wish::constant)) out.parts.resize(2);
-    if (!wants(wishes, Wish::obstacles)) return;
-    const double *x = s.f64(kPosition).data(), *u = s.f64(kDirection).data();
-    for (size_t j = 0; j < s.rows(kPosition); ++j) {
-      const Quat q = rotation_between({0, 1, 0}, load3(u, j));
-      DrawnShape d;
-      d.kind = DrawnShape::Kind::capsule, d.position = load3(x, j), d.orientation = {q.w, q.x, q.y, q.z};
-      d.size = {def_.radius, chain_.half, 0}, d.id = std::to_string(j);
-      out.obstacles.push_back(d);
-    }
+    if (!wants(wishes, Wish::constant)) return;
+    out.parts.resize(2);
+    Visual& rod = out.parts[0].visuals.emplace_back();
+    rod.shape.kind = DrawnShape::Kind::capsule, rod.shape.size = {def_.radius, chain_.half, 0};
+    for (uint32_t j = 0; j < s.rows(kPosition); ++j) out.parts[0].instances.push_back({j, 0});
   }
 
   std::optional<double> limit(Limit which, const State&, double) const override {
@@ -204,6 +202,16 @@ class RodChain final : public StagedSystem {
     rod_chain::Scratch scratch;
     if (def_.constraints != RodChainDef::Treatment::penalty) close_rates(chain_, rods, scratch);
     store(s, rods);
+  }
+  // That turn the y axis, a capsule's own, along the rods.
+  FieldView orientations(const State& s, std::vector<double>& scratch) const {
+    const size_t n = s.rows(kPosition);
+    scratch.resize(4 * n);
+    for (size_t j = 0; j < n; ++j) {
+      const Quat q = rotation_between({0, 1, 0}, load3(s.f64(kDirection).data(), j));
+      std::copy_n(std::array{q.w, q.x, q.y, q.z}.data(), 4, &scratch[4 * j]);
+    }
+    return {scratch.data(), Scalar::f64, n, 4};
   }
   // Of every rod's end that is farther from the anchor: position, or velocity.
   FieldView ends(const State& s, bool velocities, std::vector<double>& scratch) const {

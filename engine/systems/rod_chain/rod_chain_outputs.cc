@@ -11,6 +11,7 @@ const Outputs& rod_chain_outputs() {
                  {"velocity", "m/s", 3, "of the centre"},
                  {"direction", "1", 3, "unit vector along the rod"},
                  {"angular_velocity", "rad/s", 3, ""},
+                 {"orientation", "1", 4, "quaternion (w, x, y, z) that turns the y axis along the rod"},
                  {"end", "m", 3, "part ends: of the rod, away from the anchor"},
                  {"end_velocity", "m/s", 3, "part ends"}},
       .observables = {{"energy.kinetic", "J", "of motion"},

@@ -37,7 +37,9 @@ Rates rates(LatticeWork& work, double damping) {
 
 Wave::Wave(const WaveDef& def, const BuildContext& context)
     : def_(def), model_(def, lattice::SideKind::dirichlet, texts(def)) {
-  set_parts({lattice::grid_part(model_.lattice(), {{"value", "m"}, {"rate", "m/s"}})});
+  set_parts({lattice::grid_part(
+      model_.lattice(), {{"value", "m", Scalar::f64, 1, Meaning::value, FieldInfo::Scale::deviation},
+                         {"rate", "m/s", Scalar::f64, 1, Meaning::value, FieldInfo::Scale::deviation}})});
   set_remedies({"a shorter dt", "the integrator implicit_midpoint, which is stable for any dt"});
   static const ThreadArena kSerial(1);
   LatticeWork work;

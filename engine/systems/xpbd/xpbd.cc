@@ -72,6 +72,7 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
                 def.scheme == Scheme::pbd && def.sweep == Sweep::chains ? Sweep::links : def.sweep,
                 lanes_of(def.precision), tears_ ? &*tears_ : nullptr),
       colliders_(build_colliders(def.colliders)) {
+  if (def.color) drawing_.color = {def.color->x, def.color->y, def.color->z};
   const Division division = divide(def, context, body_);
   options_ = {
       .scheme = def.scheme,

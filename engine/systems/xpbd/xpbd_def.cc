@@ -233,6 +233,7 @@ const DefTable& xpbd_table() {
         .number("air_density", &D::air_density, "kg/m^3", at_least(0), "of the air, if there is wind")
         .number("drag_coefficient", &D::drag_coefficient, "1", at_least(0),
                 "of the cloth's faces or the rope's cross-section")
+        .vector("color", &D::color, "1", between(0, 1), "red, green, blue as a screen shows them")
         .number("thickness", &D::thickness, "m", at_least(0),
                 "of the cloth, or diameter of the rope; points stay half of it away from obstacles")
         .boolean("self_collision", &D::self_collision,

@@ -315,7 +315,8 @@ PictureSize size_of(const Request& request) {
 Task<Response> picture(App& app, const Request& request) {
   EntryPtr entry = co_await session_of(app, request);
   const auto [width, height] = size_of(request);
-  const PictureLook look = look_of(request);
+  PictureLook look = look_of(request);
+  look.trails = entry->trails;
   std::optional<DrawCamera> camera;
   if (look.view == PictureLook::View::scene) camera = camera_of(request.query_value("camera"));
   // A session's world never changes.

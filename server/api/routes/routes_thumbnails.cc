@@ -34,11 +34,13 @@ std::string draw(const GalleryScene& scene) {
   const double steps = std::min(std::min(kMoment, 0.5 * time.duration) / time.dt, kWork / cost);
   const auto world = std::make_shared<const World>(std::move(parsed));
   Session session(world, std::make_shared<const ThreadArena>(1), {.history_bytes = 0});
+  PictureLook look;
+  if (auto trails = TrailSink::of(*world)) session.add_sink(trails), look.trails = std::move(trails);
   session.step(static_cast<uint64_t>(std::llround(steps)));
   PictureRenderer renderer(kWidth, kHeight);
-  const auto png = encode_png(
-      renderer.render_rgba(draw_list_of(session.world(), *session.frame(picture_request(session.world())))),
-      kWidth, kHeight);
+  const auto png = encode_png(renderer.render_rgba(draw_list_of(
+                                  session.world(), *session.frame(picture_request(session.world())), look)),
+                              kWidth, kHeight);
   return {reinterpret_cast<const char*>(png.data()), png.size()};
 }
 

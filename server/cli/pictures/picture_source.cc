@@ -27,7 +27,9 @@ class SceneSource final : public PictureSource {
         world_(make_world(document)),
         look_(std::move(look)),
         request_(picture_request(*world_, look_)),
-        session_(world_, arena_, {.history_bytes = 0}) {}
+        session_(world_, arena_, {.history_bytes = 0}) {
+    if (auto trails = TrailSink::of(*world_)) session_.add_sink(trails), look_.trails = std::move(trails);
+  }
 
   double begin() const override { return 0; }
   double end() const override { return world_->scene().header.time.duration; }

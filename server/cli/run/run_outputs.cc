@@ -9,6 +9,8 @@ namespace truestep {
 
 RunOutputs::RunOutputs(Session& session, const std::string& recording_path, PictureWish picture)
     : session_(session), picture_(std::move(picture)) {
+  if (!picture_.path.empty()) trails_ = TrailSink::of(session.world());
+  if (trails_) session.add_sink(trails_);
   if (recording_path.empty()) return;
   make_folder_of(recording_path);
   recording_ = std::make_shared<RecordingSink>(std::make_shared<RecordingThread>(), session, recording_path);
@@ -24,7 +26,8 @@ void RunOutputs::finish() {
   const PictureSize size = picture_size(picture_.look);
   PictureRenderer renderer(size.width, size.height);
   const World& world = session_.world();
-  const PictureLook look = picture_look(picture_.look);
+  PictureLook look = picture_look(picture_.look);
+  look.trails = trails_;
   auto list = draw_list_of(world, *session_.frame(picture_request(world, look)), look);
   aim(picture_.look, list);
   write_png(picture_.path, renderer.render_rgba(list), size);

@@ -9,6 +9,7 @@
 namespace truestep {
 
 class RecordingSink;
+class TrailSink;
 
 /// A picture of the last frame: its path (empty: none) and its look.
 struct PictureWish {
@@ -26,6 +27,7 @@ class RunOutputs {
  private:
   Session& session_;
   PictureWish picture_;
+  std::shared_ptr<TrailSink> trails_;
   std::shared_ptr<RecordingSink> recording_;
 };
 

@@ -162,18 +162,5 @@ TEST(CrowdOnCloth, KeepsMomentumAndGainsNoEnergy) {
   EXPECT_GT(run.observe("c.impulse.sum"), 0.1 * before.scale);
 }
 
-TEST(CrowdOnCloth, SameBitsForAnyNumberOfThreads) {
-  const Crowd crowd{
-      .speed = 60, .dt = 0.008, .mass = 0.01, .node_mass = 0.01, .thickness = 0.01, .count = 400, .seed = 1};
-  SceneRun serial(scene(crowd, kContact), 0), eight(scene(crowd, kContact), 8),
-      dropped(scene(crowd, kContact), 2);
-  for (int i = 0; i < 20; ++i) {
-    for (SceneRun* run : {&serial, &eight, &dropped}) run->session.step(1);
-    dropped.session.drop_workspace();
-    ASSERT_EQ(serial.session.hash(), eight.session.hash()) << i;
-    ASSERT_EQ(serial.session.hash(), dropped.session.hash()) << i;
-  }
-}
-
 }  // namespace
 }  // namespace truestep

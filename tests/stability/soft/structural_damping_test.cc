@@ -1,5 +1,6 @@
 // generalized_alpha's spectral radius at infinity is the requested one, and Newmark's beta and gamma have
-// their published effects.
+// their published effects. (What a scene asks for is in
+// tests/scenes/equations/damping_that_is_asked_for.json.)
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,7 +9,6 @@
 #include "engine/integrators/advance.h"
 #include "engine/integrators/table/integrators.h"
 #include "tests/convergence/problems.h"
-#include "tests/support/ode_run.h"
 
 namespace truestep::test {
 namespace {
@@ -92,46 +92,6 @@ TEST(Newmark, GammaAboveOneHalfDampsAndBetaDecidesOnStability) {
   const StructuralDamping linear{.newmark_beta = 1.0 / 6};
   EXPECT_LT(amplitude("newmark", 1, 0.999 * std::sqrt(12), 4000, linear), 100);
   EXPECT_GT(amplitude("newmark", 1, 1.001 * std::sqrt(12), 4000, linear), 1e6);
-}
-
-TEST(Newmark, GammaIsAskedForInAScene) {
-  const auto run = [](const std::string& settings, const char* method) {
-    OdeRun r(R"s("states": {"x": 1}, "second": {"x": "-1e6 * x"}, "integrator": ")s" + std::string(method) +
-                 "\"" + settings,
-             0.1);
-    return std::abs(r.steps(40).value("x"));
-  };
-  EXPECT_LT(run(R"(, "spectral_radius": 0.2)", "generalized_alpha"), 1e-15);
-  EXPECT_GT(run("", "generalized_alpha"), 1e-4) << "0.9 is the default";
-  EXPECT_GT(run("", "newmark"), 1e-3);
-  EXPECT_LT(run(R"(, "newmark_gamma": 1, "newmark_beta": 0.6)", "newmark"), 1e-9);
-  for (const char* bad : {R"("spectral_radius": 1.1)", R"("spectral_radius": -0.1)",
-                          R"("newmark_gamma": 0.4)", R"("max_internal_steps": 0)"}) {
-    EXPECT_FALSE(ode_faults(R"s("states": {"x": 1}, "second": {"x": "-x"}, "integrator": "newmark", )s" +
-                            std::string(bad))
-                     .empty())
-        << bad;
-  }
-}
-
-TEST(InternalSteps, AreBoundedAndTheFaultSaysWhatHelps) {
-  // A million revolutions within one step.
-  const std::string fast = R"s("states": {"x": 1, "v": 0}, "equations": {"x": "v", "v": "-4e13 * x"},
-    "integrator": ")s";
-  for (const char* method : {"tsit5", "dop853", "rkn86", "ias15", "radau5", "cvode_adams"}) {
-    OdeRun run(fast + std::string(method) + "\", \"max_internal_steps\": 500", 1);
-    try {
-      run.steps(1);
-      ADD_FAILURE() << method;
-    } catch (const Instability& e) {
-      const std::string what = e.what();
-      EXPECT_NE(what.find("500 internal steps"), std::string::npos) << method << ": " << what;
-      EXPECT_NE(what.find("raise max_internal_steps"), std::string::npos) << method;
-    }
-  }
-  // Control: the same revolutions in as many steps of the scene are no error.
-  OdeRun calm(fast + "tsit5\", \"max_internal_steps\": 500", 1e-6);
-  calm.steps(10);
 }
 
 }  // namespace

@@ -330,21 +330,5 @@ TEST(BodySides, RefusalsSayWhatIsAllowed) {
             std::string::npos);
 }
 
-TEST(BodyContact, ThreadsAndRestoresChangeNoBit) {
-  const std::string scene = storm(R"("restitution": 0.4, "friction": 0.6)", 3);
-  SceneRun one(scene, 1), eight(scene, 8), dropped(scene, 2), restored(scene, 1);
-  for (int k = 0; k < 300; ++k) {
-    for (SceneRun* run : {&one, &eight, &dropped}) run->session.step(1);
-    dropped.session.drop_workspace();
-    if (k == 200) restored.session.restore(WorldState::deserialize(one.session.state().serialize()));
-    if (k > 200) restored.session.step(1);
-    ASSERT_EQ(one.session.hash(), eight.session.hash()) << k;
-    ASSERT_EQ(one.session.hash(), dropped.session.hash()) << k;
-    if (k >= 200) {
-      ASSERT_EQ(one.session.hash(), restored.session.hash()) << k;
-    }
-  }
-}
-
 }  // namespace
 }  // namespace truestep

@@ -104,23 +104,5 @@ TEST(FlatBodies, ChainsHoldAndSleepersWake) {
   EXPECT_GT(run.observe("c.impulse.sum"), 50);
 }
 
-TEST(JointedBodies, ThreadsAndRestoresChangeNoBit) {
-  const std::string scene = scene_of(
-      dust({0.4, 2, 0.3}, {0, -4, 0}, {0.8, 0.8, 0.4}) + "," + kBody + "," + kFlat,
-      R"({"type": "contact", "id": "c", "a": "dust", "b": "doll", "friction": 0.5}, {"type": "contact", "a": "flat", "b": "dust"})");
-  SceneRun one(scene, 1), four(scene, 4), dropped(scene, 2), restored(scene, 1);
-  for (int k = 0; k < 150; ++k) {
-    for (SceneRun* run : {&one, &four, &dropped}) run->session.step(1);
-    dropped.session.drop_workspace();
-    if (k == 100) restored.session.restore(WorldState::deserialize(one.session.state().serialize()));
-    if (k > 100) restored.session.step(1);
-    ASSERT_EQ(one.session.hash(), four.session.hash()) << k;
-    ASSERT_EQ(one.session.hash(), dropped.session.hash()) << k;
-    if (k >= 100) {
-      ASSERT_EQ(one.session.hash(), restored.session.hash()) << k;
-    }
-  }
-}
-
 }  // namespace
 }  // namespace truestep

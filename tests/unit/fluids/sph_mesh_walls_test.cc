@@ -3,9 +3,7 @@
 
 #include <algorithm>
 
-#include "engine/base/errors.h"
 #include "engine/kernels/sph/smoothing.h"
-#include "engine/scene/scene.h"
 #include "engine/systems/sph/walls.h"
 #include "tests/unit/fluids/mesh_collider_rig.h"
 #include "tests/unit/fluids/sph_rig.h"
@@ -201,42 +199,6 @@ TEST(SphMeshWalls, WhatDoesNotFitIsRefused) {
   vast.motion = MotionDef{};
   vast.motion->velocity = {0, 0.1, 0};
   EXPECT_EQ(told(room_with({vast})), Told{"/colliders/0"});
-}
-
-std::vector<Issue> issues_of(const std::string& collider) {
-  try {
-    parse_scene(R"({"systems": [{"type": "sph", "bodies": [{"center": [0.5, 0.8, 0.5]}], "colliders": [)" +
-                collider + "]}]}");
-  } catch (const Error& e) {
-    return e.issues();
-  }
-  return {};
-}
-
-TEST(SphMeshWalls, AMeshThatEnclosesNothingIsToldWhere) {
-  const std::string corners =
-      R"("vertices": [[0, 0, 0], [0.3, 0, 0], [0, 0.3, 0], [0, 0, 0.3], [0.3, 0.3, 0.3]], "triangles": )";
-  const std::string start = R"({"type": "mesh", )" + corners;
-  EXPECT_TRUE(issues_of(start + "[0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3]}").empty()) << "control";
-  struct Case {
-    const char* triangles;
-    const char* pointer;
-    const char* words;
-  };
-  for (const Case& c :
-       {Case{"[0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 2]", "/systems/0/colliders/0/triangles/9", "has no area"},
-        Case{"[0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 5]", "/systems/0/colliders/0/triangles/11", "no such vertex"},
-        Case{"[0, 2, 1, 0, 1, 3, 0, 3, 2, 2, 1, 3]", "/systems/0/colliders/0/triangles/", "same direction"},
-        Case{"[0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2]", "/systems/0/colliders/0/triangles", "clockwise"},
-        Case{"[0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 4]", "/systems/0/colliders/0/triangles/", "one side only"}}) {
-    const auto issues = issues_of(start + c.triangles + "}");
-    ASSERT_EQ(issues.size(), 1u) << c.triangles;
-    EXPECT_EQ(issues[0].pointer.rfind(c.pointer, 0), 0u) << issues[0].pointer;
-    EXPECT_NE(issues[0].message.find(c.words), std::string::npos) << issues[0].message;
-  }
-  const auto ground = issues_of(R"({"type": "height_field", "count": [2, 3], "heights": [0, 0, 0, 0]})");
-  ASSERT_EQ(ground.size(), 1u);
-  EXPECT_EQ(ground[0].pointer, "/systems/0/colliders/0/heights");
 }
 
 }  // namespace

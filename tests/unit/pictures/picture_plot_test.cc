@@ -134,8 +134,15 @@ TEST(PicturePlot, ALegendNamesOnlyWhatHasItsColour) {
   ASSERT_EQ(two.legend.size(), 2u);
   EXPECT_EQ(two.legend[0].text, "left rope");
   EXPECT_EQ(two.legend[1].color.r, picture::palette(1).r);
+  // Bodies of one colour have a name, those of several have none.
   const std::string chain = R"({"type": "rod_chain", "id": "chain"})";
-  EXPECT_TRUE(test::PictureSession(head + rope("rope") + ", " + chain + "]}", 0).list().legend.empty());
+  const DrawList rods = test::PictureSession(head + rope("rope") + ", " + chain + "]}", 0).list();
+  ASSERT_EQ(rods.legend.size(), 2u);
+  EXPECT_EQ(rods.legend[1].text, "chain");
+  EXPECT_EQ(rods.legend[1].color.r, picture::palette(1).r);
+  const std::string balls = R"({"type": "rigid3d", "id": "balls", "bodies": [
+    {"type": "sphere", "position": [0, 2, 0], "color": [1, 0, 0]}, {"type": "sphere", "position": [0, 5, 0]}]})";
+  EXPECT_TRUE(test::PictureSession(head + rope("rope") + ", " + balls + "]}", 0).list().legend.empty());
 }
 
 // Both limbs are skins with colours of their own; by position in the palette the legend would swap them.

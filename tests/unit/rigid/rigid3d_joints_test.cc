@@ -1,135 +1,15 @@
-// Errors in joints with their pointers; commands to motors; coordinates of joints.
+// Coordinates of joints and steps of their springs. (Faults of joints are in
+// tests/scenes/refused/joints_3d.json, commands to motors in tests/scenes/rigid.)
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "engine/base/errors.h"
 #include "engine/kernels/rigid/soft_constraint.h"
-#include "engine/scene/json/json.h"
-#include "engine/scene/params/params.h"
-#include "engine/session/world/world.h"
 #include "tests/support/rigid3d_run.h"
 
 namespace truestep {
 using namespace rigid3d;
 namespace {
-
-/// Two dynamic balls, rows 0 and 1, and a plane, row 2.
-std::string scene(const std::string& joints) {
-  return R"({"systems": [{"type": "rigid3d", "id": "r", "bodies": [
-    {"type": "sphere", "position": [0, 2, 0], "copies": {"count": [2, 1, 1], "spacing": [2, 1, 1]}},
-    {"type": "plane", "motion": "fixed"}], "joints": )" +
-         joints + "}]}";
-}
-
-std::vector<Issue> faults(const std::string& joints) {
-  try {
-    const World world(parse_scene(scene(joints)));
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), "scene_invalid");
-    return e.issues();
-  }
-  return {};
-}
-
-TEST(Rigid3dJointScene, EveryFaultHasItsPointer) {
-  struct Case {
-    const char* joint;
-    const char* pointer;
-  };
-  for (
-      const Case& c : {
-          Case{R"([{"type": "bal"}])", "/0/type"},
-          Case{R"([{"type": "ball", "a": 0, "b": 7}])", "/0/b"},
-          Case{R"([{"type": "ball", "a": -2, "b": 0}])", "/0/a"},
-          Case{R"([{"type": "ball", "a": 0, "b": 1, "repeat": 3}])", "/0/b"},
-          Case{R"([{"type": "ball", "a": 1, "b": 1}])", "/0/b"},
-          Case{R"([{"type": "ball", "a": 0, "b": 1, "break_force": 0}])", "/0/break_force"},
-          Case{
-              R"([{"type": "ball", "a": 0, "b": 1, "id": "x"}, {"type": "ball", "a": -1, "b": 1, "id": "x"}])",
-              "/1/id"},
-          Case{R"([{"type": "hinge", "a": 0, "b": 1, "axis": [0, 0, 0]}])", "/0/axis"},
-          Case{R"([{"type": "hinge", "a": 0, "b": 1, "lower": 1, "upper": -1}])", "/0/lower"},
-          Case{R"([{"type": "hinge", "a": 0, "b": 1, "hertz": 1, "stiffness": 3}])", "/0/hertz"},
-          Case{R"([{"type": "hinge", "a": 0, "b": 1, "motor_speed": 1, "motor_target": 3}])",
-               "/0/motor_target"},
-          Case{R"([{"type": "hinge", "a": 0, "b": 1, "max_motor": 1}])", "/0/max_motor"},
-          Case{R"([{"type": "slider", "a": 0, "b": 1, "stiffness": -1}])", "/0/stiffness"},
-          Case{R"([{"type": "slider", "a": 0, "b": 1, "axis": [0, 0, 0]}])", "/0/axis"},
-          Case{R"([{"type": "cylindrical", "a": 0, "b": 1, "slide": {"lower": 2, "upper": 1}}])",
-               "/0/slide/lower"},
-          Case{R"([{"type": "plane", "a": 0, "b": 1, "axis": [0, 0, 0]}])", "/0/axis"},
-          Case{R"([{"type": "distance", "a": 0, "b": 1, "minimum": 2, "maximum": 1}])", "/0/minimum"},
-          Case{R"([{"type": "distance", "a": 0, "b": 1, "length": 2, "maximum": 1}])", "/0/length"},
-          Case{R"([{"type": "spring", "a": 0, "b": 1}])", "/0/stiffness"},
-          Case{R"([{"type": "spring", "a": 0, "b": 1, "hertz": 2, "damping": 1}])", "/0/hertz"},
-          Case{R"([{"type": "universal", "a": 0, "b": 1, "axis": [1, 0, 0], "axis_b": [1, 1, 0]}])",
-               "/0/axis_b"},
-          Case{R"([{"type": "cone_twist", "a": 0, "b": 1, "swing": 4}])", "/0/swing"},
-          Case{R"([{"type": "cone_twist", "a": 0, "b": 1, "twist_lower": 1, "twist_upper": 0}])",
-               "/0/twist_lower"},
-          Case{R"([{"type": "six_dof", "a": 0, "b": 1, "across": [2, 0, 0]}])", "/0/across"},
-          Case{R"([{"type": "six_dof", "a": 0, "b": 1, "turn_z": {"lower": 1, "upper": 0}}])",
-               "/0/turn_z/lower"},
-          Case{R"([{"type": "motor", "a": 0, "b": 1, "turn": [4, 0, 0]}])", "/0/turn"},
-          Case{R"([{"type": "gear", "first": 0, "second": 1}])", "/0/first"},
-          Case{R"([{"type": "hinge", "a": 0, "b": 1}, {"type": "gear", "first": 0, "second": 4}])",
-               "/1/second"},
-          Case{R"([{"type": "hinge", "a": 0, "b": 1}, {"type": "gear", "first": 0, "second": 0}])",
-               "/1/second"},
-          Case{R"([{"type": "hinge", "a": 0, "b": 1}, {"type": "ball", "a": -1, "b": 1},
-                    {"type": "gear", "first": 0, "second": 1}])",
-               "/2/second"},
-          Case{R"([{"type": "hinge", "a": 0, "b": 1}, {"type": "hinge", "a": -1, "b": 1},
-                    {"type": "gear", "first": 0, "second": 1, "ratio": 0}])",
-               "/2/ratio"},
-      }) {
-    const auto found = faults(c.joint);
-    ASSERT_FALSE(found.empty()) << c.joint;
-    EXPECT_EQ(found[0].pointer, std::string("/systems/0/joints") + c.pointer) << c.joint << found[0].message;
-    EXPECT_FALSE(found[0].message.empty());
-  }
-  // The control: a valid joint is accepted.
-  EXPECT_TRUE(faults(R"([{"type": "hinge", "a": 0, "b": 1, "lower": -1, "upper": 1, "hertz": 1},
-    {"type": "hinge", "a": -1, "b": 1}, {"type": "gear", "first": 0, "second": 1, "ratio": 2},
-    {"type": "ball", "a": -1, "b": 2}])")
-                  .empty());
-}
-
-TEST(Rigid3dJointCommands, MotorsTakeTheirTargetsAndOthersRefuse) {
-  Rigid3dDef d;
-  d.bodies = {testing::ball(0.5, {0, 1, 0}), testing::ball(0.5, {2, 1, 0})};
-  HingeJointDef hinge;
-  hinge.id = "h", hinge.motor_speed = 1, hinge.max_motor = 1e6;
-  BallJointDef plain;
-  plain.b = 1;
-  d.joints = {hinge, plain};
-  testing::RigidRun run(d);
-  Command c;
-  c.kind = CommandKind::set_parameter, c.name = "motor_speed", c.index = 0, c.value = -3;
-  run.apply(c);
-  run.run(30);
-  EXPECT_NEAR(run.w(0).y, -3, 1e-4);
-  c.name = "max_motor", c.value = 0;
-  run.apply(c);
-  c.name = "motor_speed", c.value = 10;
-  run.apply(c);
-  run.run(30);
-  EXPECT_NEAR(run.w(0).y, -3, 1e-2);  // without strength nothing changes
-  const auto refused = [&](const char* name, int64_t index, double value) {
-    c.name = name, c.index = index, c.value = value;
-    try {
-      run.apply(c);
-    } catch (const Error& e) {
-      return e.code() == "bad_command" && !e.issues().empty();
-    }
-    return false;
-  };
-  EXPECT_TRUE(refused("motor_speed", 1, 1));   // no motor
-  EXPECT_TRUE(refused("motor_speed", 2, 1));   // no joint
-  EXPECT_TRUE(refused("motor_target", 0, 1));  // wants a speed
-  EXPECT_TRUE(refused("max_motor", 0, -1));
-}
 
 TEST(Rigid3dJointPlace, RatesOfCoordinatesAreTheirAxes) {
   // d coordinate / dt = turn axis . (w_b - w_a), by differences, for every definition of the rotation.

@@ -63,16 +63,6 @@ TEST(FaultWords, RemediesOfEquationsThatAMethodCannotFollow) {
   EXPECT_THAT(s.failure()->remedies, ::testing::Contains(HasSubstr("integrator tsit5 (held when tried")));
 }
 
-TEST(FaultWords, ABoundIsSaidWithItsNumber) {
-  const std::string sums = "sum(i, 1, 3000, sum(j, 1, 3000, x * i * j))";
-  try {
-    equations(R"("states": {"x": 1}, "equations": {"x": ")" + sums + "\"}");
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_THAT(e.what(), HasSubstr("more than 400000 operations"));
-  }
-}
-
 /// The table of a kind as text: names and sentences.
 std::string table_of(std::string_view kind) {
   for (const CatalogueRow& row : catalogue()) {
@@ -85,24 +75,6 @@ TEST(FaultWords, TablesSayTheRulesThatTheyCheck) {
   EXPECT_THAT(table_of("rigid3d"), HasSubstr("must be at right angles to axis"));
   EXPECT_THAT(table_of("particles"), HasSubstr("either rate or bursts, not both"));
   EXPECT_THAT(table_of("particles"), HasSubstr("either bursts or rate, not both"));
-}
-
-// Impacts that gravity alone would repeat at every step do not bounce; the plan gives the speed limit.
-TEST(FaultWords, ThePlanSaysWhichImpactsDoNotBounce) {
-  const auto plan_of = [](const char* more) {
-    const Session s = session_of(std::string(R"({"type": "rigid2d", "id": "b", "bodies": [
-      {"motion": "fixed", "shapes": [{"type": "box", "half_extents": [5, 0.5, 0.5]}]},
-      {"position": [0, 2, 0], "shapes": [{"type": "circle", "radius": 0.5}]}])") +
-                                     more + "}",
-                                 1.0 / 60);
-    std::string text;
-    for (const auto& p : s.world().plan()) text += p.row.reason + "\n";
-    return text;
-  };
-  // Half of what gravity adds in a step of 1/60 s.
-  EXPECT_THAT(plan_of(""), HasSubstr("impacts slower than 0.0818 m/s do not bounce"));
-  EXPECT_THAT(plan_of(R"(, "restitution_speed": 1)"), HasSubstr("impacts slower than 1 m/s do not bounce"));
-  EXPECT_THAT(plan_of(R"(, "restitution_speed": 0)"), HasSubstr("impacts of any speed bounce"));
 }
 
 }  // namespace

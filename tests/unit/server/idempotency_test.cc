@@ -66,6 +66,10 @@ TEST(Idempotency, AForgottenKeyBeginsAnew) {
   keys.remember("a", {2, 200, "", ""});
   EXPECT_TRUE(keys.begin("b", 1));
   EXPECT_TRUE(keys.begin("a", 2));
+  // Now b is the oldest, and makes room.
+  EXPECT_FALSE(keys.begin("c", 1));
+  EXPECT_TRUE(keys.begin("a", 2));
+  EXPECT_FALSE(keys.begin("b", 1));
 }
 
 }  // namespace

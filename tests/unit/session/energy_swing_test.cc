@@ -1,16 +1,15 @@
-// Explicit methods near their limit: their energy swings, by no more than the watch allows for; what gains
-// more is an event, although nonlinear springs keep it from growing without bound.
+// Explicit methods near their limit: their energy swings, by no more than the watch allows for. (What gains
+// more is an event: tests/scenes/soft/energy_near_the_limit_is_an_event.json.)
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <memory>
 #include <numbers>
-#include <optional>
 #include <string>
 
 #include "engine/core/energy_swing.h"
 #include "engine/scene/json/json.h"
-#include "engine/session/session.h"
+#include "engine/session/world/world.h"
 
 namespace truestep {
 namespace {
@@ -20,8 +19,6 @@ std::shared_ptr<const World> world(const std::string& system, double dt) {
       parse_scene(R"({"schema_version":"1.0","gravity":[0,0,0],"time":{"dt":)" + std::to_string(dt) +
                   R"(,"duration":20},"systems":[)" + system + "]}"));
 }
-
-// ---- linear: the swing of every explicit method with a limit
 
 class EnergySwing : public ::testing::TestWithParam<const char*> {};
 
@@ -60,54 +57,6 @@ INSTANTIATE_TEST_SUITE_P(Methods, EnergySwing,
                          ::testing::Values("symplectic_euler", "verlet", "velocity_verlet", "leapfrog",
                                            "yoshida4", "yoshida6", "yoshida8", "kahan_li8", "pefrl", "rk4"),
                          [](const auto& info) { return std::string(info.param); });
-
-// ---- nonlinear: a mass on one spring that flies through the spring's other end
-
-struct Flight {
-  const char* method;
-  const char* velocity;
-};
-
-class EnergyOfOneSpring : public ::testing::TestWithParam<Flight> {
- protected:
-  /// What 20 s end with; the limit of the step is 2 / sqrt(1892) = 0.04598 s.
-  static std::optional<Failure> fly(double dt) {
-    const std::string system =
-        R"({"type":"mass_spring","id":"s","mass":1,"pins":[0],"integrator":")" +
-        std::string(GetParam().method) + R"(","free":{"points":[[0,0,0],[1.1,0,0]],"velocities":[[0,0,0],)" +
-        GetParam().velocity + R"(],"springs":[{"a":0,"b":1,"rest_length":1,"stiffness":1892}]}})";
-    Session s(world(system, dt), std::make_shared<const ThreadArena>(1));
-    s.step(static_cast<uint64_t>(20 / dt));
-    return s.failure() ? std::optional(*s.failure()) : std::nullopt;
-  }
-};
-
-// Gained 120 to 300 times what was there, and the run ended as if nothing had happened.
-TEST_P(EnergyOfOneSpring, FarBeyondItsBoundIsAnEvent) {
-  const auto failure = fly(0.0435);  // 0.946 of the limit: 72 times what was there
-  ASSERT_TRUE(failure);
-  EXPECT_EQ(failure->quantity, "energy");
-}
-
-// The control: at half the step nothing is found.
-TEST_P(EnergyOfOneSpring, WithinItIsNone) {
-  const auto failure = fly(0.0218);
-  EXPECT_FALSE(failure) << failure->detail;
-}
-
-INSTANTIATE_TEST_SUITE_P(Flights, EnergyOfOneSpring,
-                         ::testing::Values(Flight{"velocity_verlet", "[10,13,0]"},
-                                           Flight{"symplectic_euler", "[10,13,0]"}),
-                         [](const auto& info) { return std::string(info.param.method); });
-
-// The control: a linear spring at 0.99 of the limit swings by a factor of nearly 200 and is left alone.
-TEST(EnergyAtTheLimit, OfALinearSpringIsNoEvent) {
-  Session s(world(R"({"type":"oscillator","id":"o","mass":1,"stiffness":1,"position":0.7,"velocity":-0.7,
-                      "integrator":"symplectic_euler"})",
-                  1.98),
-            std::make_shared<const ThreadArena>(1));
-  EXPECT_EQ(s.step(2000), 2000u) << s.failure()->detail;
-}
 
 }  // namespace
 }  // namespace truestep

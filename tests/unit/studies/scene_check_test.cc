@@ -53,7 +53,11 @@ TEST(SceneCheck, AControlMustFail) {
 }
 
 TEST(SceneCheck, ComparesBitsAndValues) {
-  EXPECT_TRUE(findings(R"({"vary": {"threads": [1, 2], "resumed": [false, true]}})", 4).empty());
+  EXPECT_TRUE(
+      findings(R"({"vary": {"threads": [1, 2], "resumed": [false, true], "scratch": ["kept", "dropped"]}})",
+               8)
+          .empty());
+  EXPECT_THROW(findings(R"({"vary": {"scratch": ["some"]}})", 1), Error);
   const auto differ = findings(R"({"vary": {"dt": [0.01, 0.005]}, "same": ["dt"]})", 2);
   ASSERT_EQ(differ.size(), 1u);
   EXPECT_EQ(differ[0].quantity, "same");

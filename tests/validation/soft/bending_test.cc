@@ -1,5 +1,5 @@
-// Bending stiffness in physical units, and the forces in pins: cantilevers against Euler and Bernoulli, a
-// plate's stiffness in every direction, the weight carried by pins.
+// A plate's stiffness in every direction, and the size of the stable step of what bends. (Cantilevers are in
+// tests/scenes/soft/cantilevers_bend_as_beams.json.)
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,70 +12,6 @@
 namespace truestep {
 using namespace mass_spring;
 namespace {
-
-struct Rest {
-  // Damped until nothing moves.
-  explicit Rest(const std::string& system, double gravity, int steps, double dt)
-      : world(parse_scene(R"({"gravity": [0, )" + std::to_string(-gravity) + R"(, 0], "time": {"dt": )" +
-                          std::to_string(dt) + R"(}, "systems": [{"type": "mass_spring", "id": "s", )" +
-                          system + "}]}")),
-        state(world.initial_state()) {
-    Workspace workspace;
-    const ThreadArena arena(1);
-    for (int k = 0; k < steps; ++k) world.step(state, workspace, arena, {});
-  }
-  Vec3 at(size_t i) const { return load3(state.systems[0].f64(0).data(), i); }
-  double observed(const char* name) const {
-    return world.observe(state).find(std::string("s.") + name).value();
-  }
-  World world;
-  WorldState state;
-};
-
-// Points 0 and 1 are held; the curvature at point 1 represents half a link on either side of it, so the clamp
-// is half a link before it. w L^4 / (8 EI) for a load w per length.
-TEST(Bending, ARopeUnderItsWeightBendsLikeACantilever) {
-  constexpr double kStiffness = 0.5, kDensity = 0.02, kGravity = 9.81;
-  constexpr int kLinks = 40;
-  const Rest rest(
-      R"("rope": {"from": [0, 0, 0], "to": [1, 0, 0], "links": 40}, "density": 0.02, "stiffness": 1e6,
-    "bending_rigidity": 0.5, "pins": [0, 1], "damping": 0.01)",
-      kGravity, 400, 0.05);
-  const double length = 1 - 0.5 / kLinks;
-  const double expected = kDensity * kGravity * std::pow(length, 4) / (8 * kStiffness);
-  EXPECT_NEAR(-rest.at(kLinks).y, expected, 0.01 * expected);
-  // Forces: the pins carry the whole weight. Their moment is in the difference of the two.
-  EXPECT_NEAR(rest.observed("reaction.y"), kDensity * kGravity, 1e-6);
-  EXPECT_NEAR(rest.observed("reaction.x"), 0, 1e-3);
-  // The control: skip springs of any stiffness hardly resist slight bends of a straight rope.
-  const Rest loose(
-      R"("rope": {"from": [0, 0, 0], "to": [1, 0, 0], "links": 40}, "density": 0.02, "stiffness": 1e6,
-    "bending_stiffness": 1e3, "pins": [0, 1], "damping": 0.01)",
-      kGravity, 400, 0.05);
-  EXPECT_GT(-loose.at(kLinks).y, 5 * expected);
-}
-
-// A strip that is wide relative to its length bends like a plate, with D per width; its free sides let it
-// curl, as a beam of E I = D (1 - nu^2) per width does completely. The truth lies in between (nu = 1/3: 1 and
-// 1.125 times the deflection).
-TEST(Bending, AClothUnderItsWeightBendsLikeAPlate) {
-  constexpr double kRigidity = 5, kDensity = 0.1, kGravity = 9.81;
-  constexpr int n = 13;
-  std::string pins;
-  for (int j = 0; j < n; ++j) {
-    pins += (j ? ", " : "") + std::to_string(j * n) + ", " + std::to_string(j * n + 1);
-  }
-  const Rest rest(
-      R"("cloth_grid": {"origin": [0, 0, 0], "edge_u": [1, 0, 0], "edge_v": [0, 0, 1], "nx": 13, "ny": 13},
-    "density": 0.1, "stiffness": 1e5, "shear_stiffness": 1e5, "flexural_rigidity": 5, "damping": 0.01, "pins": [)" +
-          pins + "]",
-      kGravity, 150, 0.05);
-  const double length = 1 - 0.5 / (n - 1),
-               plate = kDensity * kGravity * std::pow(length, 4) / (8 * kRigidity);
-  const double middle = -rest.at(size_t{n / 2} * n + n - 1).y;
-  EXPECT_GT(middle, 0.97 * plate);
-  EXPECT_LT(middle, 1.15 * plate);
-}
 
 // D/2 kappa^2 per area, in whichever direction the cloth is rolled up.
 TEST(Bending, APlateIsAsStiffInEveryDirection) {

@@ -9,6 +9,8 @@ export interface GalleryEntry {
   description?: string;
   thumbnail?: string;
   tags?: string[];
+  /** The types of its systems. */
+  systems?: string[];
 }
 
 export interface Expectation {
@@ -23,7 +25,9 @@ export interface ViewerSettings {
   color_by?: string;
   /** What the colours show; without it the field's name. */
   legend?: string;
-  color_map?: "viridis" | "water" | "ember";
+  color_map?: "automatic" | "viridis" | "water" | "ember" | "balance" | "smoke" | "snow" | "sand";
+  /** Of the values 0, 1, 2 ..., or of equal parts of the range: each has a colour of its own. */
+  names?: string[];
   /** Lowest and highest value of the colours. */
   range?: number[];
   /** Of a grid in space. */
@@ -38,6 +42,10 @@ export interface ViewerSettings {
   streamlines?: number;
   /** Names beside systems. */
   labels?: boolean;
+  /** Names of probes beside what they watch. */
+  probe_labels?: boolean;
+  /** s; for how long points leave a trail. */
+  trail?: number;
 }
 
 /** A scene as the service takes it; the viewer only looks at the parts named here. */

@@ -24,6 +24,7 @@ const motionColor = new Map([
 /** A visual as numbers: its pose relative to its row, and the box around it in its own frame. */
 interface Part {
   visual: Visual;
+  palette: number; // its colour without one of its own
   kind: string;
   at: [number, number, number];
   turn: [number, number, number, number]; // x y z w
@@ -57,8 +58,9 @@ export class Bodies {
   readonly rows: number;
   private readonly batches: Batch[] = [];
 
-  constructor(topology: SystemTopology, floor: FloorUniforms) {
-    const parts = topology.visuals.map((visual) => partOf(visual, topology));
+  /** Bodies without a colour have those of the palette from the `first` on. */
+  constructor(topology: SystemTopology, floor: FloorUniforms, first = 0) {
+    const parts = topology.visuals.map((visual) => partOf(visual, topology, first));
     const instances = uints(topology.instances);
     const groups = new Map<string, number[]>();
     let rows = 0;
@@ -168,7 +170,7 @@ export class Bodies {
   }
 }
 
-function partOf(visual: Visual, topology: SystemTopology): Part {
+function partOf(visual: Visual, topology: SystemTopology, first: number): Part {
   const shape = visual.shape!;
   const [x = 0, y = 0, z = 0] = shape.position;
   const [qw = 1, qx = 0, qy = 0, qz = 0] = shape.orientation;
@@ -192,7 +194,7 @@ function partOf(visual: Visual, topology: SystemTopology): Part {
     size = kind === "capsule" ? [a, b, a] : half;
     radius = kind === "box" ? Math.hypot(a, b, c) : kind === "cylinder" ? Math.hypot(a, b) : half[1];
   }
-  return { visual, kind, at: [x, y, z], turn: [qx, qy, qz, qw], size, low, high, radius: radius + Math.hypot(x, y, z) };
+  return { visual, palette: first + visual.group, kind, at: [x, y, z], turn: [qx, qy, qz, qw], size, low, high, radius: radius + Math.hypot(x, y, z) };
 }
 
 /** The height of the lowest corner. */
@@ -251,10 +253,10 @@ function baseGeometry(kind: string, count: number, topology: SystemTopology): Bu
 /** A number in [-1, 1] that differs between neighbouring rows. */
 const shade = (row: number): number => (Math.imul(row + 1, 2654435761) >>> 8) / 8388608 - 1;
 
-function colorOf({ visual }: Part, row: number): Color {
+function colorOf({ visual, palette }: Part, row: number): Color {
   const [r, g, b] = visual.color;
   if (r !== undefined && g !== undefined && b !== undefined) return new Color().setRGB(r, g, b, SRGBColorSpace);
-  const color = (motionColor.get(visual.motion) ?? paletteColor(visual.group)).clone();
+  const color = (motionColor.get(visual.motion) ?? paletteColor(palette)).clone();
   return visual.motion === Motion.DYNAMIC ? color.multiplyScalar(1 + 0.16 * shade(row)) : color;
 }
 

@@ -7,8 +7,8 @@ const kMargin = 10; // px beside the name of an axis
 export interface Label {
   text: string;
   at: [number, number, number];
-  /** "name" of a system, "tick" or "axis" of a plot. */
-  kind: "name" | "tick-x" | "tick-y" | "axis";
+  /** "name" of a system, of a "row", "tick" or "axis" of a plot. */
+  kind: "name" | "row" | "tick-x" | "tick-y" | "axis";
   color?: string;
 }
 

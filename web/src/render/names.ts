@@ -1,6 +1,7 @@
 // Names beside systems, when there are only a few.
 import { Extent } from "./extent";
 import type { Label } from "./labels";
+import type { SceneInfo } from "./scene_info";
 import type { SystemView } from "./system_view";
 import { upward } from "./upright";
 
@@ -20,4 +21,15 @@ export function namesOf(views: SystemView[]): Label[] {
     labels.push({ text: view.id.replaceAll("_", " "), at: reach.top(upward.toArray()), kind: "name", color: `#${color.getHexString()}` });
   }
   return labels;
+}
+
+/** A name at every row that a probe watches. */
+export function probeLabels(probes: SceneInfo["probes"], views: ReadonlyMap<string, { positions: Float32Array; count: number }>): Label[] {
+  return probes.flatMap(({ name, system, row }) => {
+    const view = views.get(system);
+    const at = row < 0 ? (view?.count ?? 0) + row : row;
+    if (!view || at < 0 || at >= view.count) return [];
+    const [x = 0, y = 0, z = 0] = view.positions.subarray(3 * at, 3 * at + 3);
+    return [{ text: name, at: [x, y, z] as [number, number, number], kind: "row" as const }];
+  });
 }

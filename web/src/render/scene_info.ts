@@ -8,6 +8,8 @@ export interface SceneInfo {
   gravity: number[];
   /** Observables that the scene lists. */
   observables: string[];
+  /** Rows that probes watch. */
+  probes: { name: string; system: string; row: number }[];
   duration: number | undefined;
   dt: number | undefined;
 }
@@ -20,7 +22,10 @@ export function infoOf(scene: Scene | undefined): SceneInfo {
   const time = (scene?.time as Json | undefined) ?? {};
   const gravity = Array.isArray(scene?.gravity) ? scene.gravity.map(Number) : [0, -9.81, 0];
   const observables = Array.isArray(scene?.observables) ? scene.observables.filter((name) => typeof name === "string") : [];
-  return { pulled: gravity.some((g) => g !== 0), gravity, observables, duration: number(time.duration), dt: number(time.dt) };
+  const probes = (Array.isArray(scene?.probes) ? (scene.probes as Json[]) : [])
+    .filter((probe) => !probe.at && (probe.rows ?? "one") === "one")
+    .map((probe) => ({ name: String(probe.id).replaceAll("_", " "), system: String(probe.system), row: Number(probe.index ?? 0) }));
+  return { pulled: gravity.some((g) => g !== 0), gravity, observables, probes, duration: number(time.duration), dt: number(time.dt) };
 }
 
 /** The same scene with another step. */

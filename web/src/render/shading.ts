@@ -1,8 +1,9 @@
 // The one light of the viewer as GLSL, so that points, surfaces and shapes look alike: a sky and a floor
 // colour by the normal's height (hemisphere), one key light with a Blinn-Phong highlight, and a soft rim.
 import { Color, Vector3, type IUniform } from "three";
-import { colorTable, type ColorMap } from "./fields/color_map";
+import { colorTable } from "./fields/color_map";
 import { paletteHex } from "./fields/color_stops";
+import { kRampStops as kStops, schemeOf, type Scheme } from "./fields/scheme";
 import { lightUniforms } from "./upright";
 
 export type Theme = "dark" | "light";
@@ -53,20 +54,20 @@ void main() {
 }`;
 }
 
-const kStops = 16;
-
 /** The colour map in linear light, shared by everything coloured by a value. */
 export const rampUniform: IUniform<Vector3[]> = { value: [] };
 
-export function setRamp(map: ColorMap): void {
+/** Kinds are the ramp's stops: the k-th is at k / 15. */
+export function setRamp({ map, kinds }: Scheme): void {
   const table = colorTable(map, kStops);
   const color = new Color();
   rampUniform.value = Array.from({ length: kStops }, (_, k) => {
-    color.setRGB(table[3 * k]! / 255, table[3 * k + 1]! / 255, table[3 * k + 2]! / 255, "srgb");
+    if (kinds.length > 0) color.set(kinds[k % kinds.length]!.color);
+    else color.setRGB(table[3 * k]! / 255, table[3 * k + 1]! / 255, table[3 * k + 2]! / 255, "srgb");
     return new Vector3(color.r, color.g, color.b);
   });
 }
-setRamp("viridis");
+setRamp(schemeOf({}, "", undefined));
 
 export const rampGlsl = /* glsl */ `
 uniform vec3 stops[${kStops}];

@@ -9,20 +9,22 @@ import { Framing, type Inset, type Side } from "./framing";
 import { Ground } from "./ground";
 import { Handle } from "./handle";
 import { GridView, type Scale } from "./fields/grid_view";
+import { balanced, schemeOf } from "./fields/scheme";
 import { Labels, type Label } from "./labels";
 import { JointValues } from "./fields/joint_values";
 import { eachJointEnd, MarkLines } from "./marks";
-import { namesOf } from "./names";
+import { namesOf, probeLabels } from "./names";
 import { Painter } from "./painter";
 import { PlotAxes } from "./plot_axes";
 import { infoOf, type SceneInfo } from "./scene_info";
-import { scaleLabel } from "./scale_label";
+import { scaleLabel } from "./fields/scale_label";
 import { setRamp, setTheme, type Theme } from "./shading";
 import { ShapeGroup, reachOfShape } from "./shape_group";
 import { isGround } from "./shapes";
 import { Strings } from "./strings";
 import { SystemView, type Has, type Visibility } from "./system_view";
 import { sameTopology } from "./topologies";
+import { Trails } from "./trails";
 import { heightOf, setUpright, upOf, upward } from "./upright";
 import { widest } from "./value_range";
 
@@ -35,7 +37,7 @@ export class Stage {
   readonly framing: Framing;
   readonly views = new Map<string, SystemView | GridView>();
   readonly handle = new Handle();
-  readonly show: Visibility = { points: true, lines: true, surface: true, bySpeed: true, colorBy: "" };
+  readonly show: Visibility = { points: true, lines: true, surface: true, bySpeed: true, colorBy: "", scheme: schemeOf({}, "", undefined) };
 
   private readonly viewHeight: IUniform<number> = { value: 1 };
   private readonly painter: Painter;
@@ -58,6 +60,7 @@ export class Stage {
   private readonly labels: Labels;
   private labelled = false;
   private readonly strings = new Strings(this.viewHeight);
+  private readonly trails = new Trails(this.viewHeight);
   private axes: PlotAxes[] = [];
   private flat = false;
   /** Floors of bodies and points are determined once; a plane has a position of its own. */
@@ -77,7 +80,7 @@ export class Stage {
       resized: () => this.framing.resized(),
     });
     this.scene.background = null;
-    this.scene.add(this.ground.object, this.shapes.object, this.marks.object, this.handle.object, this.strings.object);
+    this.scene.add(this.ground.object, this.shapes.object, this.marks.object, this.handle.object, this.strings.object, this.trails.object);
     this.framing = new Framing(this.camera, canvas, () => this.invalidate());
     this.labels = new Labels(canvas);
     this.ground.fit(new Sphere(new Vector3(0, 0.8, 0), 2.5), 0);
@@ -99,8 +102,8 @@ export class Stage {
     this.setMarks(undefined);
     setUpright(upOf(info.gravity, settings.camera?.up));
     this.framing.clear(settings.camera);
-    setRamp(settings.color_map ?? "viridis");
-    this.show.range = settings.range;
+    this.trails.clear(settings.trail ?? 0);
+    this.colorAs();
     for (const axes of this.axes) axes.dispose();
     this.axes = [];
     this.flat = false;
@@ -109,6 +112,15 @@ export class Stage {
     this.framed = this.complete = false;
     this.handle.hide();
     this.invalidate(true);
+  }
+
+  /** Settles what colours mean: by the scene's settings, or by the field if another one is shown. */
+  private colorAs(): void {
+    const { colorBy } = this.show;
+    const field = [...this.parts.values()].flatMap((part) => part.fields).find((one) => one.name === colorBy);
+    this.show.scheme = schemeOf(this.settings, colorBy, field);
+    this.show.range = this.settings.range;
+    setRamp(this.show.scheme);
   }
 
   setTheme(theme: Theme): void {
@@ -121,6 +133,7 @@ export class Stage {
   /** Takes the parts; the topology follows. */
   setParts(parts: Map<string, Part>): void {
     this.parts = parts;
+    this.colorAs();
   }
 
   /** Takes a new topology; systems with unchanged connectivity keep their views. */
@@ -179,7 +192,7 @@ export class Stage {
   }
 
   private drawMarks(): void {
-    const colors = this.marked ? this.joints.colors(this.marked, this.settings.color_map ?? "viridis", this.jointRange ?? [0, 1]) : [];
+    const colors = this.marked ? this.joints.colors(this.marked, this.show.scheme.map, this.jointRange ?? [0, 1]) : [];
     this.marks.update(this.marked, 0.16 * this.bounds.radius, colors);
   }
 
@@ -187,7 +200,9 @@ export class Stage {
   private get jointRange(): [number, number] | undefined {
     const { range, common } = this.show;
     if (!this.joints.ownRange) return undefined;
-    return range?.length === 2 ? (range as [number, number]) : widest([common, this.joints.ownRange]);
+    if (range?.length === 2) return range as [number, number];
+    const seen = widest([common, this.joints.ownRange]);
+    return seen && this.show.scheme.balanced ? balanced(seen) : seen;
   }
 
   /** What shows the values of a part by its colour; "" or undefined: nothing. */
@@ -214,7 +229,9 @@ export class Stage {
     const name = this.show.colorBy || "speed";
     const field = [...this.parts.values()].flatMap((part) => part.fields).find((one) => one.name === name);
     const unit = field?.unit ?? (name === "speed" ? "m/s" : "");
-    return { label: scaleLabel(this.settings, name, unit), map: this.settings.color_map ?? "viridis", low, high };
+    const { map, kinds } = this.show.scheme;
+    const present = new Set(this.pointViews().flatMap((view) => [...view.present]));
+    return { label: scaleLabel(this.settings, name, unit), map, low, high, kinds: kinds.filter((_, k) => present.has(k)) };
   }
 
   /** Draws `frame` with the next picture; the promise resolves when that picture has been drawn. */
@@ -236,6 +253,7 @@ export class Stage {
     // One colour bar explains all systems: what does not reach as far takes its colours from what does.
     const now = (this.show.common = common());
     if (now && (!before || now[0] < before[0] || now[1] > before[1])) for (const view of this.pointViews()) if (view.ownRange) update(view);
+    for (const view of this.pointViews()) this.trails.take(view.id, view.positions, view.count, frame.time, this.show.bySpeed && this.show.colorBy ? undefined : view.tint);
     if (this.joints.ownRange && this.marked) this.drawMarks();
     this.strings.update((id) => {
       const view = this.views.get(id);
@@ -360,6 +378,7 @@ export class Stage {
     const views = this.pointViews();
     if (this.axes.length === 0 && this.settings.labels !== false) labels.push(...namesOf(views));
     for (const view of views) labels.push(...view.curves());
+    if (this.settings.probe_labels) labels.push(...probeLabels(this.info.probes, this.views));
     this.labelled = labels.some((label) => label.kind === "name");
     this.labels.set(labels);
   }

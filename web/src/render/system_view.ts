@@ -11,6 +11,7 @@ import { kindColors, WideLines } from "./lines";
 import { PointCloud } from "./points";
 import { paletteColor } from "./shading";
 import { triangleValues } from "./fields/element_values";
+import { balanced, kindAt, kRampStops, type Scheme } from "./fields/scheme";
 import { Surface } from "./fields/surface";
 import { ValueRange, widest } from "./value_range";
 import { extremes, mine, sizes, values, type Names } from "./values";
@@ -28,6 +29,8 @@ export interface Visibility {
   colorBy: string;
   /** Lowest and highest value of the colours, if given by the scene. */
   range?: number[];
+  /** What the colours mean. */
+  scheme: Scheme;
   /** Without a range: the lowest and highest value on the screen, so that one colour bar explains all systems. */
   common?: [number, number];
 }
@@ -66,6 +69,8 @@ export class SystemView {
   /** Bodies, if there are any, are at their rows. */
   placed = true;
   private bodyRange: [number, number] | undefined;
+  /** Kinds that its values have now. */
+  readonly present = new Set<number>();
   private scratch = new Float32Array(0);
   /** Of its own values. */
   private readonly own = new ValueRange();
@@ -92,7 +97,7 @@ export class SystemView {
     this.pairs = uints(topology.lines);
     this.triangles = uints(topology.triangles);
     if (topology.visuals.length > 0) {
-      this.bodies = new Bodies(topology, floor);
+      this.bodies = new Bodies(topology, floor, index);
       this.placed = this.bodies.rows === 0;
       this.group.add(this.bodies.group);
     }
@@ -129,6 +134,11 @@ export class SystemView {
     this.mark();
     this.shades = show.bySpeed ? values(mine(fields, this.id), show.colorBy || "speed", this.names, this.room) : undefined;
     this.facets = this.shades ? undefined : this.facetValues(fields, show);
+    this.present.clear();
+    if (show.scheme.kinds.length > 0) {
+      this.shades = this.shades && this.kindsOf(this.shades, show.scheme);
+      this.facets = this.facets && this.kindsOf(this.facets, show.scheme);
+    }
     const colored = this.shades ?? this.facets;
     if (colored) this.own.take(colored, colored.length);
     else this.own.forget();
@@ -280,6 +290,13 @@ export class SystemView {
     return fields.find((one) => one.field === show.colorBy && this.elementsOf(one.system) === elements);
   }
 
+  /** The number of each value's kind. */
+  private kindsOf(values: Float32Array, scheme: Scheme): Float32Array {
+    const kinds = values.map((value) => kindAt(scheme, value));
+    for (const kind of kinds) this.present.add(kind);
+    return kinds;
+  }
+
   private facetValues(fields: FieldArray[], show: Visibility): Float32Array | undefined {
     const field = this.triangles.length > 0 ? this.elementField("triangles", fields, show) : undefined;
     return field && triangleValues(this.topology, field);
@@ -291,8 +308,10 @@ export class SystemView {
     const field = this.elementField("lines", fields, show);
     this.lineScale = undefined;
     if (field?.count !== this.pairs.length / 2) return this.lines.values(undefined);
-    const size = sizes(field);
-    const [low, high] = show.range?.length === 2 ? (show.range as [number, number]) : extremes(size);
+    const { scheme } = show;
+    const named = scheme.kinds.length > 0;
+    const size = named ? this.kindsOf(sizes(field), scheme) : sizes(field);
+    const [low, high] = named || show.range?.length === 2 ? this.rangeOf(show) : scheme.balanced ? balanced(extremes(size)) : extremes(size);
     this.lineScale = [low, high];
     this.lines.values(this.kept.map((k) => (high > low ? (size[k]! - low) / (high - low) : 0)));
   }
@@ -318,8 +337,11 @@ export class SystemView {
     return this.scratch.subarray(0, count);
   };
 
-  private rangeOf({ range, common }: Visibility): [number, number] {
-    return range?.length === 2 ? (range as [number, number]) : (widest([common, this.own.ends]) ?? [0, 1]);
+  private rangeOf({ range, common, scheme }: Visibility): [number, number] {
+    if (scheme.kinds.length > 0) return [0, kRampStops - 1];
+    if (range?.length === 2) return range as [number, number];
+    const seen = widest([common, this.own.ends]) ?? [0, 1];
+    return scheme.balanced ? balanced(seen) : seen;
   }
 
   /** New arrays, with lines and triangles over them; a topology with invalid rows is not drawn. */

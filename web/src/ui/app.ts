@@ -217,6 +217,7 @@ export class App {
     const fill = (): void => this.past.request(session.id, (history) => this.id === session.id && this.plot.fill(history));
     this.plot.onGap = fill;
     fill();
+    this.readout.duration = this.info.duration;
     this.readout.clear();
     this.interaction.clear();
     this.page.title(session.title ?? session.name ?? "");

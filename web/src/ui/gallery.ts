@@ -13,31 +13,39 @@ const drawings: [RegExp, string][] = [
   [/oscill|ode|wave|euler|damp|integrat/, "M10 40c10-44 20-44 30 0s20 44 30 0 20-30 24-12 10 12 16 12"],
 ];
 
-/** Chapters in order; a scene belongs to the first whose tags it has. */
-const chapters: [string, RegExp][] = [
-  ["Things that meet", /^coupling$/],
-  ["Elastic bodies", /^(finite elements|shape matching|elastic block)$/],
-  ["Snow, sand, water and jelly", /^material point method$/],
-  ["Cloth, ropes and hair", /^(cloth|rope|rod|hair|springs|stability|integrators)$/],
-  ["Rigid bodies", /^rigid bodies$/],
-  ["Rigid bodies in the plane", /^rigid2d$/],
-  ["Animation", /^animation$/],
-  ["Stars and planets", /^gravity$/],
-  ["Flocks and crowds", /^(flocking|crowd)$/],
-  ["Atoms and molecules", /^molecular$/],
-  ["Particles", /^particles$/],
-  ["Fluids", /^fluid$/],
-  ["Heat and waves", /^(heat|wave|grid)$/],
-  ["Equations", /^ode$/],
+/** Chapters in order, and the types of the systems that they are about. */
+const chapters: [string, string[]][] = [
+  ["Things that meet", []],
+  ["Animation", ["keyframes", "skeleton", "ik", "blend_shapes", "motion_capture"]],
+  ["Elastic bodies", ["fem"]],
+  ["Snow, sand, water and jelly", ["mpm"]],
+  ["Cloth, ropes, hair and soft bodies", ["mass_spring", "xpbd", "oscillator"]],
+  ["Rigid bodies", ["rigid3d", "articulation", "rod_chain", "pendulum"]],
+  ["Rigid bodies in the plane", ["rigid2d"]],
+  ["Stars and planets", ["nbody"]],
+  ["Flocks and crowds", ["flocking", "crowd"]],
+  ["Atoms and molecules", ["molecular"]],
+  ["Particles", ["particles"]],
+  ["Fluids", ["sph", "grid_fluid", "heightfield_wave"]],
+  ["Heat and waves", ["heat", "wave"]],
+  ["Equations", ["ode"]],
 ];
 
-/** The chapter of a scene with these tags. */
-export const chapterOf = (tags: readonly string[]): string => chapters.find(([, pattern]) => tags.some((tag) => pattern.test(tag)))?.[0] ?? "More";
+const chapterOfType = (type: string): string | undefined => chapters.find(([, types]) => types.includes(type))?.[0];
 
-/** True when every word of `query` occurs in the entry or starts one of its words. */
+/** The chapter of a scene with systems of these types, in its order. Systems of several chapters meet; what follows an animation belongs to it. */
+export function chapterOf(types: readonly string[]): string {
+  const found = [...new Set(types.map((type) => chapterOfType(type) ?? "More"))];
+  if (found.length <= 1) return found[0] ?? "More";
+  return found[0] === "Animation" ? "Animation" : "Things that meet";
+}
+
+const wordsOf = (text: string): string[] => text.toLowerCase().split(/[^\p{L}\p{N}]+/u).filter((word) => word !== "");
+
+/** True when every word of `query` begins a word of the entry, or is what it begins with in the plural. */
 export function matches(entry: GalleryEntry, query: string): boolean {
-  const text = [entry.name, entry.title, entry.teaches, entry.description, ...(entry.tags ?? [])].join(" ").toLowerCase();
-  return query.toLowerCase().split(/\s+/).every((word) => text.includes(word));
+  const words = [entry.name, entry.title, entry.teaches, entry.description, ...(entry.tags ?? []), ...(entry.systems ?? [])].flatMap((text) => wordsOf(text ?? ""));
+  return wordsOf(query).every((asked) => words.some((word) => word === asked || (asked.length > 3 && word.startsWith(asked)) || word === `${asked}s`));
 }
 
 function drawing(entry: GalleryEntry): SVGSVGElement {
@@ -76,7 +84,7 @@ function cardOf(entry: GalleryEntry, open: (name: string) => void, edit: (name: 
 export function showGallery(entries: GalleryEntry[], open: (name: string) => void, edit: (name: string) => void): void {
   const names = [...chapters.map(([name]) => name), "More"];
   const groups = names.map((name) => {
-    const cards = entries.filter((entry) => chapterOf(entry.tags ?? []) === name).map((entry) => ({ entry, card: cardOf(entry, open, edit) }));
+    const cards = entries.filter((entry) => chapterOf(entry.systems ?? []) === name).map((entry) => ({ entry, card: cardOf(entry, open, edit) }));
     const section = make("section", { class: "chapter", "aria-label": name }, make("h2", {}, name), ...cards.map(({ card }) => card));
     return { section, cards };
   });

@@ -1,6 +1,7 @@
 // The figures beside the picture. Text changes five times a second, so that it can be read.
 import type { DecodedFrame } from "../client/decode";
 import { byId } from "./dom";
+import { timeText } from "./time_text";
 
 const kEvery = 200; // ms between two updates of the text
 
@@ -15,6 +16,8 @@ export class Readout {
   private since = performance.now();
   private age = 0;
   private trip = 0;
+  /** s; of the whole run, if it is known. */
+  duration: number | undefined;
   private newest: DecodedFrame | undefined;
   private droppedHere = 0;
 
@@ -57,15 +60,12 @@ export class Readout {
   }
 
   private set(time: number, step: number, seq: number, dropped: number): void {
-    this.time.textContent = timeText(time);
+    this.time.textContent = timeText(time, this.duration);
     this.step.textContent = group(step);
     this.frame.textContent = group(seq);
     this.dropped.textContent = group(dropped);
   }
 }
-
-/** A time of a run, s. */
-export const timeText = (time: number): string => `${time === 0 || (time >= 1e-3 && time < 1e6) ? time.toFixed(3) : time.toPrecision(4)} s`;
 
 /** Groups thousands with a narrow space. */
 const group = (value: number): string => String(value).replace(/\B(?=(\d{3})+$)/g, "\u202f");

@@ -1,7 +1,7 @@
-// The colour bar of a grid.
+// The colour bar, or a legend where colours are names.
 import { cssGradient } from "../render/fields/color_map";
 import type { Scale } from "../render/fields/grid_view";
-import { byId } from "./dom";
+import { byId, make } from "./dom";
 import { endsOf } from "./plot_model";
 
 let shown = "";
@@ -12,10 +12,19 @@ export function showScale(scale: Scale | undefined): void {
   bar.hidden = !scale;
   if (!scale) return;
   const ends = endsOf(scale.low, scale.high);
-  const text = `${scale.label} ${ends.join(" ")} ${scale.map}`;
+  const names = (scale.kinds ?? []).map(({ name }) => name).join(", ");
+  const text = `${scale.label} ${ends.join(" ")} ${scale.map} ${names}`;
   if (text === shown) return;
   shown = text;
-  const [label, ramp, low, high] = [...bar.children] as [HTMLElement, HTMLElement, HTMLElement, HTMLElement];
+  const [label, ramp, low, high, list] = [...bar.children] as [HTMLElement, HTMLElement, HTMLElement, HTMLElement, HTMLElement];
+  ramp.hidden = low.hidden = high.hidden = names !== "";
+  list.replaceChildren(
+    ...(scale.kinds ?? []).map(({ name, color }) => {
+      const mark = make("i", {});
+      mark.style.background = `#${color.toString(16).padStart(6, "0")}`;
+      return make("span", {}, mark, name);
+    }),
+  );
   label.textContent = scale.label;
   ramp.style.background = cssGradient(scale.map);
   low.textContent = ends[0].replace("-", "−");

@@ -1,7 +1,7 @@
 // The bar of a run's time above the controls: where it is, and, dragged, where it goes. The service goes back exactly, from
 // the nearest state that it keeps; ahead, it computes the steps up to there.
 import { byId } from "./dom";
-import { timeText } from "./readout";
+import { timeText } from "./time_text";
 
 const kParts = 1000;
 
@@ -19,7 +19,7 @@ export class Timeline {
     this.bar.max = String(kParts);
     this.bar.addEventListener("input", () => {
       this.held = true;
-      say(`to ${timeText(this.wanted())}`);
+      say(`to ${timeText(this.wanted(), this.duration)}`);
     });
     this.bar.addEventListener("change", () => {
       const time = this.wanted();
@@ -56,6 +56,6 @@ export class Timeline {
     const share = this.end > 0 ? this.time / this.end : 0;
     this.bar.value = String(Math.round(kParts * share));
     this.bar.style.setProperty("--share", `${(100 * share).toFixed(1)}%`);
-    this.bar.setAttribute("aria-valuetext", timeText(this.time));
+    this.bar.setAttribute("aria-valuetext", timeText(this.time, this.duration));
   }
 }

@@ -24,7 +24,7 @@ float shade_of(uint32_t row) {
   return static_cast<float>(h >> 8) / 8388608.0f - 1.0f;
 }
 
-Color color_of(const Visual& visual, uint32_t row) {
+Color color_of(const Visual& visual, uint32_t row, size_t first) {
   if (visual.color) {
     const auto& c = *visual.color;
     return {static_cast<float>(c[0]), static_cast<float>(c[1]), static_cast<float>(c[2])};
@@ -40,7 +40,8 @@ Color color_of(const Visual& visual, uint32_t row) {
       break;
   }
   const float shade = kShade * shade_of(row);
-  return mixed(picture::palette(visual.group), shade > 0 ? Color{1, 1, 1} : Color{0, 0, 0}, std::abs(shade));
+  return mixed(picture::palette(first + visual.group), shade > 0 ? Color{1, 1, 1} : Color{0, 0, 0},
+               std::abs(shade));
 }
 
 Color asleep_of(const Color& c) {
@@ -81,7 +82,20 @@ void frame(std::vector<DrawShape>& shapes, const std::vector<Motion>& motions) {
 
 }  // namespace
 
-void add_bodies(DrawList& list, const PartDrawing& drawing, const Poses& poses, const DrawPoints& values) {
+std::optional<Color> bodies_color(const PartDrawing& drawing, size_t first) {
+  std::optional<Color> all;
+  for (const auto& [row, which] : drawing.instances) {
+    if (which >= drawing.visuals.size() || drawing.visuals[which].motion != Motion::dynamic) continue;
+    const Visual& visual = drawing.visuals[which];
+    const Color one = visual.color ? color_of(visual, row, first) : picture::palette(first + visual.group);
+    if (all && (all->r != one.r || all->g != one.g || all->b != one.b)) return std::nullopt;
+    all = one;
+  }
+  return all;
+}
+
+void add_bodies(DrawList& list, const PartDrawing& drawing, const Poses& poses, const DrawPoints& values,
+                size_t first) {
   const auto& [position, orientation, asleep] = poses;
   const auto [low, high] = picture::scalar_range(values);
   std::vector<DrawShape> shapes;
@@ -100,10 +114,9 @@ void add_bodies(DrawList& list, const PartDrawing& drawing, const Poses& poses, 
     s.orientation[0] = turned.w, s.orientation[1] = turned.x, s.orientation[2] = turned.y,
     s.orientation[3] = turned.z;
     s.container = visual.motion == Motion::sensor;
-    Color color = color_of(visual, row);
+    Color color = color_of(visual, row, first);
     if (row < values.scalar.size() && visual.motion == Motion::dynamic)
-      color =
-          picture::map_color(values.color_map, high > low ? (values.scalar[row] - low) / (high - low) : 0);
+      color = picture::color_at(values, high > low ? (values.scalar[row] - low) / (high - low) : 0);
     else if (asleep.has(row, 1) && asleep.at(row) != 0)
       color = asleep_of(color);
     s.color = color;

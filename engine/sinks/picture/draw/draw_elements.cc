@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "engine/sinks/picture/color_map.h"
-#include "engine/sinks/picture/draw/draw_grid.h"
+#include "engine/sinks/picture/draw/draw_scale.h"
 #include "engine/sinks/picture/draw/draw_systems.h"
 #include "engine/sinks/picture/geometry.h"
 
@@ -56,22 +56,19 @@ std::vector<std::optional<Color>> joint_colors(DrawList& list, const World& worl
     for (size_t k = 0; k < joints.size(); ++k) {
       if (joints[k].part == at.part && joints[k].row < rows.size()) values[k] = rows[joints[k].row];
     }
-    scale.scalar_label =
-        label_of(viewer, viewer.color_by, world.parts()[at.part].info().fields[at.field].unit);
+    scale.kinds.clear();
+    apply_scale(scale, viewer, world.parts()[at.part].info().fields[at.field], viewer.color_by);
   }
   std::vector<std::optional<Color>> out(joints.size());
   if (std::none_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); })) return out;
   scale.scalar = values;
-  const auto [least, most] = picture::scalar_range(scale);
-  const bool given = !viewer.range.empty();
-  const float low = given ? static_cast<float>(viewer.range[0]) : least;
-  const float high = given ? static_cast<float>(viewer.range[1]) : most;
+  const auto [low, high] = picture::scalar_range(scale);
   for (size_t k = 0; k < joints.size(); ++k) {
     if (!std::isfinite(values[k])) continue;
     const float t = high > low ? std::clamp((values[k] - low) / (high - low), 0.0f, 1.0f) : 0;
-    out[k] = picture::map_color(viewer.color_map, t);
+    out[k] = picture::color_at(scale, t);
   }
-  list.scale = DrawScale{scale.scalar_label, viewer.color_map, low, high};
+  list.scale = DrawScale{scale.scalar_label, scale.color_map, low, high};
   return out;
 }
 

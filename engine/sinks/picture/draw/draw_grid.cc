@@ -6,6 +6,7 @@
 #include "engine/math/even_streamlines.h"
 #include "engine/math/iso_lines.h"
 #include "engine/sinks/picture/draw/draw_plot.h"
+#include "engine/sinks/picture/draw/draw_scale.h"
 #include "engine/sinks/picture/geometry.h"
 
 namespace truestep {
@@ -106,13 +107,11 @@ Shown shown_of(const PartInfo& part, size_t field, const FrameValues& values, co
     for (uint32_t c = 0; c < s.width; ++c) sum += std::pow(s.values[r * s.width + c], 2);
     s.size[r] = s.width == 1 ? s.values[r] : static_cast<float>(std::sqrt(sum));
   }
+  apply_scale(s.style, viewer, part.fields[field], part.fields[field].name);
   s.style.scalar = s.size;
   const auto [low, high] = picture::scalar_range(s.style);
   s.style.scalar.clear();
-  s.style.scalar_min = viewer.range.empty() ? low : static_cast<float>(viewer.range[0]);
-  s.style.scalar_max = viewer.range.empty() ? high : static_cast<float>(viewer.range[1]);
-  s.style.color_map = viewer.color_map;
-  s.style.scalar_label = label_of(viewer, part.fields[field].name, part.fields[field].unit);
+  s.style.scalar_min = low, s.style.scalar_max = high;
   return s;
 }
 
@@ -243,12 +242,13 @@ void add_curve(DrawList& list, const Lattice& l, size_t axis, const Shown& s, co
   add_stroke(base, start, start + unit(axis) * length);
   if (axis < 2) {
     PlotAxis axes[2];
-    axes[axis].name = axis == 0 ? "x" : "y", axes[axis].unit = "m";
+    axes[axis].name = std::string(1, axis == 0 ? 'x' : 'y'), axes[axis].unit = std::string(1, 'm');
     axes[up].name = s.style.scalar_label, axes[up].slope = height, axes[up].offset = component(l.origin, up);
     PlotBox box;
     for (const double end : {low, high}) box.add(start + unit(up) * (height * end));
     box.add(start + unit(axis) * length);
     add_axes(list, axes, box);
+    curve.scalar_label.clear();  // the axis says it
   }
   list.points.push_back(std::move(curve));
   list.points.push_back(std::move(base));
@@ -272,11 +272,6 @@ void add_plane(DrawList& list, const Plane& p, const Shown& s, const ViewerParam
 }
 
 }  // namespace
-
-std::string label_of(const ViewerParams& viewer, const std::string& name, const std::string& unit) {
-  const std::string& shown = !viewer.legend.empty() && name == viewer.color_by ? viewer.legend : name;
-  return unit.empty() || unit == "1" ? shown : shown + " (" + unit + ")";
-}
 
 void add_grid(DrawList& list, const PartInfo& part, size_t field, const FrameValues& values,
               const ViewerParams& viewer) {

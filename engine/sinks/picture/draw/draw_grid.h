@@ -14,10 +14,6 @@ namespace truestep {
 void add_grid(DrawList& list, const PartInfo& part, size_t field, const FrameValues& values,
               const ViewerParams& viewer);
 
-/// What stands beside the colour bar of field `name`: the scene's legend or else the field's name, and the
-/// unit; pure numbers have none.
-std::string label_of(const ViewerParams& viewer, const std::string& name, const std::string& unit);
-
 /// The side from which to view a grid of this part; empty when obliquely from above is best.
 std::optional<Vec3> facing_side(const PartInfo& part, const ViewerParams& viewer);
 

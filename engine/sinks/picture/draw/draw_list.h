@@ -21,6 +21,12 @@ inline Color mixed(const Color& a, const Color& b, float t) {
   return {a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t};
 }
 
+/// A name and its colour.
+struct LegendRow {
+  std::string text;
+  Color color;
+};
+
 /// The points of one system and what connects them; every vector but `positions` may be empty.
 struct DrawPoints {
   std::vector<float> positions;            ///< n x 3, m; points that are not finite are left out
@@ -29,6 +35,7 @@ struct DrawPoints {
   std::optional<Color> color;              ///< empty = the next one of the palette
   std::vector<float> scalar;               ///< n; colours points (and triangles) by `color_map`
   ColorMap color_map = ColorMap::viridis;  ///< used when `scalar` is given
+  std::vector<LegendRow> kinds;            ///< of equal parts of the range, instead of `color_map`
   std::optional<float> scalar_min;         ///< empty = smallest finite value
   std::optional<float> scalar_max;         ///< empty = largest finite value
   std::string scalar_label;                ///< name and unit beside the colour bar; empty = no colour bar
@@ -74,15 +81,10 @@ struct DrawLabel {
   std::string text;
   Vec3 at;  ///< m
   /// Position of the text relative to the point: left or right of it, centred above or below it, one line
-  /// farther below, or above it and ending there.
-  enum class Side : uint8_t { left, right, above, below, under, corner } side = Side::right;
+  /// farther below, above it and ending there, or on whatever side there is room.
+  enum class Side : uint8_t { left, right, above, below, under, corner, beside } side = Side::right;
   std::optional<Color> color = {};  ///< empty = the theme's ink
-};
-
-/// A name and its colour.
-struct LegendRow {
-  std::string text;
-  Color color;
+  double radius = 0;                ///< m; of what is at the point, for a name beside it
 };
 
 /// Where the picture is taken from; `fov_degrees` is the vertical field of view, 1 to 160.

@@ -1,6 +1,9 @@
 #include "engine/sinks/picture/draw/draw_systems.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "engine/sinks/picture/draw/draw_scale.h"
 
 namespace truestep {
 namespace {
@@ -30,18 +33,24 @@ std::optional<size_t> color_field(const PartInfo& part, const std::string& color
   return color_by == "speed" ? part.find(Meaning::velocity) : std::nullopt;
 }
 
-std::vector<double> common_range(const World& world, const Frame& frame, const std::string& color_by) {
+std::vector<double> common_range(const World& world, const Frame& frame, const ViewerParams& viewer) {
+  const std::string& color_by = viewer.color_by;
+  if (!viewer.names.empty()) return {};
   double low = HUGE_VAL, high = -HUGE_VAL;
   size_t colored = 0;
   for (size_t p = 0; p < world.parts().size(); ++p) {
     const PartInfo& info = world.parts()[p].info();
     const auto f = color_field(info, color_by);
     if (!f || info.kind == PartInfo::Kind::grid || !info.colorable()) continue;
+    if (!info.fields[*f].kinds.empty()) return {};
     if (info.kind == PartInfo::Kind::values && color_field(main_of(world, p), color_by)) continue;
     ++colored;
     for (const float v : magnitudes(FrameValues(frame, p, f).floats(), info.fields[*f].width)) {
-      if (std::isfinite(v)) low = std::min<double>(low, v), high = std::max<double>(high, v);
+      if (!std::isfinite(v)) continue;
+      low = std::min<double>(low, v), high = std::max<double>(high, v);
     }
+    if (map_for(viewer, info.fields[*f]) == ColorMap::balance)
+      high = std::max(std::abs(low), std::abs(high)), low = -high;
   }
   return colored > 1 && low <= high ? std::vector<double>{low, high} : std::vector<double>{};
 }

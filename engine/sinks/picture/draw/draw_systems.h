@@ -17,10 +17,10 @@ std::vector<float> magnitudes(const std::vector<float>& values, uint32_t width);
 /// The field that colours a part. "speed" is understood for everything that has velocities.
 std::optional<size_t> color_field(const PartInfo& part, const std::string& color_by);
 
-/// The least and greatest finite value over all parts that are coloured, other than grids; empty unless there
-/// are several, which one colour bar explains. Values of lines, triangles and joints count where their points
-/// have no such field.
-std::vector<double> common_range(const World& world, const Frame& frame, const std::string& color_by);
+/// The least and greatest finite value over all parts that are coloured, other than grids, or of kinds; empty
+/// unless there are several, which one colour bar explains. Values of lines, triangles and joints count where
+/// their points have no such field.
+std::vector<double> common_range(const World& world, const Frame& frame, const ViewerParams& viewer);
 
 /// A system as a picture names it.
 struct NamedSystem {

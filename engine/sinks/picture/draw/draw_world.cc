@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "engine/base/errors.h"
@@ -13,7 +12,9 @@
 #include "engine/sinks/picture/draw/draw_elements.h"
 #include "engine/sinks/picture/draw/draw_grid.h"
 #include "engine/sinks/picture/draw/draw_liquid.h"
+#include "engine/sinks/picture/draw/draw_names.h"
 #include "engine/sinks/picture/draw/draw_plot.h"
+#include "engine/sinks/picture/draw/draw_scale.h"
 #include "engine/sinks/picture/draw/draw_strings.h"
 #include "engine/sinks/picture/draw/draw_systems.h"
 #include "engine/sinks/picture/geometry.h"
@@ -22,20 +23,22 @@ namespace truestep {
 
 namespace {
 
-constexpr double kLinePixels = 3.5;  // of ropes, rods and curves
-constexpr double kMarkPixels = 9;    // of the points of a net without a size
-constexpr size_t kNet = 1500;        // from this many lines on they form a net and are drawn as thin as
-                                     // possible
-constexpr size_t kMarked = 128;      // points
-constexpr double kGridFill = 0.8;    // for a field's picture: caption and colour bar are below it
-constexpr double kFlatFov = 12;      // degrees: a planar scene shows its faces, not its sides
+constexpr double kLinePixels = 3.5;     // of ropes, rods and curves
+constexpr double kMarkPixels = 9;       // of the points of a net without a size
+constexpr size_t kNet = 1500;           // from this many lines on they form a net and are drawn as thin as
+                                        // possible
+constexpr size_t kMarked = 128;         // points
+constexpr double kGridFill = 0.8;       // for a field's picture: caption and colour bar are below it
+constexpr double kMarkShare = 0.08;     // longest line of a mark, of the size of what is drawn
+constexpr double kWideContainer = 2.5;  // a container this many times wider than what is in it is not framed
+constexpr double kFlatFov = 12;         // degrees: a planar scene shows its faces, not its sides
 
 /// Values of lines or triangles colour those that are drawn: `rows` of them; unless the points have values.
 std::vector<float> take_values(const World& world, const Frame& frame, const FieldPlace& at,
                                const std::vector<uint32_t>& rows, const ViewerParams& viewer,
                                DrawPoints& points) {
   const FieldInfo& field = world.parts()[at.part].info().fields[at.field];
-  points.scalar_label = label_of(viewer, viewer.color_by, field.unit);
+  apply_scale(points, viewer, field, viewer.color_by);
   return picked(element_values(world, frame, at), rows);
 }
 
@@ -44,13 +47,10 @@ DrawPoints points_of(const World& world, const Frame& frame, size_t p, const Vie
   const PartInfo& info = world.parts()[p].info();
   DrawPoints points;
   points.positions = FrameValues(frame, p, info.find(Meaning::position)).floats();
-  points.color_map = viewer.color_map;
-  if (const auto& range = viewer.range; !range.empty())
-    points.scalar_min = static_cast<float>(range[0]), points.scalar_max = static_cast<float>(range[1]);
   if (const auto f = color_field(info, color_by)) {
     points.scalar = magnitudes(FrameValues(frame, p, f).floats(), info.fields[*f].width);
     if (points.scalar.size() * 3 == points.positions.size()) {
-      points.scalar_label = label_of(viewer, color_by, info.fields[*f].unit);
+      apply_scale(points, viewer, info.fields[*f], color_by);
     } else {
       points.scalar.clear();
     }
@@ -212,8 +212,8 @@ double reach_down(const DrawShape& s, const Vec3& up) {
   }
 }
 
-/// Longest line of a mark (m): a fraction of the size of what is drawn.
-double mark_size(const DrawList& list) {
+/// m, across what is drawn; 0.2 / kMarkShare if that is nothing.
+double size_of(const DrawList& list) {
   Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = -low;
   const auto cover = [&](const Vec3& p) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
@@ -229,7 +229,7 @@ double mark_size(const DrawList& list) {
     }
   }
   const double size = norm(high - low);
-  return std::isfinite(size) && size > 0 ? 0.08 * size : 0.2;
+  return std::isfinite(size) && size > 0 ? size : 0.2 / kMarkShare;
 }
 
 // The ground lies below everything drawn.
@@ -291,8 +291,9 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
   // A range and a legend belong to the field named by the scene.
   ViewerParams viewer = header.viewer;
   if (look.color_by && *look.color_by != viewer.color_by)
-    viewer.color_by = *look.color_by, viewer.range.clear(), viewer.legend.clear();
-  if (viewer.range.empty()) viewer.range = common_range(world, frame, viewer.color_by);
+    viewer.color_by = *look.color_by, viewer.range.clear(), viewer.legend.clear(), viewer.names.clear(),
+    viewer.color_map = ColorMap::automatic;
+  if (viewer.range.empty()) viewer.range = common_range(world, frame, viewer);
   list.up = up_of(header);
   if (look.theme == PictureLook::Theme::dark)
     list.background_top = {0.09f, 0.105f, 0.13f}, list.background_bottom = {0.145f, 0.165f, 0.20f};
@@ -309,12 +310,16 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
     const size_t before = list.shapes.size();
     const auto rows = [&](Meaning m) { return FrameValues(frame, p, info.find(m)); };
     add_bodies(list, frame.constant->parts[p],
-               {rows(Meaning::position), rows(Meaning::orientation), rows(Meaning::asleep)}, points);
+               {rows(Meaning::position), rows(Meaning::orientation), rows(Meaning::asleep)}, points,
+               places[p]);
+    const PartDrawing& drawing = frame.constant->parts[p];
+    const bool main = world.parts()[p].index == 0;
+    if (const auto color = bodies_color(drawing, places[p]); main && color && points.scalar.empty())
+      systems.push_back({spaced(world.parts()[p].id), *color});
     // Rows that only carry bodies are not framed either; coloured ones provide the colour bar.
     const bool only_bodies = list.shapes.size() > before && points.radius == 0 && points.lines.empty() &&
                              points.triangles.empty() && points.scalar.empty();
     if (points.positions.empty() || only_bodies) continue;
-    const PartDrawing& drawing = frame.constant->parts[p];
     if (!drawing.plot.empty()) {
       plot.add(points.positions);
       if (axes.empty()) axes = drawing.plot;
@@ -326,17 +331,19 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
     }
     if (!points.color) points.color = picture::palette(places[p]);
     if (viewer.liquid == Liquid::surface && list.shapes.size() == before) wrap_liquid(points, drawing.space);
-    const bool main = world.parts()[p].index == 0;
     // Rows drawn by other shapes show no colour of their own.
     const bool visible = points.radius > 0 || !points.lines.empty() || !points.triangles.empty();
     if (main && visible && !colored && list.shapes.size() == before && drawing.plot.empty())
       systems.push_back({spaced(world.parts()[p].id), own_color(world, frame, p).value_or(*points.color)});
     if (const auto place = name_place(points, list.up); main && visible && colored && place)
       colored_systems.push_back({spaced(world.parts()[p].id), *place});
+    if (look.trails)
+      look.trails->add_to(list, p, frame, points.positions, colored ? std::nullopt : points.color);
     list.points.push_back(std::move(points));
   }
   add_strings(list, world, frame);
   add_legend(list, systems);
+  add_kinds_legend(list);
   bool grids_alone = list.points.empty() && list.shapes.empty() && frame.moving.obstacles.empty();
   for (size_t p = 0; p < world.parts().size(); ++p) {
     const PartInfo& info = world.parts()[p].info();
@@ -347,13 +354,17 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
   }
   grids_alone = grids_alone && !list.points.empty();
   if (grids_alone) list.fill = std::min(list.fill, kGridFill);
+  const double seen = list.points.empty() && list.shapes.empty() ? HUGE_VAL : size_of(list);
   for (const DrawnShape& s : frame.moving.obstacles) {
     list.shapes.push_back(shape_of(s));
+    // A wide container would make what lives in it small.
+    if (s.container && 2 * norm(s.size) > kWideContainer * seen)
+      list.shapes.back().framing = DrawShape::Framing::ignored;
     has_plane |= s.kind == DrawnShape::Kind::plane;
   }
   if (const double low = lowest_point(list); !has_plane && !grids_alone && std::isfinite(low))
     list.ground_height = low - 0.05;
-  add_marks(list, frame.moving, mark_size(list), joint_colors(list, world, frame, viewer));
+  add_marks(list, frame.moving, kMarkShare * size_of(list), joint_colors(list, world, frame, viewer));
   if (look.view != PictureLook::View::scene) {
     if (look.view != PictureLook::View::all) list.facing = side_of(look.view, list.up);
   } else if (viewer.camera) {
@@ -368,10 +379,8 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
   // Names are outside a plot's frame: an automatic camera leaves room for them.
   if (!list.labels.empty() && list.camera) frame_as(list, *std::exchange(list.camera, std::nullopt));
   if (viewer.labels) add_names(list, colored_systems);
-  char time[48];
-  // Planets take years, atoms picoseconds.
-  const bool usual = frame.time == 0 || (frame.time >= 0.001 && frame.time < 1e5);
-  std::snprintf(time, sizeof time, usual ? "t = %.3f s" : "t = %.4g s", frame.time);
+  if (viewer.probe_labels) add_probe_labels(list, world, frame);
+  const std::string time = time_text(frame.time, header.time.duration);
   const std::string& name = header.title.empty() ? header.name : header.title;
   list.caption = name.empty() ? time : name + "   " + time;
   return list;

@@ -5,6 +5,7 @@
 
 #include "engine/session/world/world.h"
 #include "engine/sinks/picture/draw/draw_bodies.h"
+#include "engine/sinks/picture/draw/trails.h"
 
 namespace truestep {
 
@@ -15,6 +16,7 @@ struct PictureLook {
   /// Camera position when the scene's own is not wanted: framing everything drawn, from one side of it.
   enum class View : uint8_t { scene, all, front, side, top } view = View::scene;
   Wish marks = Wish::none;
+  std::shared_ptr<const TrailSink> trails = {};  ///< kept for the scene while it ran
 };
 
 /// Error "bad_request" with the pointer "?color_by", listing the alternatives, when no part has such a field.

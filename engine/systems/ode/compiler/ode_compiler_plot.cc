@@ -34,9 +34,17 @@ void OdeCompiler::plot() {
       plot_.push_back(node);
     }
   }
+  if (def_.axes.size() > axes.size())
+    issue("/axes", "inconsistent", "there are more names than axes: " + std::to_string(axes.size()), "");
+  if (!def_.curves.empty() && def_.curves.size() != model_.bodies)
+    issue("/curves", "inconsistent", "one name for each point is needed: " + std::to_string(model_.bodies),
+          "");
   if (axes.size() < 2 || !issues_.empty()) return;
-  for (size_t k = 0; k < axes.size(); ++k) model_.axes.push_back(axis(k, axes[k]));
-  model_.curves = curves();
+  for (size_t k = 0; k < axes.size(); ++k) {
+    model_.axes.push_back(axis(k, axes[k]));
+    if (k < def_.axes.size() && !def_.axes[k].empty()) model_.axes.back().name = def_.axes[k];
+  }
+  model_.curves = def_.curves.empty() ? curves() : def_.curves;
 }
 
 size_t OdeCompiler::elements(const std::string& axis) const {

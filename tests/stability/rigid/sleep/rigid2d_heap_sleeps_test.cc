@@ -55,43 +55,5 @@ TEST(Rigid2dHeapSleeps, WithinTenSecondsOfRest) {
   EXPECT_GE(in_time, 4);
 }
 
-// A board that rocks on a round log (R above half its thickness h) swings at w^2 = g (R - h) / (k^2 + h^2), k
-// its radius of gyration: at 1.5 Hz here, and nothing damps rolling. Contacts that stayed as they are through
-// four substeps fed that by up to w^2 dt 3 / 16 = 0.29/s: a box between two disks swung under a heap for
-// ever. Between the first and the last two of ten seconds the swing grew eightfold; what rounding and the
-// contact's spring change is below 2 %.
-TEST(Rigid2dHeapSleeps, NothingFeedsWhatRocks) {
-  Trial t(R"("sleeping": false, "bodies": [
-    {"motion": "fixed", "position": [0, -1, 0], "shapes": [{"type": "circle", "radius": 1}]},
-    {"position": [0, 0.1, 0], "angular_velocity": 0.1, "shapes": [{"type": "box", "half_extents": [0.5, 0.1, 0]}]}])");
-  double first = 0, last = 0;
-  for (int k = 0; k < 600; ++k) {
-    t.steps(1);
-    if (k < 120) first = std::max(first, std::abs(t.angle(1)));
-    if (k >= 480) last = std::max(last, std::abs(t.angle(1)));
-  }
-  EXPECT_GT(first, 0.005);
-  EXPECT_NEAR(last / first, 1, 0.02);
-}
-
-// Of two bodies whose distance is just above the margin for contacts one slept alone, and woke in the next
-// step because the other one's way was foreseen: the heap's bodies were never at rest at the same time.
-TEST(Rigid2dHeapSleeps, WhatPassesTheMarginDoesNotWake) {
-  const auto wakes = [](double gap, double speed) {
-    Trial t(R"("contact_margin": 0.02, "bodies": [
-      {"motion": "fixed", "position": [0, -1, 0], "shapes": [{"type": "box", "half_extents": [20, 1, 0]}]},
-      {"position": [0, 0.5, 0], "asleep": true, "shapes": [{"type": "box", "half_extents": [0.5, 0.5, 0]}]},
-      {"position": [)" +
-            Trial::number(1 + gap) + R"(, 0.5, 0], "friction": 0, "velocity": [)" + Trial::number(speed) +
-            R"(, 0, 0], "shapes": [{"type": "box", "half_extents": [0.5, 0.5, 0]}]}])");
-    t.steps(1);
-    return t.observed("awake") == 2;
-  };
-  EXPECT_FALSE(wakes(0.0201, -0.06));
-  // Controls: what is near wakes, and so does what will hit within the step.
-  EXPECT_TRUE(wakes(0.005, -0.06));
-  EXPECT_TRUE(wakes(0.1, -6));
-}
-
 }  // namespace
 }  // namespace truestep

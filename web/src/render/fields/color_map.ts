@@ -1,9 +1,9 @@
 // Perceptual colour maps, as in the service's pictures: stops at equal distances, lightness grows monotonically.
-import { emberHex, viridisHex, waterHex } from "./color_stops";
+import { balanceHex, emberHex, sandHex, smokeHex, snowHex, viridisHex, waterHex } from "./color_stops";
 
-export type ColorMap = "viridis" | "water" | "ember";
+export type ColorMap = "viridis" | "water" | "ember" | "balance" | "smoke" | "snow" | "sand";
 
-const stops: Record<ColorMap, number[]> = { viridis: viridisHex, water: waterHex, ember: emberHex };
+const stops: Record<ColorMap, number[]> = { viridis: viridisHex, water: waterHex, ember: emberHex, balance: balanceHex, smoke: smokeHex, snow: snowHex, sand: sandHex };
 
 /** sRGB bytes, `count` of them from the lowest to the highest value. */
 export function colorTable(map: ColorMap, count: number): Uint8Array {

@@ -6,10 +6,11 @@ import { shownField } from "../../client/parts";
 import type { Lattice, Part } from "../../client/gen/truestep/v1/stream_pb";
 import type { ViewerSettings } from "../../client/rest";
 import { colorTable, type ColorMap } from "./color_map";
+import { balanced, schemeOf, type Kind } from "./scheme";
 import type { Extent } from "../extent";
 import { WideLines } from "../lines";
 import { arrows, levelLine } from "../plane_lines";
-import { scaleLabel } from "../scale_label";
+import { scaleLabel } from "./scale_label";
 import { scenery, shadeGlsl } from "../shading";
 import { GridVertices } from "./grid_vertices";
 import { evenStreamlines } from "./streamlines";
@@ -25,6 +26,8 @@ const kCurveShare = 0.3; // a curve's height as a fraction of its length
 export interface Scale {
   label: string;
   map: ColorMap;
+  /** Instead of a bar, where colours are names. */
+  kinds?: Kind[];
   low: number;
   high: number;
 }
@@ -95,7 +98,8 @@ export class GridView {
     private readonly viewHeight: IUniform<number>,
   ) {
     this.id = part.id;
-    this.map = settings.color_map ?? "viridis";
+    const shown = shownField(part, settings.color_by ?? "");
+    this.map = schemeOf({ ...settings, color_by: shown }, shown ?? "", part.fields.find((one) => one.name === shown)).map;
     this.colors = Float32Array.from(colorTable(this.map, kColors), linear);
     const lattice = part.lattice!;
     const axes = [0, 1, 2].filter((axis) => lattice.counts[axis]! > 1);
@@ -135,7 +139,7 @@ export class GridView {
     if (!field) return;
     this.field = field;
     this.take(field);
-    const [least, greatest] = this.settings.range?.length === 2 ? (this.settings.range as [number, number]) : extent(this.values);
+    const [least, greatest] = this.settings.range?.length === 2 ? (this.settings.range as [number, number]) : this.map === "balance" ? balanced(extent(this.values)) : extent(this.values);
     const unit = this.part.fields.find((one) => one.name === field.field)?.unit ?? "";
     this.scale = { label: scaleLabel(this.settings, field.field, unit, field.width > 1), map: this.map, low: least, high: greatest };
     for (const sheet of this.sheets) {
