@@ -33,7 +33,3 @@
 #include <vector>
 
 #include "engine/session/session.h"
-
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif

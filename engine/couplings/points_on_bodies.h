@@ -23,7 +23,7 @@ struct BodyLink {
   std::array<double, 3> weights{1, 0, 0};
   uint32_t count = 1, body = 0;
   enum class Body : uint8_t { moves, stays } answers = Body::moves;  ///< stays: it sleeps
-  std::optional<Vec3> held;  ///< m, in the body's frame: where it is held, if not where the points are
+  std::optional<Vec3> held{};  ///< m, in the body's frame: where it is held, if not where the points are
 
   Vec3 blend(auto&& of_row) const {
     Vec3 sum;

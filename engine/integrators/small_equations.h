@@ -12,15 +12,19 @@ namespace detail {
 void small_jacobian(Equations& eq, double t, const double* y, const double* fy, double* jacobian);
 }  // namespace detail
 
+/// What SmallEquations<N> hands to Equations; in whole vector registers.
 template <int N>
-class SmallEquations final : public Equations {
-  // In whole vector registers.
+struct SmallArrays {
   static constexpr size_t kPadded = N <= 2 ? N : (N + 3) / 4 * 4;
+  alignas(64) std::array<std::array<double, kPadded>, kWorkArrays> arrays_{};
+};
+
+template <int N>
+class SmallEquations final : private SmallArrays<N>, public Equations {
+  using SmallArrays<N>::kPadded, SmallArrays<N>::arrays_;
 
  public:
-  explicit SmallEquations(Advance& a) : Equations(a, kPadded, arrays_[0].data(), kPadded) {
-    for (auto& array : arrays_) array.fill(0);
-  }
+  explicit SmallEquations(Advance& a) : Equations(a, kPadded, arrays_[0].data(), kPadded) {}
 
   // As in Equations, known to the compiler.
   static constexpr size_t size() { return N; }
@@ -59,7 +63,6 @@ class SmallEquations final : public Equations {
     return lu.factor();
   }
 
-  alignas(64) std::array<std::array<double, kPadded>, kWorkArrays> arrays_;
   std::array<double, size_t(N* N)> jacobian_;
   SmallLu<double, N> real_;
   SmallLu<Complex, N> complex_;

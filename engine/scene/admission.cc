@@ -2,6 +2,8 @@
 
 #include <cstdio>
 
+#include "engine/scene/params/params_bytes.h"
+
 namespace truestep {
 
 namespace {
@@ -35,6 +37,7 @@ Cost estimate(const Scene& scene) {
   std::vector<Cost> own;
   for (const SceneSystem& s : scene.systems) {
     add(own.emplace_back(s.reading == Reading::sound ? s.row->cost(s.def.get()) : Cost{}));
+    sum.workspace_bytes += heap_bytes(*s.row->table, s.def.get());
   }
   for (const SceneCoupling& c : scene.couplings) {
     if (c.reading == Reading::sound) add(c.row->cost(c.def.get(), own[c.a], own[c.b]));

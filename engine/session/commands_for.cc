@@ -114,7 +114,7 @@ Command read_command_for(const World& world, const WorldState& state, const json
   }
   if (json::value* index = command.if_contains("index"); system && index && index->is_string())
     *index = row_of(world, state, *system, of, std::string(index->as_string().c_str()));
-  const Command c = read_command(command);
+  Command c = read_command(command);
   if (settable) check_value(command, *settable);
   if (type == "spawn" && system && !c.name.empty()) {
     const auto has_bodies = world.scene().systems[*system].row->table->find("bodies");

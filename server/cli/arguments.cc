@@ -122,10 +122,10 @@ std::string meant_options(const CLI::App& app) {
 
 }  // namespace
 
-CommandLine::CommandLine(std::string sentence, std::string name, std::string version)
+CommandLine::CommandLine(std::string sentence, std::string name, const std::string& version)
     : app_(std::make_unique<CLI::App>(std::move(sentence), std::move(name))) {
   app_->require_subcommand(1);
-  app_->set_version_flag("--version", std::move(version));
+  app_->set_version_flag("--version", version);
 }
 CommandLine::~CommandLine() = default;
 

@@ -64,7 +64,7 @@ class Arguments {
 /// A program's whole command line.
 class CommandLine {
  public:
-  CommandLine(std::string sentence, std::string name, std::string version);
+  CommandLine(std::string sentence, std::string name, const std::string& version);
   ~CommandLine();
   Arguments arguments() const { return Arguments(app_.get()); }
   /// Calls the command that was given. Otherwise prints what was asked for (help, version) or what is wrong,

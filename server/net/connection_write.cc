@@ -142,11 +142,9 @@ Task<> Connection::linger() {
   boost::system::error_code ec;
   socket_.shutdown(Socket::shutdown_send, ec);
   enter(Phase::linger);
-  bool more = true;
-  while (more) {
+  do {
     buffer_.clear();
-    more = co_await read_more(kRead);
-  }
+  } while (co_await read_more(kRead));
 }
 
 }  // namespace truestep::net

@@ -60,7 +60,8 @@ def parameters(text):
         part = re.sub(r"\s+", " ", part.split("=")[0]).strip()
         if re.search(r"[\w>&*\]] ?\b\w+$", part) and " " in part or re.search(r"[>&*]\w+$", part):
             part = re.sub(r" ?\b\w+$", "", part)
-        found.append(re.sub(r" ?([<>&*,:()]) ?", r"\1", part))
+        # A namespace may be named or not.
+        found.append(re.sub(r"\w+::", "", re.sub(r" ?([<>&*,:()]) ?", r"\1", part)))
     return ",".join(found)
 
 

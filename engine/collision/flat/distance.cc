@@ -169,4 +169,13 @@ std::optional<Impact> time_of_impact(const Outline& a, const Sweep& move_a, cons
   return Impact{f, normal};
 }
 
+Box swept_box(const Outline& s, const Sweep& sweep, double reach) {
+  Box box = bounds(s, sweep.from);
+  box.cover(bounds(s, sweep.at(1)));
+  // In between, a turning outline stays within its reach of the path of the pivot.
+  if (sweep.angle != 0) box = box.grown(reach * std::min(1.0, std::abs(sweep.angle)));
+  box.low.z = box.high.z = 0;
+  return box;
+}
+
 }  // namespace truestep::flat

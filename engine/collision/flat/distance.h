@@ -42,6 +42,9 @@ struct Sweep {
   Vec2 shift;        ///< m, of the origin
   Pose at(double fraction) const;
 };
+/// A box, flat in z, that holds the outline during the whole motion; `reach`: of the outline from the pivot
+/// (m).
+Box swept_box(const Outline& s, const Sweep& sweep, double reach);
 struct Impact {
   double fraction = 0;
   Vec2 normal;  ///< from a to b, in the world

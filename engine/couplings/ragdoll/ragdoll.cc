@@ -10,7 +10,6 @@
 namespace truestep::ragdoll {
 
 using animation::conjugate;
-using animation::operator*;
 using animation::rotate;
 
 const DefTable& ragdoll_table() {

@@ -14,7 +14,7 @@ void each_column(const State& s, Visit visit) {
 }  // namespace
 
 bool LastForce::holds(const Motion& m, double t) const {
-  if (field_ != &m.field || std::memcmp(&t_, &t, sizeof t) != 0) return false;
+  if (field_ != &m.field || t_ != t) return false;
   size_t at = 0;
   bool same = true;
   each_column(m.state, [&](std::span<const std::byte> bytes) {

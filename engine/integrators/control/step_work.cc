@@ -133,7 +133,8 @@ std::optional<Trial> try_steps(const Integrator& method, const RightHandSide& f,
   out.done = out.reached = reached / h;
   // The first half begins at rest, and with minute steps of order 1, which later steps do not repeat.
   if (stop.middle > 0 && reached > stop.middle) {
-    const double share = 1 - static_cast<double>((steps + 1) / 2) / static_cast<double>(stop.taken);
+    const auto half = (steps + 1) / 2;
+    const double share = 1 - static_cast<double>(half) / static_cast<double>(stop.taken);
     out.done = (reached - stop.middle) / (share * h);
   }
   return out.done > 0 ? std::optional(out) : std::nullopt;

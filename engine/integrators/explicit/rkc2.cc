@@ -81,7 +81,7 @@ class Rkc2 final : public AdaptiveMethod {
   }
   double* candidate() override { return a_[kNew]; }
   const double* solution() const override { return a_[kY]; }
-  const Interpolant& between(double, double h) {
+  const Interpolant& between(double, double h) override {
     h_ = h;
     return *this;
   }

@@ -18,9 +18,9 @@ namespace {
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kDenseUnknowns, kDenseUnknowns>;
 using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kDenseUnknowns, 1>;
 
-class Equations {
+class StepEquations {
  public:
-  Equations(Motion& m)
+  StepEquations(Motion& m)
       : m_(m), nx_(static_cast<Eigen::Index>(m.x.size())), n_(nx_ + static_cast<Eigen::Index>(m.v.size())) {}
 
   Eigen::Index size() const { return n_; }
@@ -75,7 +75,7 @@ class Equations {
 
 void implicit_euler_dense(Motion& m, const IntegratorOptions& options, NewtonSteps steps) {
   const double h = m.input.h;
-  Equations eq(m);
+  StepEquations eq(m);
   const Vector y0 = eq.start();
   if (steps == NewtonSteps::one) {
     eq.finish(y0 + eq.solve(y0, h * eq.rates(y0)));

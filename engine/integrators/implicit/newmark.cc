@@ -228,7 +228,7 @@ StabilityInterval newmark_interval(const IntegratorOptions& options) {
 }
 
 std::optional<std::string> refuses_first_order(const ForceField& field) {
-  if (const auto why = refuses_without_jacobian(field)) return why;
+  if (auto why = refuses_without_jacobian(field)) return why;
   return refuses_general_rates(field);
 }
 

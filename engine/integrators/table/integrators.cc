@@ -30,6 +30,10 @@ const Integrator* find_integrator(std::string_view name) {
 const Integrator& choose_integrator(const IntegratorChoice& choice, std::string_view fallback,
                                     const ForceField& field) {
   const std::string_view name = choice.name.empty() ? fallback : std::string_view(choice.name);
+  const Integrator* method = find_integrator(name);
+  const std::string why = method ? refusal(*method, field).value_or("") : "no integrator has this name";
+  if (why.empty()) return *method;
+  // Only now: what others need of the field is as expensive to find out as the field is large.
   std::string allowed;
   std::vector<std::string> fitting;
   for (const Integrator& m : integrators()) {
@@ -37,14 +41,9 @@ const Integrator& choose_integrator(const IntegratorChoice& choice, std::string_
     allowed += (allowed.empty() ? "" : ", ") + std::string(m.name);
     fitting.emplace_back(m.name);
   }
-  const Integrator* method = find_integrator(name);
-  const std::string why = method ? refusal(*method, field).value_or("") : "no integrator has this name";
-  if (!why.empty()) {
-    throw Error("scene_invalid", "integrator " + std::string(name) + ": " + why,
-                {"/integrator", method ? "unsuitable_integrator" : "unknown_integrator", why,
-                 '"' + std::string(name) + '"', allowed, method ? "" : nearest_name(name, fitting), ""});
-  }
-  return *method;
+  throw Error("scene_invalid", "integrator " + std::string(name) + ": " + why,
+              {"/integrator", method ? "unsuitable_integrator" : "unknown_integrator", why,
+               '"' + std::string(name) + '"', allowed, method ? "" : nearest_name(name, fitting), ""});
 }
 
 }  // namespace truestep

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "engine/base/interrupt.h"
+#include "engine/scene/params/box_words.h"
 #include "engine/scene/params/params.h"
 #include "engine/scene/params/params_reader.h"
 #include "engine/scene/params/params_text.h"
@@ -203,7 +204,8 @@ FoundValue found_at(const json::object& o, const std::string& pointer) {
 void ParamReader::object(const DefTable& table, void* owner, const json::object& o,
                          const std::string& pointer, std::span<const std::string_view> also_allowed) {
   const size_t before = bad_members_;
-  members(table, owner, o, pointer, also_allowed);
+  const auto own_words = box_in_own_words(table, o);
+  members(table, owner, own_words ? *own_words : o, pointer, also_allowed);
   // Checks across members make sense only when each member is good.
   if (!table.check || bad_members_ != before) return;
   table.check(owner, [&](const std::string& suffix, const std::string& message) {

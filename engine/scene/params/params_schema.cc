@@ -2,6 +2,7 @@
 // Source: JSON Schema: A Media Type for Describing JSON Documents, draft 2020-12.
 #include <cmath>
 
+#include "engine/scene/params/box_words.h"
 #include "engine/scene/params/params.h"
 
 namespace truestep {
@@ -112,6 +113,12 @@ json::object schema_of(const DefTable& table) {
       properties[word] = std::move(old);
     }
     properties[r.name] = std::move(s);
+  }
+  for (const std::string_view word : other_box_words(table)) {
+    if (properties.contains(word)) continue;
+    properties[word] = json::object{{"type", json::array{"array", "number", "string"}},
+                                    {"description", "the box in another system's words"},
+                                    {"deprecated", true}};
   }
   json::object out{{"type", "object"},
                    {"description", table.sentence},

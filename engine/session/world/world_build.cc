@@ -221,6 +221,7 @@ void World::couple(const std::vector<bool>& meets, std::vector<Issue>& issues) {
 
 // Couplings inspect their sides, so both must exist.
 void World::build_couplings(std::vector<Issue>& issues) {
+  if (scene_.couplings.empty()) return;
   std::vector<std::optional<CouplingSide>> sides(size());
   for (size_t i = 0; i < size(); ++i) {
     if (systems_[i]) sides[i].emplace(CouplingSide{id(i), *systems_[i], systems_[i]->initial_state()});

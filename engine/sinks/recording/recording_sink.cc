@@ -136,7 +136,7 @@ void RecordingSink::notify(std::string_view kind, uint64_t, const std::string&) 
 }
 
 RecordingStatus RecordingSink::finish() {
-  const RecordingStatus status = close();
+  RecordingStatus status = close();
   if (ties_.finished) std::exchange(ties_.finished, nullptr)(status);
   return status;
 }

@@ -23,8 +23,8 @@ struct Tiling {
   static constexpr int kBlock = D == 2 ? 8 : 4;      ///< cells along each axis
   static constexpr int kPad = 2 * kBlock;            ///< cells before the box
   static constexpr int kReach = kBlock + Nodes + 1;  ///< nodes of a tile along each axis
-  static constexpr int kRow = kBlock + 5;  ///< nodes of a tile along the last axis, with room for four
-  static constexpr size_t kBlockNodes = D == 2 ? 64 : 64;
+  static constexpr int kRow = kBlock + 5;    ///< nodes of a tile along the last axis, with room for four
+  static constexpr size_t kBlockNodes = 64;  // 8 x 8 or 4 x 4 x 4
   static constexpr size_t kTileNodes = D == 2 ? size_t{kReach} * kRow : size_t{kReach} * kReach * kRow;
   static constexpr int kNeighbours = D == 2 ? 9 : 27;
   static constexpr int kSelf = kNeighbours / 2;

@@ -103,7 +103,7 @@ std::string Attraction::reason(size_t n) const {
     return bodies + (method == Method::tree ? " by a tree" : " by the fast multipole method") + ", error " +
            short_number(def_.force_error) + " of an acceleration";
   }
-  return bodies + ", every pair" + (def_.method == Method::automatic ? ": no tree is faster" : "");
+  return bodies + ", every pair" + (def_.method == Method::direct ? "" : ": no tree is faster");
 }
 
 std::vector<Vec3> attraction_at_start(const std::vector<Body>& bodies, const NbodyDef& def) {

@@ -74,7 +74,13 @@ ChosenMethod method_of(const NbodyDef& def, const NbodyField& field, double dt) 
     return {mercurius(), "named by the scene"};
   }
   if (def.integrator == kHermiteName) return {checked_hermite(def), "named by the scene"};
-  const bool few = body_count(def) <= kFewBodies;
+  const size_t n = body_count(def);
+  const bool few = n <= kFewBodies;
+  if (def.integrator == "ias15" && chosen_method(def, n) != Method::direct) {
+    refuse("ias15",
+           "it finds its step to rounding, which forces summed approximately never reach: method direct or "
+           "auto");
+  }
   return settle_method(def.choice(), {.usual = few ? "ias15" : "leapfrog"}, field, dt);
 }
 

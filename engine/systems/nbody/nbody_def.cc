@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/kernels/gravity/body_tree.h"
 #include "engine/math/trig.h"
 
 namespace truestep::nbody {
@@ -226,7 +227,10 @@ double tree_seconds(const NbodyDef& d, double n) {
 Method chosen_method(const NbodyDef& d, size_t n) {
   // Measured: beyond this, sharing between groups pays for the downward pass.
   constexpr size_t kShared = 50'000;
+  // These make one group of the tree, whose pairs are summed one by one in any case.
+  if (n <= gravity::BodyTree::kMostInGroup) return Method::direct;
   if (d.method != Method::automatic) return d.method;
+  if (d.integrator == "ias15") return Method::direct;
   const auto bodies = static_cast<double>(n);
   if (direct_seconds(d, bodies) <= tree_seconds(d, bodies)) return Method::direct;
   return n < kShared ? Method::tree : Method::fmm;

@@ -65,7 +65,8 @@ void Ode::observe(const State& s, double t, Observables& out) const {
     // One pass in the order of the points.
     const auto x = s.f64(C::kTracers);
     constexpr const char* kAxes[] = {"x", "y", "z"};
-    out.add("tracers.count", static_cast<double>(x.size() / 3), "1");
+    const size_t tracers = x.size() / 3;
+    out.add("tracers.count", static_cast<double>(tracers), "1");
     for (size_t axis = 0; axis < 3; ++axis) {
       double least = HUGE_VAL, greatest = -HUGE_VAL, sum = 0;
       for (size_t i = axis; i < x.size(); i += 3) {
@@ -75,7 +76,7 @@ void Ode::observe(const State& s, double t, Observables& out) const {
       const std::string name = std::string("tracers.") + kAxes[axis];
       out.add(name + ".min", least, "m");
       out.add(name + ".max", greatest, "m");
-      out.add(name + ".mean", sum / static_cast<double>(x.size() / 3), "m");
+      out.add(name + ".mean", sum / static_cast<double>(tracers), "m");
     }
   }
   if (method_) {

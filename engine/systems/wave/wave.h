@@ -48,7 +48,6 @@ class WaveEquations final : public RightHandSide, public SecondOrder, public Lin
   double damping_of(size_t node) const { return fixed_[node] ? 0 : damping_; }
 
   lattice::LatticeWork& work_;
-  const lattice::Lattice& lattice_;
   size_t n_;
   double damping_;
   const ThreadArena& arena_;

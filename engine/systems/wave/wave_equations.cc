@@ -9,7 +9,6 @@ namespace truestep::wave {
 WaveEquations::WaveEquations(lattice::LatticeWork& work, const lattice::Lattice& l, double damping,
                              const ThreadArena& arena)
     : work_(work),
-      lattice_(l),
       n_(l.nodes()),
       damping_(damping),
       arena_(arena),

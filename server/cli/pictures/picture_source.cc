@@ -69,7 +69,11 @@ class RecordingSource final : public PictureSource {
     uint64_t low = 0, high = frames_.count();
     while (high - low > 1) {
       const uint64_t middle = (low + high) / 2;
-      (frames_.time(middle) <= late ? low : high) = middle;
+      if (frames_.time(middle) <= late) {
+        low = middle;
+      } else {
+        high = middle;
+      }
     }
     return draw_list_of(frames_.world(), *frames_.frame(low), look_);
   }

@@ -17,6 +17,7 @@ namespace truestep::net {
 class AnyHandler {
  public:
   template <class Handler>
+  // NOLINTNEXTLINE(bugprone-forwarding-reference-overload)
   requires(!std::is_same_v<std::decay_t<Handler>, AnyHandler>) explicit AnyHandler(Handler&& handler)
       : call_(std::make_unique<Held<std::decay_t<Handler>>>(std::forward<Handler>(handler))) {}
   void operator()(const boost::system::error_code& error, size_t bytes) {

@@ -50,6 +50,9 @@ std::span<const Family> families() {
         {"rolling_table_3d", rolling_table_3d},
         {"motor_disc_3d", motor_disc_3d},
         {"drum_2d", drum_2d, true},
+        {"bouncing_bodies", bouncing_bodies},
+        {"merging_bodies", merging_bodies},
+        {"pulses", pulses},
     };
     const auto coupled = coupled_families();
     all.insert(all.end(), coupled.begin(), coupled.end());

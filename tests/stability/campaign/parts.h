@@ -96,6 +96,9 @@ void turntable_3d(Dice&, Trial&);
 void rolling_table_3d(Dice&, Trial&);
 void motor_disc_3d(Dice&, Trial&);
 void drum_2d(Dice&, Trial&);
+void bouncing_bodies(Dice&, Trial&);
+void merging_bodies(Dice&, Trial&);
+void pulses(Dice&, Trial&);
 /// Soft things with rigid bodies, a family for each kind of both.
 std::span<const Family> coupled_families();
 

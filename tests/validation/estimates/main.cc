@@ -1,6 +1,7 @@
-// estimates [--times N] [--most-bytes B] [--judge memory|time] [SCENE...]: compares a scene's estimates of
-// memory and time with what a separate process needs for its start and some steps, for every scene of the
-// gallery (or those named) scaled up N times, or half as often until it needs at most B by its estimate.
+// estimates [--times N] [--most-bytes B] [--judge memory|time] [--read] [SCENE...]: compares a scene's
+// estimates of memory and time with what a separate process needs for its start and some steps, for every
+// scene of the gallery (or those named) scaled up N times, or half as often until it needs at most B by its
+// estimate.
 // --judge memory: exit code 1 if the estimate is outside 0.7 to 1.5 of the truth
 // and more than 64 KiB per system off. --judge time: if it is below half of the usual step's time or above
 // twice that of the busiest steps, after the median of all scenes has calibrated the machine's speed; a
@@ -14,8 +15,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <fstream>
+#include <iostream>
 #include <limits>
+#include <numeric>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/base/errors.h"
@@ -34,6 +39,8 @@ struct Figures {
   double estimated_bytes = 0, bytes = 0, elements = 0, systems = 0;
   /// Of the busiest steps, and of the median one.
   double estimated_seconds = 0, seconds = 0, usual = 0, steps = 0;
+  /// Once the systems are built, and the mean of all steps.
+  double built_seconds = 0, mean = 0;
 };
 
 double cpu_seconds() {
@@ -71,14 +78,19 @@ enum class Until {
 Figures measure(const boost::json::value& document, double most_seconds, Until until) {
   const auto arena = std::make_shared<const ThreadArena>(1);
   Figures f;
-  Scene scene = require_scene(read_scene(document));
-  const Cost cost = estimate(scene);
-  f.estimated_bytes = cost.state_bytes + cost.workspace_bytes;
-  f.estimated_seconds = cost.seconds_per_step;
-  f.elements = cost.elements;
-  f.systems = static_cast<double>(scene.systems.size());
+  {
+    const Scene scene = require_scene(read_scene(document));
+    const Cost cost = estimate(scene);
+    f.estimated_bytes = cost.state_bytes + cost.workspace_bytes;
+    f.estimated_seconds = cost.seconds_per_step;
+    f.elements = cost.elements;
+    f.systems = static_cast<double>(scene.systems.size());
+  }
+  // The scene's definition counts: it stays as long as the session.
   testing::WeighedMemory memory(f.estimated_bytes);
-  Session session(std::make_shared<const World>(std::move(scene)), arena, {.history_bytes = 0});
+  const auto world = std::make_shared<const World>(require_scene(read_scene(document)));
+  f.built_seconds = world->cost(world->initial_state()).seconds_per_step;
+  Session session(world, arena, {.history_bytes = 0});
   std::vector<double> took;
   const double start = cpu_seconds();
   constexpr size_t kFewest = memory.kFewest, kWeighed = memory.kSteps, kLongest = 600;
@@ -106,6 +118,7 @@ Figures measure(const boost::json::value& document, double most_seconds, Until u
   if (!took.empty()) {
     f.steps = static_cast<double>(took.size());
     f.seconds = busiest(took);
+    f.mean = std::accumulate(took.begin(), took.end(), 0.0) / f.steps;
     std::ranges::sort(took);
     f.usual = took[took.size() / 2];
   }
@@ -176,6 +189,27 @@ double machine_factor(const std::vector<Row>& rows) {
   return *middle;
 }
 
+// Line by line: a scene in, its figures out, or an empty object when it is refused or the process dies.
+int answer_lines(double seconds) {
+  std::string line;
+  while (std::getline(std::cin, line)) {
+    const auto f = measure_apart(parse_json(line), seconds, Until::kSeconds);
+    boost::json::object out;
+    if (f && f->steps > 0) {
+      out = {{"steps", f->steps},
+             {"estimated_bytes", f->estimated_bytes},
+             {"bytes", f->bytes},
+             {"estimated_seconds", f->estimated_seconds},
+             {"built_seconds", f->built_seconds},
+             {"seconds", f->mean},
+             {"usual_seconds", f->usual},
+             {"busiest_seconds", f->seconds}};
+    }
+    std::cout << out << std::endl;
+  }
+  return 0;
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
@@ -184,6 +218,7 @@ int main(int count, char** arguments) {
   std::string judge;
   double seconds = 0.3, factor = 1, most_bytes = std::numeric_limits<double>::infinity();
   std::vector<std::string> wanted;
+  bool read = false;
   app.add_option("--times", times, "how much of everything");
   app.add_option("--most-bytes", most_bytes, "scenes that would need more are scaled up less");
   app.add_option("--seconds", seconds, "CPU time for a scene's steps");
@@ -191,8 +226,11 @@ int main(int count, char** arguments) {
   app.add_option("--judge", judge, "exit code 1 when an estimate is beyond its bounds")
       ->check(CLI::IsMember({"memory", "time"}));
   app.add_option("scenes", wanted, "of the gallery");
+  app.add_flag("--read", read,
+               "reads scenes from the standard input, one a line, and prints a line of figures for each");
   CLI11_PARSE(app, count, arguments);
   testing::return_large_blocks();
+  if (read) return answer_lines(seconds);
 
   const auto figures = [&](const GalleryScene& scene) {
     const auto measured = measure_apart(fitting(parse_json(scene.text), times, most_bytes), seconds,

@@ -257,4 +257,6 @@ constexpr LawLoops law_loops() {
            group_loop<Floats, float, Law, NodeSource>(accelerations_and_potentials)}};
 }
 
+// Included once in a namespace of its own for each width of registers.
+// NOLINTNEXTLINE(misc-definitions-in-headers)
 constexpr PairLoops kLoops{law_loops<Newton>(), law_loops<Plummer>(), law_loops<Spline>()};

@@ -30,7 +30,7 @@ namespace truestep::picture {
 
 /// One pointer per function, without the gl prefix: gl.Clear(...).
 struct GlApi {
-#define TRUESTEP_GL_MEMBER(name) decltype(&gl##name) name = nullptr;
+#define TRUESTEP_GL_MEMBER(name) decltype(&gl##name) name = nullptr;  // NOLINT(bugprone-macro-parentheses)
   TRUESTEP_GL_FUNCTIONS(TRUESTEP_GL_MEMBER)
 #undef TRUESTEP_GL_MEMBER
 };

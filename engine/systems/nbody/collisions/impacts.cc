@@ -3,12 +3,14 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "engine/integrators/control/last_force.h"
 #include "engine/integrators/field_equations.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/systems/nbody/collisions/block_watch.h"
 #include "engine/systems/nbody/collisions/collisions.h"
+#include "engine/systems/nbody/collisions/meetings.h"
 #include "engine/systems/nbody/collisions/pair_meeting.h"
 #include "engine/systems/nbody/collisions/supported_field.h"
 
@@ -16,25 +18,16 @@ namespace truestep::nbody {
 
 namespace {
 
-constexpr double kTouching = 1e-9;  // of the reach: found so well, and taken as touching ten times farther
-constexpr double kShortFlight = 1.0 / 64;          // of the step
 constexpr int kFewPieces = 256, kManyPieces = 32;  // of a step; with more than kEveryPair bodies
-constexpr int kSweeps = 1000;                      // of impulses at one moment
 constexpr int kNearMisses = 16;
-
-struct Pair {
-  uint32_t a, b;
-  friend bool operator==(const Pair&, const Pair&) = default;
-};
 
 /// Scratch memory of a step.
 struct Work {
-  std::vector<double> first, x, v, start, end, point;
+  std::vector<double> x, v, start, end, point;
   std::vector<std::vector<double>> carried;  // the method's columns
   std::vector<Touch> touches, parts;
-  std::vector<Pair> missed, near;
-  std::vector<uint8_t> dead;
-  MetPairs met;
+  std::vector<Pair> missed;
+  Meetings::Memory meetings;
 };
 
 class Impacts final : public StepWatcher {
@@ -46,15 +39,15 @@ class Impacts final : public StepWatcher {
         options_(options),
         def_(def),
         s_(s),
+        balls_(s),
         in_(in),
-        w_(in.workspace.object<Work>("nbody.impacts")) {}
+        w_(in.workspace.object<Work>("nbody.impacts")),
+        meetings_(def, s, in, method.stepping == Integrator::Stepping::fixed, w_.meetings) {}
 
   void run() {
     const auto internal = s_.find("integrator.internal_step");
     const double end = in_.t + in_.h;
     double t = in_.t, h = in_.h, proposed = 0;
-    w_.met.clear();
-    if (def_.response != Response::merge) w_.first.assign(x(), x() + 3 * bodies());
     const int most = bodies() <= kEveryPair ? kFewPieces : kManyPieces;
     for (int piece = 0; h > 1e-12 * in_.h; ++piece) {
       blunt_ = piece >= most;
@@ -62,15 +55,15 @@ class Impacts final : public StepWatcher {
       const std::optional<double> used = advance(t, h);
       if (!used) break;
       t += *used, h = end - t;
-      meet(t);
+      meetings_.resolve(t, std::exchange(hit_, {}), blunt_);
     }
     // A short piece at the end says nothing about the next step.
     if (internal && h < in_.h) s_.f64(*internal)[0] = std::max(s_.f64(*internal)[0], proposed);
     if (blunt_) {
       ++impact(s_, Impact::left_over);
-      meet(end);
+      meetings_.resolve(end, std::exchange(hit_, {}), blunt_);
     }
-    if (def_.response != Response::merge) hold();
+    meetings_.hold();
   }
 
   Verdict accepted(double t0, double& t1, double* y1, const Interpolant& between) override {
@@ -102,7 +95,7 @@ class Impacts final : public StepWatcher {
               g.closing *= h;
               return g;
             },
-            from + touch.share / kParts, 1, kTouching * reach(touch.a, touch.b));
+            from + touch.share / kParts, 1, kTouching * balls_.reach(touch.a, touch.b));
         if (!theta) {
           w_.missed.push_back({touch.a, touch.b});
           continue;
@@ -118,26 +111,19 @@ class Impacts final : public StepWatcher {
   }
 
  private:
-  size_t bodies() const { return s_.rows(Columns::position); }
-  double* x() { return s_.f64(Columns::position).data(); }
-  double* v() { return s_.f64(Columns::velocity).data(); }
-  double mass(uint32_t i) const { return s_.f64(Columns::mass)[i]; }
-  double reach(uint32_t a, uint32_t b) const {
-    const auto radius = s_.f64(Columns::radius);
-    return radius[a] + radius[b];
-  }
+  size_t bodies() const { return balls_.count(); }
+  double* x() { return balls_.x(); }
+  double* v() { return balls_.v(); }
   Gap gap(uint32_t a, uint32_t b, const double* x, const double* v) const {
-    return Gap::of(load3(x, b) - load3(x, a), load3(v, b) - load3(v, a), reach(a, b));
+    return Gap::of(load3(x, b) - load3(x, a), load3(v, b) - load3(v, a), balls_.reach(a, b));
   }
-  double pull() const { return parameter(s_, Parameter::gravitational_constant); }
-
   bool skipped(uint32_t a, uint32_t b) {
-    return w_.met.resting(a, b) || std::ranges::find(w_.missed, Pair{a, b}) != w_.missed.end();
+    return w_.meetings.met.resting(a, b) || std::ranges::find(w_.missed, Pair{a, b}) != w_.missed.end();
   }
   void find(const PathPiece& piece, double slack, std::vector<Touch>& out) {
     find_touches(
-        piece, s_.f64(Columns::radius), slack, [this](uint32_t a, uint32_t b) { return skipped(a, b); },
-        in_.workspace, out);
+        piece, balls_.radii(), slack, [this](uint32_t a, uint32_t b) { return skipped(a, b); }, in_.workspace,
+        out);
   }
 
   /// Until two bodies touch; returns how long that took (s), or nothing when the piece of h (s) is over.
@@ -197,7 +183,7 @@ class Impacts final : public StepWatcher {
             step(t, after);
             return gap(first.a, first.b, x(), v());
           },
-          guess, used ? *used : h, kTouching * reach(first.a, first.b));
+          guess, used ? *used : h, kTouching * balls_.reach(first.a, first.b));
       if (!found) {
         w_.missed.push_back({first.a, first.b});
         if (!used) return std::nullopt;
@@ -207,10 +193,10 @@ class Impacts final : public StepWatcher {
         return used;
       }
       used = found, located = hit_;
-      const MetPair before = w_.met.of(first.a, first.b);
-      w_.met.of(first.a, first.b).resting = true;  // it is not looked for again
+      const MetPair before = w_.meetings.met.of(first.a, first.b);
+      w_.meetings.met.of(first.a, first.b).resting = true;  // it is not looked for again
       find(kept_piece(*used), 0, w_.touches);
-      w_.met.of(first.a, first.b) = before;
+      w_.meetings.met.of(first.a, first.b) = before;
       if (w_.touches.empty() || w_.touches.front().share > 1 - 1e-9) return used;
     }
     return used;
@@ -221,12 +207,12 @@ class Impacts final : public StepWatcher {
     piece.t = t, piece.h = h;
     // A part of a step does not end at a multiple of its own length.
     if (h != in_.h) piece.step = std::numeric_limits<uint64_t>::max();
-    const bool any = std::ranges::any_of(w_.met.all(), [](const MetPair& p) { return p.resting; });
+    const bool any = std::ranges::any_of(w_.meetings.met.all(), [](const MetPair& p) { return p.resting; });
     if (!any) return method_.step(field_, s_, piece, options_);
     // What a method remembers of the last force belongs to other supports.
     const auto forget = [&] { in_.workspace.object<LastForce>("integrator.last_force") = {}; };
     forget();
-    const SupportedField field(field_, w_.met.all());
+    const SupportedField field(field_, w_.meetings.met.all());
     // The accelerations against which ias15 measures its error vanish where bodies rest.
     static const Integrator* const kAtRest = find_integrator("dop853");
     if (method_.name == "ias15" && kAtRest) {
@@ -281,124 +267,10 @@ class Impacts final : public StepWatcher {
     constexpr double kNothing = 0.01;
     const PathPiece piece = kept_piece(h);
     return std::ranges::all_of(w_.touches, [&](const Touch& t) {
-      const double r = reach(t.a, t.b), u = norm(piece.between(t.a, t.b).slope(t.share)) / h;
-      return pull() * (mass(t.a) + mass(t.b)) / (r * r) * h <= kNothing * u;
+      const double r = balls_.reach(t.a, t.b), u = norm(piece.between(t.a, t.b).slope(t.share)) / h;
+      return balls_.gravitational_constant() * (balls_.mass(t.a) + balls_.mass(t.b)) / (r * r) * h <=
+             kNothing * u;
     });
-  }
-
-  /// Resolves all that touches at this moment (s).
-  void meet(double now) {
-    gather();
-    for (int sweep = 0; sweep < kSweeps; ++sweep) {
-      bool any = false;
-      for (size_t k = 0; k < w_.near.size(); ++k) {
-        const auto [a, b] = w_.near[k];
-        if (w_.met.resting(a, b) || !meet(a, b, now)) continue;
-        any = true;
-        // The rows have changed.
-        if (def_.response == Response::merge) {
-          gather();
-          break;
-        }
-      }
-      if (!any) return;
-    }
-    ++impact(s_, Impact::left_over);
-  }
-
-  /// False when they part already.
-  bool meet(uint32_t a, uint32_t b, double now) {
-    const Vec3 d = load3(x(), b) - load3(x(), a), u = load3(v(), b) - load3(v(), a), n = normalized(d);
-    const double closing = -dot(u, n), r = reach(a, b), masses = mass(a) + mass(b);
-    // Those that lean on each other are found with no speed.
-    if (!(closing > 0) && hit_ != Pair{a, b}) return false;
-    hit_ = {};
-    if (def_.response == Response::merge) {
-      ++counter(s_, Counter::collisions), ++counter(s_, Counter::merged);
-      const bool first = mass(a) >= mass(b);
-      merge(s_, first ? a : b, first ? b : a);
-      w_.dead.assign(bodies(), 0), w_.dead[first ? b : a] = 1;
-      remove_rows(s_, w_.dead);
-      w_.met.clear();  // it names rows
-      return true;
-    }
-    MetPair& met = w_.met.of(a, b);
-    const double least = std::max(1e-13 * (norm(load3(v(), a)) + norm(load3(v(), b))),
-                                  0.5 * kShortFlight * in_.h * pull() * masses / (r * r));
-    const bool back = met.when >= 0 && now - met.when < kShortFlight * in_.h && closing <= 2 * met.parted;
-    const bool rests = blunt_ || closing <= least || back;
-    if (!rests) {
-      ++counter(s_, Counter::collisions);
-      if (method_.stepping == Integrator::Stepping::fixed && masses > 0) {
-        double& worst = impact(s_, Impact::largest_ratio);
-        worst = std::max(worst, in_.h * std::sqrt(pull() * masses / (r * r * r)));
-      }
-    }
-    const Vec3 change = change_of_velocity(u, n, def_.response, rests ? 0 : def_.restitution);
-    const double to_a = share_of_first(mass(a), mass(b));
-    push_apart(v(), a, b, change);
-    if (!rests) stir(a, change * -to_a, least), stir(b, change * (1 - to_a), least);
-    met.when = now, met.resting = rests;
-    met.parted = std::max(0.0, dot(u + change, n));
-    // With no speed to part at, the next thing they do is to lean on each other.
-    if (met.parted == 0) met.resting = true;
-    return true;
-  }
-
-  /// Body i has been hit: what it leaned on is hit in turn if it is pushed at it faster than it was pulled.
-  void stir(uint32_t i, const Vec3& change, double least) {
-    for (MetPair& p : w_.met.all()) {
-      if (!p.resting || (p.a != i && p.b != i)) continue;
-      const Vec3 n = normalized(load3(x(), p.b) - load3(x(), p.a));
-      const double now = -dot(load3(v(), p.b) - load3(v(), p.a), n);
-      const double more = dot(change, n) * (p.a == i ? 1 : -1);
-      if (more > std::max(now - more, least)) p.resting = false;
-    }
-  }
-  double apart_at_start(uint32_t a, uint32_t b) const {
-    return norm(load3(w_.first.data(), b) - load3(w_.first.data(), a));
-  }
-
-  void push_apart(double* column, uint32_t a, uint32_t b, const Vec3& change) {
-    const double to_a = share_of_first(mass(a), mass(b));
-    store3(column, a, load3(column, a) - change * to_a),
-        store3(column, b, load3(column, b) + change * (1 - to_a));
-  }
-
-  void gather() {
-    w_.near.clear();
-    const size_t n = bodies();
-    const auto touching = [&](uint32_t a, uint32_t b) {
-      const double r = reach(a, b) * (1 + 10 * kTouching);
-      if (r > 0 && norm2(load3(x(), b) - load3(x(), a)) <= r * r) w_.near.push_back({a, b});
-    };
-    if (n <= kEveryPair) {
-      for (uint32_t a = 0; a < n; ++a) {
-        for (uint32_t b = a + 1; b < n; ++b) touching(a, b);
-      }
-      return;
-    }
-    // Standing still: every ball that another one overlaps.
-    w_.start.assign(3 * n, 0.0);
-    const PathPiece still{x(), w_.start.data(), x(), w_.start.data(), n, 1};
-    for_near_pairs(still, s_.f64(Columns::radius), kTouching, in_.workspace, touching);
-  }
-
-  /// At the end of the step.
-  void hold() {
-    constexpr int kRounds = 20;
-    for (int round = 0; round < kRounds; ++round) {
-      bool any = false;
-      for (const MetPair& p : w_.met.all()) {
-        const Vec3 d = load3(x(), p.b) - load3(x(), p.a), n = normalized(d);
-        const Vec3 u = load3(v(), p.b) - load3(v(), p.a);
-        const double least = std::min(reach(p.a, p.b), apart_at_start(p.a, p.b)), missing = least - norm(d);
-        if (missing > 1e-15 * least) push_apart(x(), p.a, p.b, n * missing), any = true;
-        if (p.resting && dot(u, n) < 0)
-          push_apart(v(), p.a, p.b, change_of_velocity(u, n, def_.response, 0)), any = true;
-      }
-      if (!any) return;
-    }
   }
 
   const ForceField& field_;
@@ -406,8 +278,10 @@ class Impacts final : public StepWatcher {
   const IntegratorOptions& options_;
   const CollisionsDef& def_;
   State& s_;
+  const Balls balls_;
   const StepInput& in_;
   Work& w_;
+  Meetings meetings_;
   Pair hit_{};          ///< found by `advance`
   bool blunt_ = false;  ///< no more collisions in this step
 };

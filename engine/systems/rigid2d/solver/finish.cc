@@ -27,18 +27,6 @@ Sweep sweep_of(const Pairs& pairs, const Travel& t) {
   return {pairs.pose[t.body], t.angle, t.shift};
 }
 
-Box swept_box(const Outline& s, const Sweep& sweep, double reach) {
-  Box b = flat::bounds(s, sweep.from);
-  b.cover(flat::bounds(s, sweep.at(1)));
-  // In between, a rotating outline stays within its reach of the path of its centre.
-  if (sweep.angle != 0) {
-    const double slack = reach * std::min(1.0, std::abs(sweep.angle));
-    b = b.grown(slack);
-  }
-  b.low.z = b.high.z = 0;
-  return b;
-}
-
 /// True where the motion of b relative to a hardly crosses the line of a chain's link, or of an edge of a
 /// polygon on whose outside it begins: it slides on, from piece to piece. Otherwise the end of the next piece
 /// would stop it at every corner, however straight the surface.
@@ -105,7 +93,7 @@ double first_stop(const Model& model, const State& s, const Pairs& pairs, const 
       if (hit && hit->fraction == 0 && flat::dot(hit->normal, mine.shift - theirs.shift) > 0) return;
       if (hit) stop = std::min(stop, hit->fraction);
     };
-    const Box around = swept_box(shape, mine, body.reach);
+    const Box around = flat::swept_box(shape, mine, body.reach);
     pairs.broad.overlapping(around, Mobility::fixed, visit);
     if (body.bullet) pairs.broad.overlapping(around, Mobility::moving, visit);
   }

@@ -38,15 +38,6 @@ struct Courses {
   }
 };
 
-Box swept_box(const Outline& shape, const flat::Sweep& sweep, double reach) {
-  Box box = flat::bounds(shape, sweep.from);
-  box.cover(flat::bounds(shape, sweep.at(1)));
-  // In between, a turning outline stays within its reach of the path of the centre.
-  if (sweep.angle != 0) box = box.grown(reach * std::min(1.0, std::abs(sweep.angle)));
-  box.low.z = box.high.z = 0;
-  return box;
-}
-
 /// r about the centre of a body turned by `angle`, minus r.
 Vec2 turned_by(double angle, Vec2 r) {
   const trig::SinCos turn = trig::sincos(angle);
@@ -157,7 +148,7 @@ bool find_meetings(const Model& model, const State& s, double h, Pairs& p) {
     const Body& b = model.bodies[body];
     const Course course = finder.courses.of(body);
     for (uint32_t i = b.first_shape; i < b.first_shape + b.shapes; ++i) {
-      const Box box = swept_box(model.shapes[i].outline, course.sweep, b.reach);
+      const Box box = flat::swept_box(model.shapes[i].outline, course.sweep, b.reach);
       fast.push_back({box, i});
       // Others move by less than half of the thinnest body.
       const auto visit = [&](uint32_t other) {

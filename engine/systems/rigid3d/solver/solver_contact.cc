@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/systems/rigid3d/solver/carried.h"
 #include "engine/systems/rigid3d/solver/solver.h"
+#include "engine/systems/rigid3d/solver/solver_carried.h"
 #include "engine/systems/rigid3d/turned_surface.h"
 
 namespace truestep::rigid3d {

@@ -1,4 +1,4 @@
-#include "engine/systems/rigid3d/solver/carried.h"
+#include "engine/systems/rigid3d/solver/solver_carried.h"
 
 #include <algorithm>
 #include <cmath>
