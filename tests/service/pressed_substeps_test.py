@@ -30,18 +30,18 @@ class PressedSubsteps(unittest.TestCase):
         self.assertEqual([w for w in validate(scene(substeps=enough))["warnings"] if w["code"] == "few_substeps"], [])
         self.assertNotEqual([w for w in validate(scene(substeps=enough - 1))["warnings"] if w["code"] == "few_substeps"], [])
 
+    def planned(self, document):
+        row, = [p for p in validate(document)["plan"] if p["pass"] == "substeps" and not p.get("system")]
+        return int(row["reason"].split()[0])
+
     def test_the_default_is_enough_and_the_plan_says_it(self):
-        said = validate(scene())
-        self.assertEqual([w for w in said["warnings"] if w["code"] == "few_substeps"], [])
-        enough = said["scene"]["time"]["substeps"]
-        row, = [p for p in said["plan"] if "pass" in p and p["pass"] == "substeps" or p.get("name") == "substeps"]
-        self.assertIn(f"{enough} a step", row["reason"])
+        self.assertEqual([w for w in validate(scene())["warnings"] if w["code"] == "few_substeps"], [])
+        self.assertGreater(self.planned(scene()), 10)
 
     def test_a_light_ball_asks_for_fewer(self):
         light = scene()
         light["systems"][1]["bodies"][0]["mass"] = 0.001
-        self.assertLess(json.loads(json.dumps(validate(light)))["scene"]["time"].get("substeps", 1),
-                        validate(scene())["scene"]["time"]["substeps"])
+        self.assertLess(self.planned(light), self.planned(scene()))
 
 
 if __name__ == "__main__":
