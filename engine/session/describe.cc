@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "engine/base/text/short_number.h"
 #include "engine/core/equations/integrator.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/scene/gallery.h"
@@ -260,6 +261,14 @@ json::object validate_scene(const json::value& document, const AdmissionLimits& 
                "the step exceeds the stability limit of this method; the run will become unstable",
                write_json(json::value(world.dt())), "at most " + write_json(json::value(*dt)), "", "s"});
         }
+      }
+      const double pressed = world.substeps_of_pressed();
+      if (const auto present = static_cast<double>(world.scene().substeps()); pressed > present) {
+        report.warnings.push_back(
+            {"/time/substeps", "few_substeps",
+             "points that bodies press on or hang on give way before their links pull: energy may come from "
+             "nothing, and steps in which it does are divided",
+             short_number(present), "at least " + short_number(pressed) + ", or none: the default", "", ""});
       }
       out["scene"] = report.scene->canonical();
     } catch (const Error& e) {

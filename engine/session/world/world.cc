@@ -108,8 +108,13 @@ void World::watch_energy(WorldState& state, size_t i, double t, Workspace& works
   const bool joint = std::ranges::count(joined_to_, i) > 1;
   if (joint) {
     all->swing = kJointGain;
-    if (state.step < kParted && watch.phase == EnergyWatch::Phase::watching)
-      watch.reference += std::clamp(all->kinetic + all->potential - reference, 0.0, all->slack);
+    if (state.step < kParted && watch.phase == EnergyWatch::Phase::watching) {
+      // What is pushed apart rises from the first steps on: later it rises no more than it has by then.
+      const auto group = std::ranges::find(tied_, i, &Tied::first);
+      const bool begun = state.step > 1 && group != tied_.end();
+      const double most = begun ? std::clamp(reference - group->start, 0.0, all->slack) : all->slack;
+      watch.reference += std::clamp(all->kinetic + all->potential - reference, 0.0, most);
+    }
     all->slack = 0;
   } else if (all->swing > Energy::kSwing && all->swing < kSwingUnknown && couplings_.empty()) {
     Energy narrow = *all;

@@ -119,6 +119,9 @@ class World {
   static bool watched(uint64_t step);
   /// Largest session step dt (s) that every method is known to tolerate in this state.
   std::optional<double> stable_dt(const WorldState& state) const;
+  /// Substeps of a step that points need which bodies press on or hang on, where they are put by constraints
+  /// (PressedPoints): the default, unless the scene chooses a number.
+  double substeps_of_pressed() const;
 
  private:
   World() = default;
@@ -191,8 +194,10 @@ class World {
     /// Whether the points of one of them do not move by the sum of the forces on each: they are solved
     /// together, or put where constraints hold. Otherwise energy may swing within a method's own accuracy.
     enum class Points : uint8_t { by_forces, solved } points;
+    double start = 0;  ///< J, of all of them at t = 0
   };
   std::vector<Tied> tied_;
+  uint64_t most_parts_ = 256;         ///< that a step of theirs is divided into
   std::vector<double> speed_limits_;  ///< per system, infinity if there is none
   std::vector<PlanEntry> plan_;
 };

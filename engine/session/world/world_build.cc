@@ -8,6 +8,7 @@
 #include "engine/base/interrupt.h"
 #include "engine/base/text/short_number.h"
 #include "engine/base/version.h"
+#include "engine/core/ports/pressed_points.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/session/world/world.h"
 
@@ -19,6 +20,9 @@ namespace {
 /// because points held against bodies make them stiffer (of 400 random scenes 18 gain more than a fiftieth of
 /// the energy at work with 0.8, one with 0.4). And the largest number of substeps.
 constexpr double kOfLongest = 0.4, kMostSubsteps = 10'000;
+/// The largest number for points that are put where constraints hold: steps that gain energy nevertheless are
+/// divided when they do.
+constexpr double kMostPressed = 256;
 
 /// Runs `build`; refusals are collected with pointers below `where`.
 template <class Build>
@@ -134,7 +138,25 @@ double World::substeps_of_points(const std::vector<bool>& meets) const {
     const auto longest = systems_[i]->limit(Limit::stable_dt, systems_[i]->initial_state(), dt());
     if (longest) parts = std::max(parts, std::ceil(dt() / (kOfLongest * *longest)));
   }
-  return std::min(parts, kMostSubsteps);
+  return std::min(std::max(parts, substeps_of_pressed()), kMostSubsteps);
+}
+
+double World::substeps_of_pressed() const {
+  double parts = 1;
+  for (const SceneCoupling& c : scene_.couplings) {
+    if (c.reading == Reading::faulty || c.a == c.b || !systems_[c.a] || !systems_[c.b]) continue;
+    for (const auto& [points, on] : {std::pair(c.a, c.b), std::pair(c.b, c.a)}) {
+      const auto* pressed = dynamic_cast<const PressedPoints*>(systems_[points].get());
+      const Ports ports = systems_[on]->ports();
+      if (!pressed || !ports.bodies) continue;
+      double heaviest = 0;
+      for (const BodyForm& f : ports.bodies->forms) heaviest = std::max(heaviest, f.mass);
+      if (!(heaviest > 0)) continue;
+      constexpr double kRounding = 1e-9;
+      parts = std::max(parts, std::ceil(dt() / pressed->pressed_h(heaviest) * (1 - kRounding)));
+    }
+  }
+  return std::min(parts, kMostPressed);
 }
 
 std::pair<double, std::string> World::substeps_of_couplings() const {
@@ -214,6 +236,15 @@ void World::build_couplings(std::vector<Issue>& issues) {
 }
 
 void World::list_plan() {
+  const double pressed = substeps_of_pressed();
+  const auto present = static_cast<double>(scene_.substeps());
+  if (pressed > 1 && !(pressed > present)) {
+    plan_.push_back({"",
+                     {PlanRow::Status::runs, "substeps",
+                      short_number(present) + " a step: in " + short_number(pressed) +
+                          " or more, points that bodies press on or hang on answer with all their stiffness"},
+                     std::nullopt});
+  }
   for (size_t i = 0; i < size(); ++i) {
     for (PlanRow& row : systems_[i]->plan()) plan_.push_back({id(i), std::move(row), i});
   }

@@ -34,6 +34,9 @@ struct Parts {
 };
 constexpr std::array<Parts, 5> kParts{
     {{1, ""}, {4, "in 4 parts"}, {16, "in 16 parts"}, {64, "in 64 parts"}, {256, "in 256 parts"}}};
+/// The most substeps and parts of a step together where points are put by constraints: steps of those have as
+/// many substeps as they need from the start.
+constexpr uint64_t kMostPieces = 4096;
 constexpr double kFailed = std::numeric_limits<double>::infinity();
 /// Subdividing that reduces the gain by less than this does not pay, unless it must: the total is above that
 /// of the start.
@@ -65,6 +68,8 @@ void World::find_tied() {
     if (solved) group->points = Tied::Points::solved;
   }
   if (tied_.empty()) return;
+  if (substeps_of_pressed() > 1)
+    most_parts_ = std::max(uint64_t{1}, kMostPieces / static_cast<uint64_t>(scene_.substeps()));
   const WorldState start = initial_state();
   // Liquids exchange momentum with bodies by the parcel, and steps of theirs are dear: they are not repeated.
   const auto holds_medium = [&](const Tied& t) {
@@ -73,7 +78,11 @@ void World::find_tied() {
     }
     return false;
   };
-  std::erase_if(tied_, [&](const Tied& t) { return holds_medium(t) || !energy(start, t.first); });
+  std::erase_if(tied_, [&](Tied& t) {
+    const auto e = energy(start, t.first);
+    if (e) t.start = e->kinetic + e->potential;
+    return holds_medium(t) || !e;
+  });
 }
 
 void World::substeps(WorldState& state, const Pace& pace, Workspace& workspace, const ThreadArena& arena,
@@ -183,6 +192,7 @@ void World::substeps_of_tied(WorldState& state, const Pace& pace, Workspace& wor
   const Parts *best = nullptr, *last = nullptr;
   double least = kFailed;
   for (const Parts& parts : kParts) {
+    if (parts.count > most_parts_) break;
     if (last) restart();
     last = &parts;
     const Gain gain = attempt(parts);

@@ -106,6 +106,7 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
     tears_->columns = {first, first + 1, first + 2};
     tear_limits_ = {def.tear->strain.value_or(HUGE_VAL), def.tear->force.value_or(HUGE_VAL)};
   }
+  substep_ = context.dt / options_.substeps;
   plan_stages(def, division.why);
   publish();
   name_parts();

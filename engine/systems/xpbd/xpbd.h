@@ -12,11 +12,12 @@
 #include <memory>
 
 #include "engine/core/changing_triangles.h"
+#include "engine/core/ports/pressed_points.h"
 #include "engine/systems/xpbd/solver.h"
 
 namespace truestep::xpbd {
 
-class Xpbd final : public StagedSystem, public ChangingTriangles {
+class Xpbd final : public StagedSystem, public ChangingTriangles, public PressedPoints {
  public:
   Xpbd(const XpbdDef& def, const BuildContext& context);
 
@@ -34,6 +35,8 @@ class Xpbd final : public StagedSystem, public ChangingTriangles {
   std::optional<double> limit(Limit which, const State& state, double h) const override;
   std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;
+
+  double pressed_h(double mass) const override;
 
   const RodSet& rods() const { return rods_; }
   const Body& body() const { return body_; }
@@ -82,6 +85,7 @@ class Xpbd final : public StagedSystem, public ChangingTriangles {
   PartDrawing drawing_;
   std::vector<std::array<uint32_t, 2>> segments_;  // published if there are no triangles
   double speed_limit_ = 0;
+  double substep_;  // s, of its own
 };
 
 std::unique_ptr<const System> build_xpbd(const void* def, const BuildContext& context);

@@ -145,6 +145,25 @@ std::optional<double> Xpbd::limit(Limit which, const State&, double) const {
   return which == Limit::speed ? std::optional(speed_limit_) : std::nullopt;
 }
 
+// A link of stiffness k between points of mass m pulls no harder than m C / h^2: with h^2 k > m it is softer
+// for what presses on its points than the energy that it stores. A body lighter than a point asks for less.
+// Elastic blocks and sheets are divided by their own stiffness.
+double Xpbd::pressed_h(double mass) const {
+  double shortest = substep_;
+  if (elastic_ || membrane_ || cosserat_ || options_.scheme != Scheme::xpbd) return shortest;
+  std::vector<double> stiffness(body_.x.size());
+  for (const Link& l : body_.links) {
+    const double k = stiffness_of(body_.stiffness, l.family) * l.factor;
+    stiffness[l.a] += k, stiffness[l.b] += k;
+  }
+  for (size_t i = 0; i < stiffness.size(); ++i) {
+    const double m = body_.masses[i];
+    if (stiffness[i] > 0)
+      shortest = std::min(shortest, std::sqrt(m / stiffness[i] * std::max(1.0, m / mass)));
+  }
+  return shortest;
+}
+
 void Xpbd::observe(const State& s, double, Observables& out) const {
   const double *x = s.f64(Columns::position).data(), *v = s.f64(Columns::velocity).data();
   const auto w = s.f64(Columns::inverse_mass), masses = this->masses(s);

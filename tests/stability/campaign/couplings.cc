@@ -233,7 +233,7 @@ std::span<const Family> coupled_families() {
   using enum Soft;
   using enum Tie;
   static constexpr std::array kAll{
-      Family{"xpbd_cloth_contact", coupled<xpbd_cloth, contact>, true},
+      Family{"xpbd_cloth_contact", coupled<xpbd_cloth, contact>},
       Family{"xpbd_cloth_spring", coupled<xpbd_cloth, spring>},
       Family{"xpbd_cloth_rigid", coupled<xpbd_cloth, rigid>},
       Family{"xpbd_rope_contact", coupled<xpbd_rope, contact>},
