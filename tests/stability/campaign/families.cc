@@ -50,7 +50,7 @@ std::span<const Family> families() {
         {"rolling_table_3d", rolling_table_3d},
         {"motor_disc_3d", motor_disc_3d},
         {"drum_2d", drum_2d, true},
-        {"falls", falls, true},
+        {"falls", falls},
         {"friction", friction},
         {"bouncing_bodies", bouncing_bodies},
         {"merging_bodies", merging_bodies},
