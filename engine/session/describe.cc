@@ -231,10 +231,7 @@ json::object validate_scene(const json::value& document, const AdmissionLimits& 
     try {
       const Cost cost = estimate(*report.scene);
       out["estimate"] = describe_cost(cost);
-      // What a step takes is judged once the systems are built, which know its length.
-      Cost size = cost;
-      size.seconds_per_step = 0;
-      require_admission(size, limits);
+      require_admission(cost, limits);
       const World world(*report.scene);
       out["plan"] = describe_plan(world, {});
       const WorldState state = world.initial_state();

@@ -110,10 +110,7 @@ EntryPtr SessionStore::build(Creation& creation, SceneDraft draft, Accuracy accu
   const InterruptScope scope(creation.interrupt);
   interruption_point();
   Scene asked = require_scene(examine_further(std::move(draft.report), limits_.per_session));
-  // What a step takes is judged once the systems are built, which know its length.
-  Cost size = draft.cost;
-  size.seconds_per_step = 0;
-  require_admission(size, limits_.per_session);
+  require_admission(draft.cost, limits_.per_session);
   // A scene that asks for accuracy is measured with a second copy of itself.
   const double copies = asked.header.accuracy ? 2 : 1;
   // The state counts twice: slow steps are computed in a copy.
@@ -129,8 +126,7 @@ EntryPtr SessionStore::build(Creation& creation, SceneDraft draft, Accuracy accu
                              : settle_accuracy(draft.document, limits_.accuracy_seconds, *arena_, admit);
   creation.stage = "building";
   auto world = std::make_shared<const World>(std::move(settled.scene));
-  const Cost built = world->cost(world->initial_state());
-  require_admission(built, limits_.per_session);
+  require_admission(world->cost(world->initial_state()), limits_.per_session);
   if (world->scene().header.accuracy) lease.require(bytes(estimate(world->scene())), "this scene");
   lease.require(lease.bytes() + Session::most_series_bytes(*world), "this scene");
   interruption_point();
@@ -139,7 +135,7 @@ EntryPtr SessionStore::build(Creation& creation, SceneDraft draft, Accuracy accu
   entry->owner = creation.owner;
   entry->scene_hash = creation.scene_hash;
   entry->accuracy = std::move(settled.report);
-  entry->estimated_step = built.seconds_per_step;
+  entry->estimated_step = draft.cost.seconds_per_step;
   entry->trails = TrailSink::of(entry->session.world());
   if (entry->trails) entry->session.add_sink(entry->trails);
   prepare(*entry);
