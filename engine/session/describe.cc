@@ -261,11 +261,14 @@ json::object validate_scene(const json::value& document, const AdmissionLimits& 
       }
       const double pressed = world.substeps_of_pressed();
       if (const auto present = static_cast<double>(world.scene().substeps()); pressed > present) {
+        std::string enough("at least ");
+        enough += short_number(pressed);
+        enough += ", or none: the default";
         report.warnings.push_back(
             {"/time/substeps", "few_substeps",
              "points that bodies press on or hang on give way before their links pull: energy may come from "
              "nothing, and steps in which it does are divided",
-             short_number(present), "at least " + short_number(pressed) + ", or none: the default", "", ""});
+             short_number(present), enough, "", ""});
       }
       out["scene"] = report.scene->canonical();
     } catch (const Error& e) {
