@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/base/errors.h"
-#include "tests/support/engine_run.h"
+#include "tests/support/runs/engine_run.h"
 
 namespace truestep::rigid2d {
 namespace {

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "engine/base/errors.h"
-#include "tests/support/engine_run.h"
-#include "tests/support/rigid3d_run.h"
+#include "tests/support/runs/engine_run.h"
+#include "tests/support/runs/rigid3d_run.h"
 
 namespace truestep::testing {
 using namespace rigid3d;

@@ -2,8 +2,8 @@
 // same statistics of heaps, whose motion is chaotic.
 #include <gtest/gtest.h>
 
-#include "tests/support/engine_run.h"
-#include "tests/support/rigid3d_run.h"
+#include "tests/support/runs/engine_run.h"
+#include "tests/support/runs/rigid3d_run.h"
 
 namespace truestep::testing {
 using namespace rigid3d;

@@ -5,8 +5,8 @@
 
 #include "engine/base/errors.h"
 #include "engine/systems/rigid3d/rigid3d_state.h"
-#include "tests/support/engine_run.h"
-#include "tests/support/rigid3d_run.h"
+#include "tests/support/runs/engine_run.h"
+#include "tests/support/runs/rigid3d_run.h"
 
 namespace truestep::testing {
 using namespace rigid3d;

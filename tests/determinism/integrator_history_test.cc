@@ -3,7 +3,7 @@
 // across the points where a history starts anew (commands, events, its greatest length).
 #include <gtest/gtest.h>
 
-#include "tests/support/ode_run.h"
+#include "tests/support/runs/ode_run.h"
 
 namespace truestep::test {
 namespace {

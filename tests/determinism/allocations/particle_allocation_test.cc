@@ -4,7 +4,7 @@
 #include "engine/core/ports/medium.h"
 #include "engine/geometry/solid.h"
 #include "tests/determinism/allocations/allocation_count.h"
-#include "tests/support/nbody_run.h"
+#include "tests/support/runs/nbody_run.h"
 #include "tests/unit/fluids/sph_rig.h"
 #include "tests/unit/mpm/mpm_rig.h"
 #include "tests/unit/particles/crowd_rig.h"

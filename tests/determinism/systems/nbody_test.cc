@@ -1,5 +1,5 @@
 // Bodies give the same bits on any number of threads, without a workspace, and from a copy of a state.
-#include "tests/support/nbody_run.h"
+#include "tests/support/runs/nbody_run.h"
 
 namespace truestep::nbody {
 namespace {

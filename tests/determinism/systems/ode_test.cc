@@ -1,6 +1,6 @@
 // Ode systems give the same bits on any number of threads, through snapshots, with a discarded workspace, and
 // through a journal; and no step allocates.
-#include "tests/support/ode_run.h"
+#include "tests/support/runs/ode_run.h"
 
 #include "engine/session/session.h"
 

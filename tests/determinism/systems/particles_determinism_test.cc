@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/base/errors.h"
-#include "tests/support/particles_run.h"
+#include "tests/support/runs/particles_run.h"
 
 namespace truestep {
 using namespace particles;

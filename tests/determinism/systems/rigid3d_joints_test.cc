@@ -2,7 +2,7 @@
 // without scratch memory.
 #include <gtest/gtest.h>
 
-#include "tests/support/rigid3d_run.h"
+#include "tests/support/runs/rigid3d_run.h"
 
 namespace truestep {
 using namespace rigid3d;

@@ -1,7 +1,7 @@
 // The bits of a collapsing heap do not depend on threads, on scratch memory, or on where it is restored.
 #include <gtest/gtest.h>
 
-#include "tests/support/rigid3d_run.h"
+#include "tests/support/runs/rigid3d_run.h"
 
 namespace truestep {
 using namespace rigid3d;

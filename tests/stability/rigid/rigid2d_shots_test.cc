@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/base/random.h"
-#include "tests/support/rigid2d_run.h"
+#include "tests/support/runs/rigid2d_run.h"
 
 namespace truestep {
 namespace {

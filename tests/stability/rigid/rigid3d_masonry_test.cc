@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "engine/math/trig.h"
-#include "tests/support/rigid3d_run.h"
+#include "tests/support/runs/rigid3d_run.h"
 
 namespace truestep {
 using namespace rigid3d;

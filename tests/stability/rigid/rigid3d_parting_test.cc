@@ -2,7 +2,7 @@
 // accelerating them; so was what had been pressed into the ground so deeply that the ground cut its core.
 #include <gtest/gtest.h>
 
-#include "tests/support/rigid3d_run.h"
+#include "tests/support/runs/rigid3d_run.h"
 
 namespace truestep {
 using namespace rigid3d;

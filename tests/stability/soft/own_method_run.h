@@ -2,7 +2,7 @@
 #pragma once
 #include "engine/integrators/implicit/newton/stage_newton.h"
 #include "engine/systems/mass_spring/mass_spring.h"
-#include "tests/support/system_run.h"
+#include "tests/support/runs/system_run.h"
 
 namespace truestep::testing_rig {
 

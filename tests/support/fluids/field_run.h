@@ -6,7 +6,7 @@
 
 #include "engine/systems/heat/heat.h"
 #include "engine/systems/wave/wave.h"
-#include "tests/support/system_run.h"
+#include "tests/support/runs/system_run.h"
 
 namespace truestep::test {
 

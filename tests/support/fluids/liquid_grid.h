@@ -5,7 +5,7 @@
 #include <string>
 
 #include "engine/systems/grid_fluid/grid_fluid.h"
-#include "tests/support/system_run.h"
+#include "tests/support/runs/system_run.h"
 
 namespace truestep::test {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "engine/systems/heightfield_wave/heightfield_wave.h"
-#include "tests/support/system_run.h"
+#include "tests/support/runs/system_run.h"
 
 namespace truestep::test {
 

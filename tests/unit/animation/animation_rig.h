@@ -8,7 +8,7 @@
 #include "engine/systems/blend_shapes/blend_shapes.h"
 #include "engine/systems/keyframes/keyframes.h"
 #include "engine/systems/skeleton/skeleton.h"
-#include "tests/support/system_run.h"
+#include "tests/support/runs/system_run.h"
 
 namespace truestep::testing_rig {
 

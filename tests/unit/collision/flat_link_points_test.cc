@@ -7,7 +7,7 @@
 
 #include "engine/collision/flat/contact.h"
 #include "engine/systems/rigid2d/rigid2d_def.h"
-#include "tests/support/engine_run.h"
+#include "tests/support/runs/engine_run.h"
 
 namespace truestep::flat {
 namespace {

@@ -8,7 +8,7 @@
 #include "engine/base/random.h"
 #include "engine/core/ports/medium.h"
 #include "engine/systems/sph/sph.h"
-#include "tests/support/system_run.h"
+#include "tests/support/runs/system_run.h"
 
 namespace truestep::testing_rig {
 

@@ -9,7 +9,7 @@
 #include "engine/systems/ode/ode.h"
 #include "engine/systems/ode/ode_equations.h"
 #include "tests/support/drawn.h"
-#include "tests/support/ode_run.h"
+#include "tests/support/runs/ode_run.h"
 
 namespace truestep::test {
 using namespace ode;

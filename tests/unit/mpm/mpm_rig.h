@@ -6,7 +6,7 @@
 
 #include "engine/core/ports/medium.h"
 #include "engine/systems/mpm/mpm.h"
-#include "tests/support/system_run.h"
+#include "tests/support/runs/system_run.h"
 
 namespace truestep::testing_rig {
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/systems/flocking/flocking.h"
-#include "tests/support/system_run.h"
+#include "tests/support/runs/system_run.h"
 
 namespace truestep::testing_rig {
 

@@ -6,7 +6,7 @@
 #include "engine/kernels/gravity/fast_multipole.h"
 #include "engine/kernels/gravity/local_field.h"
 #include "engine/kernels/gravity/mixed_sums.h"
-#include "tests/support/nbody_run.h"
+#include "tests/support/runs/nbody_run.h"
 
 namespace truestep::gravity {
 namespace {

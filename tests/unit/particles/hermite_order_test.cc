@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tests/support/nbody_run.h"
+#include "tests/support/runs/nbody_run.h"
 
 namespace truestep::nbody {
 namespace {

@@ -3,7 +3,7 @@
 // tests/scenes/orbits.)
 #include <cmath>
 
-#include "tests/support/nbody_run.h"
+#include "tests/support/runs/nbody_run.h"
 
 namespace truestep::nbody {
 namespace {

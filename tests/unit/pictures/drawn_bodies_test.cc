@@ -4,7 +4,7 @@
 #include "engine/session/session.h"
 #include "engine/sinks/picture/draw/draw_world.h"
 #include "tests/support/drawn.h"
-#include "tests/support/rigid3d_run.h"
+#include "tests/support/runs/rigid3d_run.h"
 
 namespace truestep {
 using namespace rigid3d;

@@ -7,7 +7,7 @@
 #include "engine/systems/rigid2d/columns.h"
 #include "engine/systems/rigid2d/rigid2d.h"
 #include "tests/support/drawn.h"
-#include "tests/support/system_run.h"
+#include "tests/support/runs/system_run.h"
 
 namespace truestep::rigid2d {
 namespace {

@@ -2,7 +2,7 @@
 // radius must be positive", because the sweep of fast bodies asked for the core of a surface, which has none.
 #include <gtest/gtest.h>
 
-#include "tests/support/rigid3d_run.h"
+#include "tests/support/runs/rigid3d_run.h"
 
 namespace truestep {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/systems/mass_spring/mass_spring.h"
-#include "tests/support/system_run.h"
+#include "tests/support/runs/system_run.h"
 
 namespace truestep::testing_rig {
 

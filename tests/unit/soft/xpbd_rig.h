@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/systems/xpbd/xpbd.h"
-#include "tests/support/system_run.h"
+#include "tests/support/runs/system_run.h"
 
 namespace truestep::testing_rig {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "engine/integrators/table/integrators.h"
-#include "tests/support/ode_run.h"
+#include "tests/support/runs/ode_run.h"
 
 namespace truestep::test {
 namespace {

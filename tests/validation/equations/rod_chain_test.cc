@@ -4,7 +4,7 @@
 #include "engine/base/errors.h"
 #include "engine/systems/articulation/articulation.h"
 #include "engine/systems/rod_chain/rod_chain.h"
-#include "tests/support/system_run.h"
+#include "tests/support/runs/system_run.h"
 
 namespace truestep {
 using namespace articulation;

@@ -6,7 +6,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/scene/json/json.h"
-#include "tests/support/world_run.h"
+#include "tests/support/runs/world_run.h"
 
 namespace truestep {
 namespace {

@@ -1,5 +1,5 @@
 // Close encounters of planets by mercurius against ias15, whose errors are rounding.
-#include "tests/support/nbody_run.h"
+#include "tests/support/runs/nbody_run.h"
 
 namespace truestep::nbody {
 namespace {

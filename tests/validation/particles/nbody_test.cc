@@ -1,6 +1,6 @@
 // Bodies against published and closed solutions: the figure-eight, the outer planets, Plummer's sphere and
 // the cold collapse of a ball (reference cases ode.figure8 and nbody.*).
-#include "tests/support/nbody_run.h"
+#include "tests/support/runs/nbody_run.h"
 
 namespace truestep::nbody {
 namespace {

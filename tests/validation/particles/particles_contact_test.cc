@@ -5,7 +5,7 @@
 
 #include "engine/base/random.h"
 #include "engine/integrators/table/integrators.h"
-#include "tests/support/particles_run.h"
+#include "tests/support/runs/particles_run.h"
 
 namespace truestep {
 using namespace particles;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/integrators/table/integrators.h"
-#include "tests/support/particles_run.h"
+#include "tests/support/runs/particles_run.h"
 
 namespace truestep {
 using namespace particles;

@@ -1,7 +1,7 @@
 // The leapfrog in one pass has the bits of the general one, which pair forces of strength 0 force to be used.
 #include <gtest/gtest.h>
 
-#include "tests/support/particles_run.h"
+#include "tests/support/runs/particles_run.h"
 
 namespace truestep {
 using namespace particles;

@@ -3,7 +3,7 @@
 // smoothly as a ball.
 #include <gtest/gtest.h>
 
-#include "tests/support/rigid3d_run.h"
+#include "tests/support/runs/rigid3d_run.h"
 
 namespace truestep::testing {
 using namespace rigid3d;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "tests/support/rigid3d_run.h"
+#include "tests/support/runs/rigid3d_run.h"
 
 namespace truestep {
 using namespace rigid3d;

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/support/rigid3d_run.h"
+#include "tests/support/runs/rigid3d_run.h"
 
 namespace truestep::testing {
 

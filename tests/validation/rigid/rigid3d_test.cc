@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "engine/kernels/rigid/free_rotation.h"
-#include "tests/support/rigid3d_run.h"
+#include "tests/support/runs/rigid3d_run.h"
 
 namespace truestep {
 using namespace rigid3d;

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "tests/support/rigid2d_run.h"
+#include "tests/support/runs/rigid2d_run.h"
 
 namespace truestep {
 namespace {

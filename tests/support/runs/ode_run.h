@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-#include "tests/support/world_run.h"
+#include "tests/support/runs/world_run.h"
 
 namespace truestep::test {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "engine/systems/nbody/nbody.h"
-#include "tests/support/system_run.h"
+#include "tests/support/runs/system_run.h"
 
 namespace truestep::testing_rig {
 

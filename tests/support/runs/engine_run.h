@@ -5,7 +5,7 @@
 #include "engine/reference/engines.h"
 #include "engine/systems/rigid2d/rigid2d_def.h"
 #include "engine/systems/rigid3d/rigid3d_def.h"
-#include "tests/support/system_run.h"
+#include "tests/support/runs/system_run.h"
 
 namespace truestep::testing {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "tests/support/world_run.h"
+#include "tests/support/runs/world_run.h"
 
 namespace truestep::testing {
 

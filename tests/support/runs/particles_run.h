@@ -1,7 +1,7 @@
 // A particles system on its own: build from a def, step, look.
 #pragma once
 #include "engine/systems/particles/particles.h"
-#include "tests/support/system_run.h"
+#include "tests/support/runs/system_run.h"
 
 namespace truestep::testing {
 

@@ -1,7 +1,7 @@
 // A rigid3d system on its own: build from a def, step, look.
 #pragma once
 #include "engine/systems/rigid3d/rigid3d.h"
-#include "tests/support/system_run.h"
+#include "tests/support/runs/system_run.h"
 
 namespace truestep::testing {
 
