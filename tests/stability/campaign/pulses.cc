@@ -47,7 +47,8 @@ void pulses(Dice& d, Trial& t) {
     if (p.to >= duration) break;
     const std::string parameter = "s" + std::to_string(i);
     parameters[parameter] = p.from;
-    sum += (i > 0 ? " + " : "") + expression(d, p, parameter);
+    if (i > 0) sum += " + ";
+    sum += expression(d, p, parameter);
     area += p.height * (p.to - p.from);
     time = p.to + d.between(0.1, duration / n / 2);
   }
