@@ -45,7 +45,7 @@ void pulses(Dice& d, Trial& t) {
     const double from = time + d.between(0, duration / n / 3);
     const Pulse p{from, from + d.spread(0.01, 3), d.between(-3, 3)};
     if (p.to >= duration) break;
-    const std::string parameter = "s" + std::to_string(i);
+    const std::string parameter{'s', static_cast<char>('0' + i)};
     parameters[parameter] = p.from;
     if (i > 0) sum += " + ";
     sum += expression(d, p, parameter);
