@@ -176,6 +176,8 @@ std::vector<Issue> scene_doubts(const World& world, const WorldState& start) {
 }
 
 FallWatch::FallWatch(const World& world, const WorldState& start) {
+  // A system alone holds what it holds; and the forms of its bodies are made for others only.
+  if (world.size() < 2) return;
   const std::vector<Footing> all = footings(world, start);
   const auto falls = [](const Footing& f) { return norm2(f.gravity) > 0; };
   if (std::ranges::none_of(all, falls)) return;
