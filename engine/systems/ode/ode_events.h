@@ -33,7 +33,8 @@ class OdeGuards final : public Guards {
       if (contacts_.resting(k)) g[k] = -contacts_.motion(k, t, y).acceleration;
     }
     for (size_t k = 0; k < slides_.count(); ++k) {
-      if (slides_.sliding(k)) g[events_.size() + k] = slides_.hold(k, t, y);
+      double& side = g[events_.size() + k];
+      side = slides_.sliding(k) ? slides_.hold(k, t, y) : slides_.clear_of_zero(k, y, side);
     }
   }
   std::span<const Crossing> directions() const { return directions_; }

@@ -70,6 +70,14 @@ bool OdeSlides::holds(size_t k, double t, const double* y, double& value) {
   return back;
 }
 
+double OdeSlides::clear_of_zero(size_t k, const double* y, double g) const {
+  constexpr double kRounding = 1e-15;
+  double most = 0;
+  for (size_t i = 0; i < model_.size(); ++i) most = std::max(most, std::abs(y[i]));
+  const double noise = kRounding * most;
+  return std::abs(g) <= noise ? parameters_[first() + k] * noise : g;
+}
+
 int32_t OdeSlides::turn(size_t k, double t, const double* y) {
   double& side = parameters_[first() + k];
   double value = 0;

@@ -32,6 +32,9 @@ class OdeSlides {
   std::span<const double> sides(double t, const double* y);
   /// What tells that a slide ends: positive while it lasts.
   double hold(size_t k, double t, const double* y) { return 1 - std::abs(sides(t, y)[k]); }
+  /// g of a side that does not slide; within the rounding of the states from zero it is taken to be where it
+  /// was.
+  double clear_of_zero(size_t k, const double* y, double g) const;
   /// The event of a side's guard: g has crossed zero, or the slide has ended. Returns the side of zero that
   /// the guard is on from now on.
   int32_t turn(size_t k, double t, const double* y);
