@@ -5,13 +5,6 @@
 
 namespace truestep::ode {
 
-namespace {
-
-// Of the terms of a rate: within so much of them, their sum is rounding.
-constexpr double kNothing = 1e-9;
-
-}  // namespace
-
 bool OdeSlides::any() const {
   return std::ranges::any_of(sliding_, [](int32_t s) { return s != 0; });
 }
@@ -65,7 +58,7 @@ bool OdeSlides::holds(size_t k, double t, const double* y, double& value) {
   const int32_t before = sliding_[k];
   sliding_[k] = 1;
   value = sides(t, y)[k];
-  const bool back = at(k, 2 + k) < 0 && std::abs(value) < 1 - kNothing;
+  const bool back = at(k, 2 + k) < 0 && std::abs(value) < 1;
   sliding_[k] = before;
   return back;
 }
@@ -90,9 +83,8 @@ int32_t OdeSlides::turn(size_t k, double t, const double* y) {
     sliding_[k] = 1;
     return 1;
   }
-  // What moves away from zero, or has just begun to, only seems to cross it because of rounding.
-  const double free = at(k, 1), own = at(k, 2 + k) * side;
-  if (side * (free + own) < -kNothing * (std::abs(free) + std::abs(own))) side = -side;
+  // What moves away from zero only seems to cross it, because of rounding.
+  if (!(side * (at(k, 1) + at(k, 2 + k) * side) > 0)) side = -side;
   return side < 0 ? -1 : 1;
 }
 
