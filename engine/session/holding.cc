@@ -176,8 +176,10 @@ std::vector<Issue> scene_doubts(const World& world, const WorldState& start) {
 }
 
 FallWatch::FallWatch(const World& world, const WorldState& start) {
-  // A system alone holds what it holds; and the forms of its bodies are made for others only.
-  if (world.size() < 2) return;
+  // Systems of one kind hold what they hold each for itself; and forms of bodies are made for others only.
+  const auto& systems = world.scene().systems;
+  const auto of_first_kind = [&](const SceneSystem& s) { return s.row == systems.front().row; };
+  if (world.couplings().empty() && std::ranges::all_of(systems, of_first_kind)) return;
   const std::vector<Footing> all = footings(world, start);
   const auto falls = [](const Footing& f) { return norm2(f.gravity) > 0; };
   if (std::ranges::none_of(all, falls)) return;
