@@ -130,7 +130,7 @@ test("equations are drawn with axes, round values and names", async () => {
   await page.goto(`${url}/?gallery=hires`);
   await until(page, async () => (await page.$$('.labels [data-kind="axis"]')).length === 2, "two axes");
   const texts = async (kind) => page.$$eval(`.labels [data-kind="${kind}"]`, (spans) => spans.map((span) => span.textContent));
-  assert.deepEqual(await texts("axis"), ["t (s)", "y"]);
+  assert.deepEqual(await texts("axis"), ["t (s)", "concentration"]);
   assert.deepEqual((await texts("tick-x")).slice(0, 3), ["0", "100", "200"]);
   // The plot shows a logarithm: its values are decades.
   assert.ok((await texts("tick-y")).some((text) => /^0\.0*1$/.test(text)), (await texts("tick-y")).join());
