@@ -100,6 +100,14 @@ double size_of(const Box& box) {
   return std::sqrt(sum);
 }
 
+/// Systems of one kind that nothing couples hold what they hold each for itself. (Forms of bodies are made
+/// for others only.)
+bool each_for_itself(const World& world) {
+  const auto& systems = world.scene().systems;
+  const auto of_first_kind = [&](const SceneSystem& s) { return s.row == systems.front().row; };
+  return world.couplings().empty() && std::ranges::all_of(systems, of_first_kind);
+}
+
 }  // namespace
 
 std::vector<Footing> footings(const World& world, const WorldState& start) {
@@ -134,6 +142,7 @@ std::vector<Issue> scene_doubts(const World& world, const WorldState& start) {
       out.push_back({"/couplings/" + std::to_string(scene.couplings[k].place), "doubtful", std::move(doubt),
                      "", "", "", ""});
   }
+  if (each_for_itself(world)) return out;
   const std::vector<Footing> all = footings(world, start);
   for (size_t i = 0; i < all.size(); ++i) {
     const Footing& f = all[i];
@@ -176,10 +185,7 @@ std::vector<Issue> scene_doubts(const World& world, const WorldState& start) {
 }
 
 FallWatch::FallWatch(const World& world, const WorldState& start) {
-  // Systems of one kind hold what they hold each for itself; and forms of bodies are made for others only.
-  const auto& systems = world.scene().systems;
-  const auto of_first_kind = [&](const SceneSystem& s) { return s.row == systems.front().row; };
-  if (world.couplings().empty() && std::ranges::all_of(systems, of_first_kind)) return;
+  if (each_for_itself(world)) return;
   const std::vector<Footing> all = footings(world, start);
   const auto falls = [](const Footing& f) { return norm2(f.gravity) > 0; };
   if (std::ranges::none_of(all, falls)) return;
