@@ -61,7 +61,7 @@ std::string too_many_steps_message(uint64_t most, double t, double h) {
 void too_many_steps(const Advance& in, double t, double h, long long worst) {
   std::string message = too_many_steps_message(in.max_steps, t, h);
   if (worst >= 0) message += " (" + in.f.name_of(static_cast<size_t>(worst)) + " has the largest error)";
-  throw Instability("", "y", worst, std::move(message));
+  throw Instability("", "y", worst, message);
 }
 
 }  // namespace truestep::step_control

@@ -161,7 +161,7 @@ Volume volume_of(const FemDef& d) {
 
 std::string volume_reason(const FemDef& d) {
   if (d.volume != Volume::automatic) return "named by the scene";
-  const std::string nu = "Poisson's ratio is " + short_number(d.poisson_ratio, 5);
+  std::string nu = "Poisson's ratio is " + short_number(d.poisson_ratio, 5);
   if (volume_of(d) == Volume::mean) return nu;
   if (d.poisson_ratio < kRubber) return nu;
   return "another treatment is not for these elements";

@@ -86,18 +86,21 @@ Task<Response> make_session(App& app, const Request& request, std::string id) {
   SceneDraft draft = co_await with_json_body(app, request, std::move(read));
   CreationPtr creation;
   const auto deadline = Clock::now() + kPatience;
-  // A session that is being unloaded is restored as soon as that is done.
-  while (!creation || (creation->ended && !creation->entry && !creation->error)) {
+  for (;;) {
     auto [begun, how] = app.store.begin(id, draft.hash, request.caller);
     creation = std::move(begun);
-    const bool anew = how == SessionStore::Begun::How::anew;
-    if (anew) start_making(app, creation, std::move(draft));
-    if (how == SessionStore::Begun::How::stored) start_restoring(app, creation);
     const auto ended = [c = creation] { return c->ended.load(); };
-    const auto give_up = [c = creation, anew] {
-      if (anew) c->interrupt.raise();
-    };
-    co_await wait_for_end(creation->done, ended, give_up, deadline);
+    if (how == SessionStore::Begun::How::anew) {
+      start_making(app, creation, std::move(draft));
+      const auto give_up = [c = creation] { c->interrupt.raise(); };
+      co_await wait_for_end(creation->done, ended, give_up, deadline);
+      break;
+    }
+    if (how == SessionStore::Begun::How::stored) start_restoring(app, creation);
+    co_await wait_for_end(
+        creation->done, ended, [] {}, deadline);
+    // A session that is being unloaded is restored as soon as that is done.
+    if (!creation->ended || creation->entry || creation->error) break;
   }
   if (creation->ended && creation->error) {
     app.store.forget(creation);
