@@ -100,12 +100,14 @@ double size_of(const Box& box) {
   return std::sqrt(sum);
 }
 
-/// Systems of one kind that nothing couples hold what they hold each for itself. (Forms of bodies are made
-/// for others only.)
+/// One system, or several of bodies of one kind that nothing couples: each holds what it holds for itself.
+/// (Forms of bodies are made for others only.)
 bool each_for_itself(const World& world) {
   const auto& systems = world.scene().systems;
+  if (systems.size() < 2) return true;
   const auto of_first_kind = [&](const SceneSystem& s) { return s.row == systems.front().row; };
-  return world.couplings().empty() && std::ranges::all_of(systems, of_first_kind);
+  return world.couplings().empty() && systems.front().row->table->find("bodies") &&
+         std::ranges::all_of(systems, of_first_kind);
 }
 
 }  // namespace
