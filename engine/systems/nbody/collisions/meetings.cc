@@ -77,12 +77,17 @@ void Meetings::join(Pair pair) {
   w_.met.clear();  // it names rows
 }
 
-/// Closing speed (m/s) below which a pair rests: what its attraction gives it in half a short flight.
+/// Closing speed (m/s) below which a pair rests: what draws it together in half a short flight. Of its
+/// attraction that is what does not go into turning round each other: a pair that grazes faster than that
+/// flies on.
 double Meetings::least_speed(Pair pair) const {
   const auto speed = [&](uint32_t i) { return norm(load3(balls_.v(), i)); };
   const double r = balls_.reach(pair.a, pair.b), masses = balls_.mass(pair.a) + balls_.mass(pair.b);
-  return std::max(1e-13 * (speed(pair.a) + speed(pair.b)),
-                  0.5 * kShortFlight * in_.h * balls_.gravitational_constant() * masses / (r * r));
+  const Vec3 u = from_a_to_b(balls_.v(), pair.a, pair.b),
+             n = normalized(from_a_to_b(balls_.x(), pair.a, pair.b));
+  const double along = dot(u, n), turning = (norm2(u) - along * along) / r;
+  const double draws = std::max(0.0, balls_.gravitational_constant() * masses / (r * r) - turning);
+  return std::max(1e-13 * (speed(pair.a) + speed(pair.b)), 0.5 * kShortFlight * in_.h * draws);
 }
 
 /// False when they part already.
