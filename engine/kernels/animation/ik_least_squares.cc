@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/kernels/animation/cholesky.h"
 #include "engine/kernels/animation/inverse_kinematics.h"
+#include "engine/math/solvers/small_cholesky.h"
 
 namespace truestep::animation::ik {
 

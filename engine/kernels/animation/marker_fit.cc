@@ -1,9 +1,8 @@
 #include "engine/kernels/animation/marker_fit.h"
+#include "engine/math/solvers/small_cholesky.h"
 
 #include <algorithm>
 #include <cmath>
-
-#include "engine/kernels/animation/cholesky.h"
 
 namespace truestep::animation {
 

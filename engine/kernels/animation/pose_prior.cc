@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/kernels/animation/cholesky.h"
 #include "engine/math/solvers/dense_symmetric.h"
+#include "engine/math/solvers/small_cholesky.h"
 
 namespace truestep::animation {
 

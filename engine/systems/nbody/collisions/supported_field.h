@@ -3,9 +3,9 @@
 // system, so that the forces are as smooth as the bare ones). For methods of the table, within a step.
 #pragma once
 #include <algorithm>
-#include <cmath>
 
 #include "engine/core/equations/force_field.h"
+#include "engine/math/solvers/small_cholesky.h"
 #include "engine/systems/nbody/collisions/collisions.h"
 #include "engine/systems/nbody/collisions/resting_pairs.h"
 
@@ -54,7 +54,7 @@ class SupportedField final : public ForceField {
       }
       matrix[k * m + k] *= 1 + 1e-12;  // more pairs than can move
     }
-    solve(matrix.data(), push.data(), m);
+    cholesky_solve(matrix.data(), push.data(), m);
     for (size_t k = 0; k < m; ++k) {
       const Held& p = held[k];
       store3(a.data(), p.a, load3(a.data(), p.a) - p.n * (push[k] * inverse(p.a)));
@@ -63,23 +63,6 @@ class SupportedField final : public ForceField {
   }
 
  private:
-  /// b = A^-1 b for a symmetric positive A of which the lower triangle is given, by Cholesky's factors.
-  static void solve(double* a, double* b, size_t m) {
-    for (size_t k = 0; k < m; ++k) {
-      for (size_t l = 0; l <= k; ++l) {
-        double sum = a[k * m + l];
-        for (size_t i = 0; i < l; ++i) sum -= a[k * m + i] * a[l * m + i];
-        a[k * m + l] = k == l ? std::sqrt(std::max(sum, 1e-300)) : sum / a[l * m + l];
-      }
-      for (size_t i = 0; i < k; ++i) b[k] -= a[k * m + i] * b[i];
-      b[k] /= a[k * m + k];
-    }
-    for (size_t k = m; k-- > 0;) {
-      for (size_t i = k + 1; i < m; ++i) b[k] -= a[i * m + k] * b[i];
-      b[k] /= a[k * m + k];
-    }
-  }
-
   const ForceField& bare_;
   const std::vector<MetPair>& pairs_;
 };

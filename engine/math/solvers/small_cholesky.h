@@ -1,11 +1,10 @@
-// Solution of a x = y by Cholesky factorization, for the small symmetric positive definite matrices of least
-// squares.
+// Solution of a x = y by Cholesky factorization, for small symmetric positive definite matrices.
 #pragma once
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 
-namespace truestep::animation {
+namespace truestep {
 
 /// a: n x n, of which the lower half is read and becomes the factor; y becomes x. A pivot that is not
 /// positive is replaced by a tiny one.
@@ -27,4 +26,4 @@ inline void cholesky_solve(double* a, double* y, size_t n) {
   }
 }
 
-}  // namespace truestep::animation
+}  // namespace truestep
