@@ -64,13 +64,21 @@ struct Found {
   Vec3 on_a, on_b;   ///< m, the arms of the solver's rows, from the centres when it was found
   Vec3 apart;        ///< m, from the centre of a to that of b at the start of the step
   double ahead = 0;  ///< s after the start of the step
+  Vec3 flat;         ///< the normal, where a face lies on a face; otherwise zero
 };
 
+/// The spin of what lies flat on something with that spin: it turns freely about the normal only. What it has
+/// beside that is how it rocks from substep to substep as its load moves on among its corners.
+inline Vec3 spin_lying(const Vec3& own, const Vec3& under, const Vec3& normal) {
+  return normal == Vec3{} ? own : under + normal * dot(normal, own - under);
+}
+
 /// To be added to the velocity of b relative to a at the place of a contact.
-inline Carried velocity(const Side& a, const Side& b, const Found& found, double h) {
+inline Carried velocity(Side a, Side b, const Found& found, double h) {
   // The place goes with what is round, or with the smaller body: it stands on the larger one.
   const bool with_b = a.round != b.round ? b.round : a.moves != b.moves ? b.moves : b.reach < a.reach;
-  const Side& leader = with_b ? b : a;
+  Side& leader = with_b ? b : a;
+  if (!leader.round) leader.spin = leader.turns = spin_lying(leader.spin, (with_b ? a : b).spin, found.flat);
   const Vec3 &turns = leader.turns, &from = with_b ? found.on_b : found.on_a;
   // Back to the start of the step, with the body that the place goes with.
   const Vec3 back = found.ahead > 0 ? rotation(free_rotation::turn(turns * -found.ahead)).apply(from) : from;
