@@ -77,22 +77,22 @@ inline Vec3 spin_lying(const Vec3& own, const Vec3& under, const Vec3& normal) {
 inline Carried velocity(Side a, Side b, const Found& found, double h) {
   // The place goes with what is round, or with the smaller body: it stands on the larger one.
   const bool with_b = a.round != b.round ? b.round : a.moves != b.moves ? b.moves : b.reach < a.reach;
-  Side& leader = with_b ? b : a;
-  if (!leader.round) leader.spin = leader.turns = spin_lying(leader.spin, (with_b ? a : b).spin, found.flat);
+  Side &leader = with_b ? b : a, &other = with_b ? a : b;
+  const Vec3 moves_round = leader.round ? leader.turns : leader.spin;
+  if (!leader.round) leader.spin = leader.turns = spin_lying(leader.spin, other.spin, found.flat);
   const Vec3 &turns = leader.turns, &from = with_b ? found.on_b : found.on_a;
   // Back to the start of the step, with the body that the place goes with.
   const Vec3 back = found.ahead > 0 ? rotation(free_rotation::turn(turns * -found.ahead)).apply(from) : from;
-  const Vec3 arm_a = with_b ? back + found.apart : back, arm_b = with_b ? back : back - found.apart;
+  const Vec3 there = with_b ? back + found.apart : back - found.apart;
+  // m/s at which the place leaves an arm of the other body that goes round at the place's rate.
+  Vec3 drift = leader.velocity + cross(moves_round, back) - other.velocity - cross(turns, there);
   // A body that rolls on the other turns its velocity by this share of the change of what is under it.
   const bool rolls = leader.round && leader.moves && leader.moment > 0;
   const double follows = rolls ? leader.moment / (leader.moment + leader.mass * norm2(back)) : 0;
-  const auto excess_of = [&](const Side& side, const Vec3& arm, const Vec3& solved) {
-    // m/s at which the place leaves an arm of this body that goes round at the place's rate.
-    Vec3 drift = leader.velocity + cross(turns, back) - side.velocity - cross(turns, arm);
-    drift += cross(side.spin, drift) * (0.5 * h * follows);
-    return excess(side.spin, arm, solved, turns, drift, h);
-  };
-  const Carried of_a = excess_of(a, arm_a, found.on_a), of_b = excess_of(b, arm_b, found.on_b);
+  drift += cross(other.spin, drift) * (0.5 * h * follows);
+  const Carried of_leader = excess(leader.spin, back, from, turns, {}, h),
+                of_other = excess(other.spin, there, with_b ? found.on_a : found.on_b, turns, drift, h);
+  const Carried &of_a = with_b ? of_other : of_leader, &of_b = with_b ? of_leader : of_other;
   return {of_b.mean - of_a.mean, of_b.rate - of_a.rate, turns};
 }
 
