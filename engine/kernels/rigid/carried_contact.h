@@ -70,7 +70,7 @@ struct Found {
 /// The spin of what lies flat on something with that spin: it turns freely about the normal only. What it has
 /// beside that is how it rocks from substep to substep as its load moves on among its corners.
 inline Vec3 spin_lying(const Vec3& own, const Vec3& under, const Vec3& normal) {
-  return normal == Vec3{} ? own : under + normal * dot(normal, own - under);
+  return under + normal * dot(normal, own - under);
 }
 
 /// To be added to the velocity of b relative to a at the place of a contact.
@@ -78,14 +78,16 @@ inline Carried velocity(Side a, Side b, const Found& found, double h) {
   // The place goes with what is round, or with the smaller body: it stands on the larger one.
   const bool with_b = a.round != b.round ? b.round : a.moves != b.moves ? b.moves : b.reach < a.reach;
   Side &leader = with_b ? b : a, &other = with_b ? a : b;
-  const Vec3 moves_round = leader.round ? leader.turns : leader.spin;
-  if (!leader.round) leader.spin = leader.turns = spin_lying(leader.spin, other.spin, found.flat);
+  const bool lies = !leader.round && found.flat != Vec3{};
+  if (lies) leader.turns = leader.spin = spin_lying(leader.spin, other.spin, found.flat);
   const Vec3 &turns = leader.turns, &from = with_b ? found.on_b : found.on_a;
   // Back to the start of the step, with the body that the place goes with.
   const Vec3 back = found.ahead > 0 ? rotation(free_rotation::turn(turns * -found.ahead)).apply(from) : from;
-  const Vec3 there = with_b ? back + found.apart : back - found.apart;
-  // m/s at which the place leaves an arm of the other body that goes round at the place's rate.
-  Vec3 drift = leader.velocity + cross(moves_round, back) - other.velocity - cross(turns, there);
+  const Vec3 between = with_b ? found.apart : -found.apart, there = back + between;
+  // m/s at which the place leaves an arm of the other body that goes round at the place's rate. What lies
+  // stays where it is: its speed at the end of a step, along a chord, tells of no other.
+  const Vec3 passes = lies ? cross(other.spin, between) : leader.velocity - other.velocity;
+  Vec3 drift = passes - cross(turns, between);
   // A body that rolls on the other turns its velocity by this share of the change of what is under it.
   const bool rolls = leader.round && leader.moves && leader.moment > 0;
   const double follows = rolls ? leader.moment / (leader.moment + leader.mass * norm2(back)) : 0;
