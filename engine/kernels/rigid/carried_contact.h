@@ -7,7 +7,9 @@
 // with the spin W = a n / h at which the place itself goes round, and the velocity d by which it moves beyond
 // that. What rests on a turntable goes round with it, W = w and d = 0, and stays for ever: v + w x C r is the
 // chord. Substeps follow the velocity as it changes: friction that had to turn it at once, in the first of
-// them, would slip. The place where a ball touches does not go round with the ball: W = 0.
+// them, would slip. The place where a ball touches does not go round with the ball: W = 0. That of a face on
+// a face goes round with what it lies on, whatever speed and spin the body has at the end of a step: its load
+// moves on among its corners and rocks it from substep to substep, and it ends every step along a chord.
 #pragma once
 #include <cmath>
 
