@@ -136,7 +136,7 @@ void save_sessions(App& app) {
   }
   try {
     // Once for all sessions.
-    sync_disk_of(app.options.data_dir);
+    sync_disk_of(app.data);
   } catch (const Error& e) {
     log_warn("what was kept may not survive a power cut: {}", e.what());
   }
@@ -147,11 +147,21 @@ void App::require_folder() const {
   if (!problem.empty()) throw Error("folder_io", problem);
 }
 
-std::unique_ptr<SessionArchive> open_archive(const AppOptions& options, MemoryBudget& memory) {
-  if (options.data_dir.empty() || !options.keep_sessions) return nullptr;
+Place open_data(const AppOptions& options) {
+  if (options.data_dir.empty()) return {};
   try {
-    return std::make_unique<SessionArchive>(std::filesystem::path(options.data_dir) / "sessions",
-                                            *options.keep_sessions, memory);
+    return Place::folder(options.data_dir);
+  } catch (const Error& e) {
+    log_warn("no recordings, and no session outlives the server: {}", e.what());
+    return {};
+  }
+}
+
+std::unique_ptr<SessionArchive> open_archive(const AppOptions& options, const Place& data,
+                                             MemoryBudget& memory) {
+  if (!data || !options.keep_sessions) return nullptr;
+  try {
+    return std::make_unique<SessionArchive>(data / "sessions", *options.keep_sessions, memory);
   } catch (const Error& e) {
     log_warn("sessions are not kept: {}", e.what());
     return nullptr;
