@@ -23,9 +23,11 @@ constexpr P kMaxTorque{"max_torque", kNumber, kJoint, "N m", "of a joint of type
 
 constexpr P kRigid3d[] = {
     kGravity,    kVelocity,    {"angular_velocity", kVector, kBody, "rad/s", "in the world"},
-    kMotorSpeed, kMotorTarget, kMaxMotor, kMaxForce, kMaxTorque};
+    kMotorSpeed, kMotorTarget, kMaxMotor,
+    kMaxForce,   kMaxTorque};
 constexpr P kRigid2d[] = {kGravity,    kVelocity,    {"angular_velocity", kNumber, kBody, "rad/s"},
-                          kMotorSpeed, kMotorTarget, kMaxMotor, kMaxForce, kMaxTorque};
+                          kMotorSpeed, kMotorTarget, kMaxMotor,
+                          kMaxForce,   kMaxTorque};
 constexpr P kArticulation[] = {
     kGravity, {"<link>.torque", kNumber, kSystem, "N m or N", "of the joint of the link with that id"}};
 constexpr P kOnlyGravity[] = {kGravity};

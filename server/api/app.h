@@ -35,7 +35,8 @@ struct AppOptions {
 /// The data folder, nowhere without one or when it cannot be opened.
 Place open_data(const AppOptions& options);
 /// The sessions kept in the data folder; null when nothing is kept.
-std::unique_ptr<SessionArchive> open_archive(const AppOptions& options, const Place& data, MemoryBudget& memory);
+std::unique_ptr<SessionArchive> open_archive(const AppOptions& options, const Place& data,
+                                             MemoryBudget& memory);
 
 class FolderLock;
 

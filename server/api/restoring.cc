@@ -13,7 +13,10 @@ namespace truestep {
 namespace {
 
 // Anything that computes for longer goes to the threads for long work.
-constexpr double kShortWay = 0.02;  // s
+constexpr double kShortWay = 0.02;       // s
+constexpr double kShortFiles = 1 << 18;  // bytes, read and parsed in a few milliseconds
+
+enum class Elsewhere : uint8_t { nothing, what_takes_long };
 
 struct Saved {
   SavedSession session;
@@ -52,26 +55,35 @@ void prepare(App& app, SessionEntry& e, const Saved& saved) {
   }
 }
 
+// Reads it and makes it; `elsewhere`: what takes long is left to the threads for long work.
+void restore(App& app, const CreationPtr& creation, Elsewhere elsewhere) {
+  const auto saved = std::make_shared<Saved>();
+  try {
+    *saved = read_saved(app, creation->id);
+  } catch (...) {
+    return app.store.fail(creation, std::current_exception());
+  }
+  const std::function<void()> make = [&app, creation, saved] {
+    app.store.make(creation, std::move(saved->draft), SessionStore::Accuracy::chosen,
+                   [&app, saved](SessionEntry& e) { prepare(app, e, *saved); });
+  };
+  const uint64_t to = std::max(saved->session.course.step, saved->recorded.value_or(0));
+  const auto steps = static_cast<double>(to - std::min(to, saved->session.from_step));
+  const bool takes_long = saved->draft.heavy() || steps * saved->draft.cost.seconds_per_step > kShortWay;
+  if (takes_long && elsewhere == Elsewhere::what_takes_long)
+    app.runner.start_long_work(make);
+  else
+    make();
+}
+
 }  // namespace
 
 void start_restoring(App& app, const CreationPtr& creation) {
   app.runner.pool().post([&app, creation] {
-    const auto saved = std::make_shared<Saved>();
-    try {
-      *saved = read_saved(app, creation->id);
-    } catch (...) {
-      return app.store.fail(creation, std::current_exception());
-    }
-    const std::function<void()> make = [&app, creation, saved] {
-      app.store.make(creation, std::move(saved->draft), SessionStore::Accuracy::chosen,
-                     [&app, saved](SessionEntry& e) { prepare(app, e, *saved); });
-    };
-    const uint64_t to = std::max(saved->session.course.step, saved->recorded.value_or(0));
-    const auto steps = static_cast<double>(to - std::min(to, saved->session.from_step));
-    if (saved->draft.heavy() || steps * saved->draft.cost.seconds_per_step > kShortWay)
-      app.runner.start_long_work(make);
-    else
-      make();
+    // A long scene, journal or state is not even read beside what answers others.
+    if (app.archive->folder_of(creation->id).bytes_to_read() > kShortFiles)
+      return app.runner.start_long_work([&app, creation] { restore(app, creation, Elsewhere::nothing); });
+    restore(app, creation, Elsewhere::what_takes_long);
   });
 }
 

@@ -76,8 +76,7 @@ void AssetStore::set_owners(const std::string& sha256, const std::vector<std::st
 }
 
 bool AssetStore::put(const std::string& sha256, std::string_view bytes, Kind kind, const net::Caller& owner) {
-  if (!folder_)
-    throw Error("folder_io", "this server's data folder could not be used when it started");
+  if (!folder_) throw Error("folder_io", "this server's data folder could not be used when it started");
   const std::string actual = net::sha256_hex(bytes);
   if (actual != sha256) {
     throw Error("invalid", "the body has another SHA-256",

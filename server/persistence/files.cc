@@ -31,8 +31,7 @@ Bytes read_from(int fd, size_t size, const Place& place) {
 uint64_t require_regular(const Descriptor& file, const Place& place) {
   struct stat about {};
   if (::fstat(file.get(), &about) != 0) throw_file_error("read " + place.name(), errno);
-  if (!S_ISREG(about.st_mode))
-    throw Error("session_damaged", place.name() + " is no regular file");
+  if (!S_ISREG(about.st_mode)) throw Error("session_damaged", place.name() + " is no regular file");
   return static_cast<uint64_t>(about.st_size);
 }
 

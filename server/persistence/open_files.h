@@ -12,8 +12,8 @@ namespace truestep {
 class OpenFiles {
  public:
   explicit OpenFiles(size_t most = 32) : most_(most) {}
-  /// The owner's file, open for writing and made if it is missing; it stays open at least while the pointer is
-  /// held. Any thread. Errors of Place::open.
+  /// The owner's file, open for writing and made if it is missing; it stays open at least while the pointer
+  /// is held. Any thread. Errors of Place::open.
   std::shared_ptr<Descriptor> open(const void* owner, const Place& place);
   void close(const void* owner);
 

@@ -1,6 +1,7 @@
-// A place in the data folder: names below a handle of the folder. Every folder on the way is opened from the one before,
-// and none of the names is followed when it is a link: whatever is swapped while the server runs, nothing beside the folder
-// is read, written, renamed or removed. All of server/persistence reaches its files through this and nothing else.
+// A place in the data folder: names below a handle of the folder. Every folder on the way is opened from the
+// one before, and none of the names is followed when it is a link: whatever is swapped while the server runs,
+// nothing beside the folder is read, written, renamed or removed. All of server/persistence reaches its files
+// through this and nothing else.
 #pragma once
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -42,8 +43,8 @@ class Place {
   Place parent() const;
   const std::string& name() const { return names_.back(); }
 
-  /// Never waits for what is at the other end of a FIFO. Error "session_damaged" when it is missing and was to
-  /// be read or is a link, otherwise "disk_full", "overloaded" or "folder_io" with `what` and its name.
+  /// Never waits for what is at the other end of a FIFO. Error "session_damaged" when it is missing and was
+  /// to be read or is a link, otherwise "disk_full", "overloaded" or "folder_io" with `what` and its name.
   Descriptor open(int flags, const char* what) const;
   /// The same without errors: a negative descriptor says that it failed, and errno why.
   Descriptor try_open(int flags) const;

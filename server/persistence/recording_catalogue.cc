@@ -185,7 +185,8 @@ RecordingFacts RecordingCatalogue::begin(const std::string& session, const std::
     number = std::max(number, number_of(it->first) + 1);
   // A name is also taken while any file of that name remains, even without a note.
   const auto taken = [&](const std::string& id) {
-    for (const std::string_view rest : {std::string_view(), kChunkLogEnding, std::string_view(".damaged"), kNote}) {
+    for (const std::string_view rest :
+         {std::string_view(), kChunkLogEnding, std::string_view(".damaged"), kNote}) {
       if (place(id).with_ending(rest).status()) return true;
     }
     return false;

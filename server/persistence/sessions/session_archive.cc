@@ -133,7 +133,8 @@ void SessionArchive::survey(const std::string& id) {
   };
   auto newest = written(place);
   for (const std::string& name : place.names()) newest = std::max(newest, written(place / name));
-  const auto age = std::max(std::chrono::system_clock::now() - newest, std::chrono::system_clock::duration(0));
+  const auto age =
+      std::max(std::chrono::system_clock::now() - newest, std::chrono::system_clock::duration(0));
   const std::lock_guard lock(mutex_);
   const auto it = rows_.find(id);
   if (it == rows_.end()) return;

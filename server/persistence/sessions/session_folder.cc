@@ -20,8 +20,7 @@ namespace {
 constexpr size_t kMostAbout = 64 << 10, kMostScene = size_t{256} << 20, kMostSnapshot = size_t{1} << 40;
 
 [[noreturn]] void damaged(const Place& place, const char* what) {
-  throw Error("session_damaged",
-              "what is saved of session " + place.name() + " cannot be used: " + what);
+  throw Error("session_damaged", "what is saved of session " + place.name() + " cannot be used: " + what);
 }
 
 std::string hash_of(std::string_view text) {
@@ -52,8 +51,8 @@ std::string text_member(const json::object& o, const char* name) {
 
 }  // namespace
 
-SessionFolder SessionFolder::create(const Place& root, const SessionAbout& about,
-                                    const json::object& scene, const json::object& accuracy) {
+SessionFolder SessionFolder::create(const Place& root, const SessionAbout& about, const json::object& scene,
+                                    const json::object& accuracy) {
   const std::string body = write_json(json::object{{"scene", scene}, {"accuracy", accuracy}});
   const std::string line = write_json(json::object{{"id", about.id},
                                                    {"owner", about.owner},
@@ -102,6 +101,15 @@ SessionAbout SessionFolder::about() const {
   }
   if (about.id != place_.name()) damaged(place_, "it describes another session");
   return about;
+}
+
+double SessionFolder::bytes_to_read() const {
+  double sum = 0;
+  for (const std::string& name : place_.names()) {
+    const auto about = (place_ / name).status();
+    if (about && S_ISREG(about->st_mode)) sum += static_cast<double>(about->st_size);
+  }
+  return sum;
 }
 
 SessionFolder::Scene SessionFolder::scene() const {

@@ -26,14 +26,16 @@ class SessionFolder {
  public:
   explicit SessionFolder(Place place) : place_(std::move(place)) {}
   /// Creates the folder below `root`. Error "disk_full" or "folder_io".
-  static SessionFolder create(const Place& root, const SessionAbout& about,
-                              const boost::json::object& scene, const boost::json::object& accuracy);
+  static SessionFolder create(const Place& root, const SessionAbout& about, const boost::json::object& scene,
+                              const boost::json::object& accuracy);
   /// Moves the folder away at once, then removes its files. Error "folder_io" when it is still there.
   void remove() const;
 
   const Place& place() const { return place_; }
   /// Only the first line. Error "session_damaged" or "folder_io", as for all readers.
   SessionAbout about() const;
+  /// Of what a restore reads: description, states and logs, without the snapshots.
+  double bytes_to_read() const;
   struct Scene {
     boost::json::value document;
     boost::json::object accuracy;

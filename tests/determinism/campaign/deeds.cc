@@ -103,8 +103,8 @@ class Walk {
     const uint64_t step = session_->step_index(), hash = session_->hash();
     const auto [it, fresh] = arrived_.try_emplace(step, hash);
     if (!fresh) return expect("a step that is repeated", step, it->second, hash);
-    // Commands that a seek went back from are carried out with the next step: the state that they leave is known
-    // from when they were given.
+    // Commands that a seek went back from are carried out with the next step: the state that they leave is
+    // known from when they were given.
     const auto due = session_->journal_ahead();
     if (due.empty() || due.front().step > step) left_[step] = hash;
   }

@@ -1,6 +1,6 @@
-// courses FOLDER [--count N] [--first SEED] [--scene NAME] [--patience S] [--show]: random courses through sessions of a
-// folder's scenes, in turn. Prints what differs with the course that led there, and a table. Exit code 1 if
-// anything does.
+// courses FOLDER [--count N] [--first SEED] [--scene NAME] [--patience S] [--show]: random courses through
+// sessions of a folder's scenes, in turn. Prints what differs with the course that led there, and a table.
+// Exit code 1 if anything does.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <condition_variable>
@@ -80,7 +80,8 @@ int main(int count, char** arguments) {
       // What was interrupted is no state to be compared.
       course.fault.clear();
       ++slow;
-      std::cout << course.scene << " --first " << course.seed << " is slow: " << course.deeds.back() << std::endl;
+      std::cout << course.scene << " --first " << course.seed << " is slow: " << course.deeds.back()
+                << std::endl;
     }
     commands += course.commands, refused += course.refused, seeks += course.seeks;
     branches += course.branches, restores += course.restores;
