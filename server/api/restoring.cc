@@ -16,7 +16,7 @@ namespace {
 constexpr double kShortWay = 0.02;       // s
 constexpr double kShortFiles = 1 << 18;  // bytes, read and parsed in a few milliseconds
 
-enum class Elsewhere : uint8_t { nothing, what_takes_long };
+enum class LongParts : uint8_t { here, left };
 
 struct Saved {
   SavedSession session;
@@ -55,8 +55,8 @@ void prepare(App& app, SessionEntry& e, const Saved& saved) {
   }
 }
 
-// Reads it and makes it; `elsewhere`: what takes long is left to the threads for long work.
-void restore(App& app, const CreationPtr& creation, Elsewhere elsewhere) {
+// Reads it and makes it; the long parts are left to the threads for long work, or made here.
+void restore(App& app, const CreationPtr& creation, LongParts parts) {
   const auto saved = std::make_shared<Saved>();
   try {
     *saved = read_saved(app, creation->id);
@@ -70,7 +70,7 @@ void restore(App& app, const CreationPtr& creation, Elsewhere elsewhere) {
   const uint64_t to = std::max(saved->session.course.step, saved->recorded.value_or(0));
   const auto steps = static_cast<double>(to - std::min(to, saved->session.from_step));
   const bool takes_long = saved->draft.heavy() || steps * saved->draft.cost.seconds_per_step > kShortWay;
-  if (takes_long && elsewhere == Elsewhere::what_takes_long)
+  if (takes_long && parts == LongParts::left)
     app.runner.start_long_work(make);
   else
     make();
@@ -82,8 +82,8 @@ void start_restoring(App& app, const CreationPtr& creation) {
   app.runner.pool().post([&app, creation] {
     // A long scene, journal or state is not even read beside what answers others.
     if (app.archive->folder_of(creation->id).bytes_to_read() > kShortFiles)
-      return app.runner.start_long_work([&app, creation] { restore(app, creation, Elsewhere::nothing); });
-    restore(app, creation, Elsewhere::what_takes_long);
+      return app.runner.start_long_work([&app, creation] { restore(app, creation, LongParts::here); });
+    restore(app, creation, LongParts::left);
   });
 }
 

@@ -127,14 +127,16 @@ void SessionArchive::require_room(double bytes) const {
 void SessionArchive::survey(const std::string& id) {
   const Place place = root_ / id;
   const double bytes = folder_bytes(place);
+  using Clock = std::chrono::system_clock;
   const auto written = [](const Place& at) {
     const auto about = at.status();
-    return std::chrono::system_clock::from_time_t(about ? about->st_mtime : 0);
+    if (!about) return Clock::time_point();
+    return Clock::from_time_t(about->st_mtim.tv_sec) +
+           std::chrono::duration_cast<Clock::duration>(std::chrono::nanoseconds(about->st_mtim.tv_nsec));
   };
   auto newest = written(place);
   for (const std::string& name : place.names()) newest = std::max(newest, written(place / name));
-  const auto age =
-      std::max(std::chrono::system_clock::now() - newest, std::chrono::system_clock::duration(0));
+  const auto age = std::max(Clock::now() - newest, Clock::duration(0));
   const std::lock_guard lock(mutex_);
   const auto it = rows_.find(id);
   if (it == rows_.end()) return;
