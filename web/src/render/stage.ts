@@ -11,7 +11,7 @@ import { Handle } from "./handle";
 import { GridView, type Scale } from "./fields/grid_view";
 import { schemeOf } from "./fields/scheme";
 import { Labels, type Label } from "./labels";
-import { JointMarks } from "./joint_marks";
+import { JointMarks } from "./fields/joint_marks";
 import { namesOf, probeLabels } from "./names";
 import { Painter } from "./painter";
 import { PlotAxes } from "./plot_axes";

@@ -28,7 +28,7 @@ import { installShortcuts } from "./shortcuts";
 import { SpeedChoice } from "./speed_choice";
 import { speedAtFirst } from "./speeds";
 import { Timeline } from "./timeline";
-import { measureTrips } from "./trips";
+import { measureTrips } from "../client/trips";
 
 const kAddress = 1200; // ms between two updates of the address
 

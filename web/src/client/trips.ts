@@ -1,5 +1,5 @@
 // How long a request takes there and back, measured while the page is seen.
-import type { Service } from "../client/rest";
+import type { Service } from "./rest";
 
 const kEvery = 2000; // ms
 

@@ -1,10 +1,10 @@
 // Contacts and joints as they are drawn, joints in the colours of their values.
-import type { Marks } from "../client/gen/truestep/v1/stream_pb";
-import { JointValues } from "./fields/joint_values";
-import { balanced } from "./fields/scheme";
-import { eachJointEnd, MarkLines } from "./marks";
-import type { Visibility } from "./system_view";
-import { widest } from "./value_range";
+import type { Marks } from "../../client/gen/truestep/v1/stream_pb";
+import { JointValues } from "./joint_values";
+import { balanced } from "./scheme";
+import { eachJointEnd, MarkLines } from "../marks";
+import type { Visibility } from "../system_view";
+import { widest } from "../value_range";
 
 export class JointMarks extends JointValues {
   private readonly lines = new MarkLines();
