@@ -55,6 +55,7 @@ std::span<const Family> families() {
         {"bouncing_bodies", bouncing_bodies},
         {"merging_bodies", merging_bodies},
         {"pulses", pulses},
+        {"near_rest", near_rest},
     };
     const auto coupled = coupled_families();
     all.insert(all.end(), coupled.begin(), coupled.end());
