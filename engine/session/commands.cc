@@ -132,7 +132,8 @@ std::string written_name(CommandKind kind, std::string_view member) {
 Error as_written(const Error& refused, CommandKind kind) {
   std::vector<Issue> issues = refused.issues();
   for (Issue& i : issues) {
-    if (i.pointer.starts_with('/')) i.pointer = '/' + written_name(kind, i.pointer.substr(1));
+    if (i.pointer.starts_with('/'))
+      i.pointer.replace(1, std::string::npos, written_name(kind, i.pointer.substr(1)));
   }
   return {refused.code(), refused.what(), std::move(issues)};
 }
