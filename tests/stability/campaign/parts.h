@@ -109,6 +109,8 @@ void friction(Dice&, Trial&);
 void bouncing_bodies(Dice&, Trial&);
 void merging_bodies(Dice&, Trial&);
 void pulses(Dice&, Trial&);
+void near_rest(Dice&, Trial&);
+void closed_materials(Dice&, Trial&);
 /// Soft things with rigid bodies, a family for each kind of both.
 std::span<const Family> coupled_families();
 
