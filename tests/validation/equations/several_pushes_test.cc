@@ -11,9 +11,9 @@ namespace {
 struct Pushed : testing_rig::WorldRun {
   explicit Pushed(const std::string& system)
       : WorldRun(R"({"gravity": [0, 0, 0], "time": {"dt": 0.01}, "systems": [)" + system + "]}") {}
-  void push(int64_t row, const Vec3& force, double duration, std::optional<Vec3> at = std::nullopt) {
+  void push(int64_t row, const Vec3& force, double duration) {
     Command c;
-    c.kind = CommandKind::push, c.index = row, c.vector = force, c.duration = duration, c.at = at;
+    c.kind = CommandKind::push, c.index = row, c.vector = force, c.duration = duration;
     apply(c);
   }
 };
