@@ -56,8 +56,8 @@ std::span<const Family> families() {
         {"merging_bodies", merging_bodies},
         {"pulses", pulses},
     };
-    const auto coupled = coupled_families();
-    all.insert(all.end(), coupled.begin(), coupled.end());
+    for (const auto& more : {coupled_families(), drape_families()})
+      all.insert(all.end(), more.begin(), more.end());
     return all;
   }();
   return kAll;
