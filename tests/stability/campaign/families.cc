@@ -57,6 +57,7 @@ std::span<const Family> families() {
         {"pulses", pulses},
         {"near_rest", near_rest},
         {"closed_materials", closed_materials},
+        {"fluid_layers", fluid_layers},
     };
     const auto coupled = coupled_families();
     all.insert(all.end(), coupled.begin(), coupled.end());
