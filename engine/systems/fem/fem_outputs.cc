@@ -70,7 +70,12 @@ Cost fem_cost(const void* def) {
   // matrices of an element and the factors of the whole. Newton's method solves one to three times a step.
   const double element_seconds = points * (1.2e-6 + 2e-8 * nodes * nodes);
   const double factor_seconds = (kind.dimension == 2 ? 3e-8 : 7.5e-8) * fill * fill * n.blocks;
-  const double solves_a_step = named && named->name == "linear_implicit_euler" ? 1 : 1.7;
+  const bool once = named && named->name == "linear_implicit_euler";
+  // Linear bodies keep their matrix with the methods that solve by blocks.
+  const bool kept = d.material == Law::linear && (!named || once || named->name == "implicit_euler");
+  // In equilibrium under loads that do not change there is nothing to solve: forces are evaluated.
+  const bool rests = d.motion == Motion::quasi_static && d.load_time == 0 && d.holds.empty();
+  const double solves_a_step = rests ? 0.1 : kept ? 0.6 : once ? 1 : 1.7;
   // Incompatible modes: gradients per element, and a solve for the modes with every force and stiffness.
   const double modes =
       d.incompatible_modes == Incompatible::wilson ? n.elements * points * 24 * kind.dimension : 0;

@@ -65,6 +65,7 @@ std::span<const Family> families() {
         {"pulses", pulses},
         {"near_rest", near_rest},
         {"closed_materials", closed_materials},
+        {"fluid_layers", fluid_layers},
     };
     for (const auto& more : {coupled_families(), drape_families()})
       all.insert(all.end(), more.begin(), more.end());

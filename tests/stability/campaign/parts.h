@@ -111,6 +111,7 @@ void merging_bodies(Dice&, Trial&);
 void pulses(Dice&, Trial&);
 void near_rest(Dice&, Trial&);
 void closed_materials(Dice&, Trial&);
+void fluid_layers(Dice&, Trial&);
 /// Soft things with rigid bodies, a family for each kind of both.
 std::span<const Family> coupled_families();
 /// Soft things that fall on colliders, a family for each kind.

@@ -33,6 +33,26 @@ TEST(MacShare, IsWhatCountingFindsBelowThePlane) {
   }
 }
 
+TEST(MacShare, MomentsAreWhatCountingFinds) {
+  uint64_t seed = 3;
+  for (int k = 0; k < 40; ++k) {
+    std::array<double, 3> n{2 * next(seed) - 1, 2 * next(seed) - 1, k % 2 ? 2 * next(seed) - 1 : 0};
+    const double length = std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]);
+    for (double& v : n) v /= length;
+    const Border b = border_with(n, next(seed));
+    constexpr int kSide = 40;
+    std::array<double, 3> sums{};
+    for (int c = 0; c < kSide * kSide * kSide; ++c) {
+      const double at[] = {(c % kSide + 0.5) / kSide, (c / kSide % kSide + 0.5) / kSide,
+                           (c / kSide / kSide + 0.5) / kSide};
+      if (b.normal[0] * at[0] + b.normal[1] * at[1] + b.normal[2] * at[2] >= b.level) continue;
+      for (size_t a = 0; a < 3; ++a) sums[a] += at[a] / (kSide * kSide * kSide);
+    }
+    // As for shares; half of a cell's moment would be wrong by 0.1 and more.
+    for (size_t a = 0; a < 3; ++a) EXPECT_NEAR(share_moment(b, a), sums[a], 0.005);
+  }
+}
+
 TEST(MacShare, BordersLeaveTheShareTheyAreAskedFor) {
   uint64_t seed = 2;
   for (int k = 0; k < 200; ++k) {
