@@ -91,16 +91,26 @@ void shield_2d(Dice&, Trial&);
 void shield_3d(Dice&, Trial&);
 void bar_2d(Dice&, Trial&);
 void bar_3d(Dice&, Trial&);
+void shield_points(Dice&, Trial&);
+void bar_points(Dice&, Trial&);
 void seam_3d(Dice&, Trial&);
 void turntable_3d(Dice&, Trial&);
 void rolling_table_3d(Dice&, Trial&);
 void motor_disc_3d(Dice&, Trial&);
 void drum_2d(Dice&, Trial&);
+void drum_3d(Dice&, Trial&);
+void belt_2d(Dice&, Trial&);
+void belt_3d(Dice&, Trial&);
+void lift_2d(Dice&, Trial&);
+void lift_3d(Dice&, Trial&);
+void driven_lift_3d(Dice&, Trial&);
 void falls(Dice&, Trial&);
 void friction(Dice&, Trial&);
 void bouncing_bodies(Dice&, Trial&);
 void merging_bodies(Dice&, Trial&);
 void pulses(Dice&, Trial&);
+void near_rest(Dice&, Trial&);
+void closed_materials(Dice&, Trial&);
 /// Soft things with rigid bodies, a family for each kind of both.
 std::span<const Family> coupled_families();
 /// Soft things that fall on colliders, a family for each kind.
