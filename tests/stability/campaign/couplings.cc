@@ -104,7 +104,7 @@ std::span<const Family> coupled_families() {
       Family{"fem_sheet_contact", coupled<fem_sheet, contact>},
       Family{"fem_sheet_spring", coupled<fem_sheet, spring>},
       Family{"fem_sheet_rigid", coupled<fem_sheet, rigid>},
-      Family{"spring_cloth_contact", coupled<spring_cloth, contact>, true},
+      Family{"spring_cloth_contact", coupled<spring_cloth, contact>},
       Family{"spring_cloth_spring", coupled<spring_cloth, spring>},
       Family{"spring_cloth_rigid", coupled<spring_cloth, rigid>},
       Family{"spring_rope_contact", coupled<spring_rope, contact>},
