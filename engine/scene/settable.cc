@@ -12,16 +12,22 @@ constexpr P kGravity{"gravity", kVector, kSystem, "m/s^2"};
 constexpr P kWind{"wind", kVector, kSystem};
 constexpr P kVelocity{"velocity", kVector, kBody, "m/s", "of a dynamic or kinematic body's centre of mass"};
 constexpr P kMotorSpeed{"motor_speed", kEither, kJoint, "rad/s or m/s",
-                        "of a motor with a speed; a vector for a joint of type motor that has a velocity"};
+                        "of a motor with a speed; a vector for a joint of type motor that has a velocity; "
+                        "turn.motor_speed: its angular velocity"};
 constexpr P kMotorTarget{"motor_target", kEither, kJoint, "rad or m",
-                         "of a motor with a target; a vector (m) for a joint of type motor"};
+                         "of a motor with a target; a vector (m) for a joint of type motor or mouse; "
+                         "turn.motor_target: its turn"};
 constexpr P kMaxMotor{"max_motor", kNumber, kJoint, "N m or N", "largest torque or force of the motor"};
+constexpr P kMaxForce{"max_force", kNumber, kJoint, "N", "of a joint of type motor or mouse"};
+constexpr P kMaxTorque{"max_torque", kNumber, kJoint, "N m", "of a joint of type motor"};
 
 constexpr P kRigid3d[] = {
     kGravity,    kVelocity,    {"angular_velocity", kVector, kBody, "rad/s", "in the world"},
-    kMotorSpeed, kMotorTarget, kMaxMotor};
+    kMotorSpeed, kMotorTarget, kMaxMotor,
+    kMaxForce,   kMaxTorque};
 constexpr P kRigid2d[] = {kGravity,    kVelocity,    {"angular_velocity", kNumber, kBody, "rad/s"},
-                          kMotorSpeed, kMotorTarget, kMaxMotor};
+                          kMotorSpeed, kMotorTarget, kMaxMotor,
+                          kMaxForce,   kMaxTorque};
 constexpr P kArticulation[] = {
     kGravity, {"<link>.torque", kNumber, kSystem, "N m or N", "of the joint of the link with that id"}};
 constexpr P kOnlyGravity[] = {kGravity};

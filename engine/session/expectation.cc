@@ -137,8 +137,10 @@ std::optional<double> Expectations::reduced(const Seen& s, Reduction reduction, 
     case Reduction::loss: {
       const double kinetic = *s.first - *s.first_potential;
       const double work = kinetic + (*s.first_potential - *s.lowest_potential) + given;
-      // Positions are rounded; a body at rest has no energy at work to compare that with.
-      const double rounding = 1e-12 + 1e-9 * std::abs(*s.first_potential);
+      // Positions are rounded, to 24 bits in systems of single precision; a body at rest has no energy at
+      // work to compare that with.
+      constexpr double kSingle = 1.0 / (1 << 24);
+      const double rounding = 1e-12 + kSingle * std::abs(*s.first_potential);
       const double amount =
           reduction == Reduction::gain ? *s.greatest - *s.first - given : *s.first - *s.least;
       return amount > rounding ? (amount - rounding) / work : 0.0;

@@ -32,8 +32,11 @@ struct AppOptions {
   double max_asset_bytes = 2e9;  ///< of all assets on disk
 };
 
+/// The data folder, nowhere without one or when it cannot be opened.
+Place open_data(const AppOptions& options);
 /// The sessions kept in the data folder; null when nothing is kept.
-std::unique_ptr<SessionArchive> open_archive(const AppOptions& options, MemoryBudget& memory);
+std::unique_ptr<SessionArchive> open_archive(const AppOptions& options, const Place& data,
+                                             MemoryBudget& memory);
 
 class FolderLock;
 
@@ -44,15 +47,17 @@ struct App {
   explicit App(AppOptions o)
       : options(std::move(o)),
         memory(options.limits.max_memory_bytes),
-        archive(open_archive(options, memory)),
-        recordings(options.data_dir, options.recordings),
-        assets(options.data_dir, options.max_asset_bytes),
+        data(open_data(options)),
+        archive(open_archive(options, data, memory)),
+        recordings(data, options.recordings),
+        assets(data, options.max_asset_bytes),
         store(options.limits, memory, archive.get()),
         runner(options.workers, options.unwatched_grace) {}
 
   const AppOptions options;
   std::shared_ptr<RecordingThread> recording_thread = std::make_shared<RecordingThread>();
   MemoryBudget memory;
+  const Place data;  ///< the data folder
   const std::unique_ptr<SessionArchive> archive;
   RecordingCatalogue recordings;
   AssetStore assets;

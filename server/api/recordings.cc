@@ -68,7 +68,7 @@ void begin(App& app, SessionEntry& entry, std::optional<uint64_t> after, const j
   };
   try {
     entry.recording = std::make_shared<RecordingSink>(app.recording_thread, entry.session,
-                                                      app.recordings.path(facts.id).string(),
+                                                      app.recordings.place(facts.id).path(),
                                                       RecordingTies{after, params, finished});
   } catch (...) {
     app.recordings.forget(facts.id);
@@ -81,7 +81,7 @@ void begin(App& app, SessionEntry& entry, std::optional<uint64_t> after, const j
 
 // Salvages an existing recording; a full disk stops new data, not what it already holds.
 void salvage(App& app, const std::string& id, const RecordingStatus& status) {
-  const SalvageReport report = salvage_recording(*app.recording_thread, app.recordings.path(id).string());
+  const SalvageReport report = salvage_recording(*app.recording_thread, app.recordings.place(id).path());
   app.recordings.end(id, RecordingFate::incomplete, report.frames, status.message);
 }
 
@@ -100,7 +100,9 @@ std::optional<uint64_t> last_recorded_step(App& app, const std::string& session)
   // The newest may have been cut off before its first frame.
   for (const RecordingFacts& f : app.recordings.of_session(session)) {
     try {
-      RecordingReader reader(app.recording_thread, app.recordings.path(f.id).string());
+      // Opened here, where no link is followed; the library opens what this is.
+      const Descriptor file = app.recordings.place(f.id).open(O_RDONLY, "read");
+      RecordingReader reader(app.recording_thread, path_of(file));
       const uint64_t frames = reader.info().frames;
       if (frames > 0) return static_cast<uint64_t>(reader.read_clock(frames - 1).step);
     } catch (const Error& e) {

@@ -245,16 +245,27 @@ Task<net::Response> with_session(App& app, const net::Request& request, AnswerOf
   co_return co_await with_session(app, std::move(entry), std::move(f));
 }
 
+namespace {
+
+net::Response answer_of(SessionEntry& entry, const AnswerOfSession& f) {
+  const std::lock_guard lock(entry.mutex);
+  return entry.use([&f](SessionEntry& e) {
+    net::Response response = f(e);
+    e.acknowledge();
+    return response;
+  });
+}
+
+}  // namespace
+
 Task<net::Response> with_session_on_worker(App& app, EntryPtr entry, AnswerOfSession f) {
-  auto work = [&] {
-    const std::lock_guard lock(entry->mutex);
-    return entry->use([&f](SessionEntry& e) {
-      net::Response response = f(e);
-      e.acknowledge();
-      return response;
-    });
-  };
+  auto work = [&] { return answer_of(*entry, f); };
   co_return co_await offload(app.runner.pool(), std::move(work));
+}
+
+Task<net::Response> with_session_in_long_work(App& app, EntryPtr entry, AnswerOfSession f) {
+  auto work = [&] { return answer_of(*entry, f); };
+  co_return co_await app.runner.long_work(std::move(work), kReadingTime);
 }
 
 Task<> interrupt_and_call(App& app, EntryPtr entry, std::function<void(SessionEntry&)> f) {

@@ -83,6 +83,8 @@ Task<net::Response> with_session(App& app, EntryPtr entry, AnswerOfSession f);
 Task<net::Response> with_session(App& app, const net::Request& request, AnswerOfSession f);
 /// The same, always on a worker: for slow work.
 Task<net::Response> with_session_on_worker(App& app, EntryPtr entry, AnswerOfSession f);
+/// The same on the threads for long work: for what costs as much as the request is long.
+Task<net::Response> with_session_in_long_work(App& app, EntryPtr entry, AnswerOfSession f);
 /// f(entry) after cancelling everything that was requested of the session.
 Task<> interrupt_and_call(App& app, EntryPtr entry, std::function<void(SessionEntry&)> f);
 

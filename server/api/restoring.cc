@@ -13,7 +13,10 @@ namespace truestep {
 namespace {
 
 // Anything that computes for longer goes to the threads for long work.
-constexpr double kShortWay = 0.02;  // s
+constexpr double kShortWay = 0.02;       // s
+constexpr double kShortFiles = 1 << 18;  // bytes, read and parsed in a few milliseconds
+
+enum class LongParts : uint8_t { here, left };
 
 struct Saved {
   SavedSession session;
@@ -52,26 +55,35 @@ void prepare(App& app, SessionEntry& e, const Saved& saved) {
   }
 }
 
+// Reads it and makes it; the long parts are left to the threads for long work, or made here.
+void restore(App& app, const CreationPtr& creation, LongParts parts) {
+  const auto saved = std::make_shared<Saved>();
+  try {
+    *saved = read_saved(app, creation->id);
+  } catch (...) {
+    return app.store.fail(creation, std::current_exception());
+  }
+  const std::function<void()> make = [&app, creation, saved] {
+    app.store.make(creation, std::move(saved->draft), SessionStore::Accuracy::chosen,
+                   [&app, saved](SessionEntry& e) { prepare(app, e, *saved); });
+  };
+  const uint64_t to = std::max(saved->session.course.step, saved->recorded.value_or(0));
+  const auto steps = static_cast<double>(to - std::min(to, saved->session.from_step));
+  const bool takes_long = saved->draft.heavy() || steps * saved->draft.cost.seconds_per_step > kShortWay;
+  if (takes_long && parts == LongParts::left)
+    app.runner.start_long_work(make);
+  else
+    make();
+}
+
 }  // namespace
 
 void start_restoring(App& app, const CreationPtr& creation) {
   app.runner.pool().post([&app, creation] {
-    const auto saved = std::make_shared<Saved>();
-    try {
-      *saved = read_saved(app, creation->id);
-    } catch (...) {
-      return app.store.fail(creation, std::current_exception());
-    }
-    const std::function<void()> make = [&app, creation, saved] {
-      app.store.make(creation, std::move(saved->draft), SessionStore::Accuracy::chosen,
-                     [&app, saved](SessionEntry& e) { prepare(app, e, *saved); });
-    };
-    const uint64_t to = std::max(saved->session.course.step, saved->recorded.value_or(0));
-    const auto steps = static_cast<double>(to - std::min(to, saved->session.from_step));
-    if (saved->draft.heavy() || steps * saved->draft.cost.seconds_per_step > kShortWay)
-      app.runner.start_long_work(make);
-    else
-      make();
+    // A long scene, journal or state is not even read beside what answers others.
+    if (app.archive->folder_of(creation->id).bytes_to_read() > kShortFiles)
+      return app.runner.start_long_work([&app, creation] { restore(app, creation, LongParts::here); });
+    restore(app, creation, LongParts::left);
   });
 }
 
@@ -136,7 +148,7 @@ void save_sessions(App& app) {
   }
   try {
     // Once for all sessions.
-    sync_disk_of(app.options.data_dir);
+    sync_disk_of(app.data);
   } catch (const Error& e) {
     log_warn("what was kept may not survive a power cut: {}", e.what());
   }
@@ -147,11 +159,21 @@ void App::require_folder() const {
   if (!problem.empty()) throw Error("folder_io", problem);
 }
 
-std::unique_ptr<SessionArchive> open_archive(const AppOptions& options, MemoryBudget& memory) {
-  if (options.data_dir.empty() || !options.keep_sessions) return nullptr;
+Place open_data(const AppOptions& options) {
+  if (options.data_dir.empty()) return {};
   try {
-    return std::make_unique<SessionArchive>(std::filesystem::path(options.data_dir) / "sessions",
-                                            *options.keep_sessions, memory);
+    return Place::folder(options.data_dir);
+  } catch (const Error& e) {
+    log_warn("no recordings, and no session outlives the server: {}", e.what());
+    return {};
+  }
+}
+
+std::unique_ptr<SessionArchive> open_archive(const AppOptions& options, const Place& data,
+                                             MemoryBudget& memory) {
+  if (!data || !options.keep_sessions) return nullptr;
+  try {
+    return std::make_unique<SessionArchive>(data / "sessions", *options.keep_sessions, memory);
   } catch (const Error& e) {
     log_warn("sessions are not kept: {}", e.what());
     return nullptr;

@@ -78,6 +78,7 @@ json::object describe_session(SessionEntry& e) {
     o["kept"] = e.keeper->problem().empty();
     if (!e.keeper->problem().empty()) o["not_kept_because"] = e.keeper->problem();
   }
+  if (e.recording && e.recording->status().state == RecordingState::kRecording) o["recorded"] = true;
   if (e.recording && e.recording->failed()) o["not_recorded_because"] = e.recording->status().message;
   if (e.restored) {
     o["restored"] = json::object{

@@ -1,6 +1,7 @@
 #include "server/persistence/asset_store.h"
 
 #include <algorithm>
+#include <cerrno>
 
 #include "engine/base/errors.h"
 #include "engine/base/text/utf8.h"
@@ -13,7 +14,6 @@
 namespace truestep {
 
 namespace json = boost::json;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -44,23 +44,23 @@ bool is_sha256(std::string_view s) {
 
 }  // namespace
 
-AssetStore::AssetStore(const std::string& data_dir, double most_bytes)
-    : folder_(data_dir.empty() ? fs::path() : fs::path(data_dir) / "assets"), most_bytes_(most_bytes) {}
+AssetStore::AssetStore(const Place& data_folder, double most_bytes)
+    : folder_(data_folder ? data_folder / "assets" : Place()), most_bytes_(most_bytes) {}
 
-fs::path AssetStore::path_of(const std::string& sha256, Kind kind) const {
-  if (folder_.empty() || !is_sha256(sha256)) throw no_asset();
+Place AssetStore::place_of(const std::string& sha256, Kind kind) const {
+  if (!folder_ || !is_sha256(sha256)) throw no_asset();
   return folder_ / (sha256 + (kind == Kind::json ? ".json" : ".bin"));
 }
 
-fs::path AssetStore::owners_path(const std::string& sha256) const {
+Place AssetStore::owners_place(const std::string& sha256) const {
   return folder_ / (sha256 + ".owners");
 }
 
 std::vector<std::string> AssetStore::owners(const std::string& sha256) const {
   constexpr size_t kMostOwners = size_t{1} << 20;  // bytes
   std::vector<std::string> names;
-  if (!is_regular(owners_path(sha256))) return names;
-  const std::string text(text_of(read_file(owners_path(sha256), kMostOwners)));
+  if (!owners_place(sha256).is_regular()) return names;
+  const std::string text(text_of(read_file(owners_place(sha256), kMostOwners)));
   for (size_t at = 0; at < text.size();) {
     const size_t end = std::min(text.find('\n', at), text.size());
     names.push_back(text.substr(at, end - at));
@@ -72,12 +72,11 @@ std::vector<std::string> AssetStore::owners(const std::string& sha256) const {
 void AssetStore::set_owners(const std::string& sha256, const std::vector<std::string>& names) {
   std::string text;
   for (const std::string& name : names) text += name + '\n';
-  write_file(owners_path(sha256), bytes_of(text), Durability::process);
+  write_file(owners_place(sha256), bytes_of(text), Durability::process);
 }
 
 bool AssetStore::put(const std::string& sha256, std::string_view bytes, Kind kind, const net::Caller& owner) {
-  if (folder_.empty())
-    throw Error("folder_io", "this server's data folder could not be used when it started");
+  if (!folder_) throw Error("folder_io", "this server's data folder could not be used when it started");
   const std::string actual = net::sha256_hex(bytes);
   if (actual != sha256) {
     throw Error("invalid", "the body has another SHA-256",
@@ -89,9 +88,9 @@ bool AssetStore::put(const std::string& sha256, std::string_view bytes, Kind kin
   } else {
     require_readable(bytes);
   }
-  const fs::path path = path_of(sha256, kind);
+  const Place place = place_of(sha256, kind);
   const std::lock_guard lock(mutex_);
-  if (is_regular(path)) {
+  if (place.is_regular()) {
     std::vector<std::string> names = owners(sha256);
     // One of an older server belongs to everybody, as it did.
     if (!names.empty() && std::find(names.begin(), names.end(), owner.name) == names.end()) {
@@ -100,21 +99,19 @@ bool AssetStore::put(const std::string& sha256, std::string_view bytes, Kind kin
     }
     return false;
   }
-  std::error_code failed;
-  fs::create_directories(folder_, failed);
-  if (failed) throw_file_error("make the folder of assets", failed.value());
+  folder_.make_folder();
   if (folder_bytes(folder_) + static_cast<double>(bytes.size()) > most_bytes_)
     throw Error("quota_exceeded", "this server has no room for more assets: DELETE /v1/assets/{sha256} some");
   set_owners(sha256, {owner.name});
-  write_file(path, bytes_of(bytes), Durability::process);
+  write_file(place, bytes_of(bytes), Durability::process);
   return true;
 }
 
 AssetStore::Asset AssetStore::get(const std::string& sha256) const {
   const std::lock_guard lock(mutex_);
   for (const Kind kind : {Kind::json, Kind::file}) {
-    const fs::path path = path_of(sha256, kind);
-    if (is_regular(path)) return {kind, std::string(text_of(read_file(path, kMostBytes)))};
+    const Place place = place_of(sha256, kind);
+    if (place.is_regular()) return {kind, std::string(text_of(read_file(place, kMostBytes)))};
   }
   throw no_asset();
 }
@@ -122,7 +119,7 @@ AssetStore::Asset AssetStore::get(const std::string& sha256) const {
 void AssetStore::remove(const std::string& sha256, const net::Caller& caller) {
   const std::lock_guard lock(mutex_);
   bool any = false;
-  for (const Kind kind : {Kind::json, Kind::file}) any = any || is_regular(path_of(sha256, kind));
+  for (const Kind kind : {Kind::json, Kind::file}) any = any || place_of(sha256, kind).is_regular();
   if (!any) throw no_asset();
   if (std::vector<std::string> names = owners(sha256); !names.empty()) {
     const bool own = std::erase(names, caller.name) > 0;
@@ -130,13 +127,12 @@ void AssetStore::remove(const std::string& sha256, const net::Caller& caller) {
       throw Error("forbidden", "this asset was put here with another key");
     if (own && !names.empty()) return set_owners(sha256, names);
   }
-  std::error_code gone;
-  fs::remove(owners_path(sha256), gone);
+  owners_place(sha256).remove();
   any = false;
   for (const Kind kind : {Kind::json, Kind::file}) {
-    std::error_code failed;
-    any = fs::remove(path_of(sha256, kind), failed) || any;
-    if (failed) throw_file_error("remove the asset", failed.value());
+    const int code = place_of(sha256, kind).remove();
+    any = any || code == 0;
+    if (code && code != ENOENT) throw_file_error("remove the asset", code);
   }
   if (!any) throw no_asset();
 }

@@ -4,21 +4,21 @@
 // asset may be removed at any time.
 #pragma once
 #include <boost/json.hpp>
-#include <filesystem>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "server/net/http/message.h"
+#include "server/persistence/place.h"
 #include "server/sessions/memory_budget.h"
 
 namespace truestep {
 
 class AssetStore {
  public:
-  /// `most_bytes` bounds all assets together. Without a data folder (empty) there are none.
-  AssetStore(const std::string& data_dir, double most_bytes);
+  /// `most_bytes` bounds all assets together. Without a data folder (nowhere) there are none.
+  AssetStore(const Place& data_folder, double most_bytes);
 
   enum class Kind : uint8_t { json, file };
   struct Asset {
@@ -40,13 +40,13 @@ class AssetStore {
   MemoryBudget::Lease resolve(boost::json::value& document, MemoryBudget& memory) const;
 
  private:
-  std::filesystem::path owners_path(const std::string& sha256) const;
+  Place owners_place(const std::string& sha256) const;
   /// Names of the keys that put it there, one a line in a file beside it; none for an asset of an older
   /// server.
   std::vector<std::string> owners(const std::string& sha256) const;
   void set_owners(const std::string& sha256, const std::vector<std::string>& names);
-  std::filesystem::path path_of(const std::string& sha256, Kind kind) const;
-  std::filesystem::path folder_;
+  Place place_of(const std::string& sha256, Kind kind) const;
+  Place folder_;
   double most_bytes_;
   mutable std::mutex mutex_;
 };

@@ -93,24 +93,24 @@ void RecordLog::append(const LogRecord& record) {
   const Bytes bytes = record_bytes(record);
   const bool stands = record.kind == LogRecord::Kind::stands;
   const uint64_t at = stands && standing_ ? *standing_ : end_;
-  const auto file = files_.open(this, path_);
+  const auto file = files_.open(this, place_);
   // What is written to a file without a name is gone with the process.
   struct stat about {};
-  if (::fstat(file->fd(), &about) == 0 && about.st_nlink == 0) {
+  if (::fstat(file->get(), &about) == 0 && about.st_nlink == 0) {
     files_.close(this);
     throw_file_error("write the journal", ENOENT);
   }
   size_t done = 0;
   while (done < bytes.size()) {
     const ssize_t n =
-        ::pwrite(file->fd(), bytes.data() + done, bytes.size() - done, static_cast<off_t>(at + done));
+        ::pwrite(file->get(), bytes.data() + done, bytes.size() - done, static_cast<off_t>(at + done));
     if (n < 0 && errno == EINTR) continue;
     if (n > 0) {
       done += static_cast<size_t>(n);
       continue;
     }
     const int code = n < 0 ? errno : ENOSPC;
-    [[maybe_unused]] const int cut = ::ftruncate(file->fd(), static_cast<off_t>(end_));
+    [[maybe_unused]] const int cut = ::ftruncate(file->get(), static_cast<off_t>(end_));
     throw_file_error("write the journal", code);
   }
   if (at == end_) end_ += bytes.size();

@@ -7,7 +7,6 @@
 // written as a whole or not at all. A record of where the session stands is replaced by the next such one.
 #pragma once
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -45,7 +44,7 @@ LogContents read_records(std::span<const std::byte> file);
 class RecordLog {
  public:
   /// Creates the file on the first append.
-  RecordLog(std::filesystem::path path, OpenFiles& files) : path_(std::move(path)), files_(files) {}
+  RecordLog(Place place, OpenFiles& files) : place_(std::move(place)), files_(files) {}
   ~RecordLog();
   RecordLog(const RecordLog&) = delete;
   RecordLog& operator=(const RecordLog&) = delete;
@@ -55,7 +54,7 @@ class RecordLog {
   uint64_t bytes() const { return end_; }
 
  private:
-  const std::filesystem::path path_;
+  const Place place_;
   OpenFiles& files_;
   uint64_t end_ = 0;
   std::optional<uint64_t> standing_;  ///< offset of the record of kind `stands` that ends the file

@@ -1,6 +1,7 @@
 #include "server/persistence/recording_catalogue.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <ctime>
 
@@ -17,18 +18,17 @@
 
 namespace truestep {
 
-namespace fs = std::filesystem;
 namespace json = boost::json;
 
 namespace {
 
-constexpr std::string_view kEnding = ".vtkhdf";
+constexpr std::string_view kEnding = ".vtkhdf", kNote = ".json";
 constexpr const char* kNames[] = {"live", "finished", "closed", "repaired", "incomplete", "damaged"};
 constexpr size_t kMostNote = 64 << 10;
 constexpr size_t kIdLength = 36;
 
-fs::path note_path(fs::path recording) {
-  return recording += ".json";
+Place note_place(const Place& recording) {
+  return recording.with_ending(kNote);
 }
 
 // ID for the first, ID.2, ID.3 ... for the next.
@@ -48,12 +48,12 @@ std::string text_member(const json::object& o, const char* name) {
 }
 
 // What the note says; a recording without a note comes from a server that wrote none.
-RecordingFacts read_note(const fs::path& path, const std::string& id) {
+RecordingFacts read_note(const Place& recording, const std::string& id) {
   RecordingFacts f;
   f.id = id;
   f.session = id.substr(0, kIdLength);
   try {
-    const json::value v = parse_json(text_of(read_file(note_path(path), kMostNote)));
+    const json::value v = parse_json(text_of(read_file(note_place(recording), kMostNote)));
     const json::object& o = v.as_object();
     f.owner = text_member(o, "owner");
     f.title = text_member(o, "title");
@@ -67,12 +67,7 @@ RecordingFacts read_note(const fs::path& path, const std::string& id) {
     }
   } catch (const std::exception&) {
     f.state = RecordingFate::live;
-    std::error_code failed;
-    const auto written = fs::last_write_time(path, failed);
-    if (!failed)
-      f.created = std::chrono::duration_cast<std::chrono::seconds>(
-                      fs::file_time_type::clock::to_sys(written).time_since_epoch())
-                      .count();
+    if (const auto about = recording.status()) f.created = about->st_mtime;
   }
   return f;
 }
@@ -104,7 +99,7 @@ bool is_recording_id(std::string_view text) {
          std::all_of(rest.begin() + 1, rest.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
-RecordingCatalogue::RecordingCatalogue(fs::path folder, RecordingLimits limits)
+RecordingCatalogue::RecordingCatalogue(Place folder, RecordingLimits limits)
     : folder_(std::move(folder)), limits_(limits) {}
 
 // --- startup
@@ -112,26 +107,24 @@ RecordingCatalogue::RecordingCatalogue(fs::path folder, RecordingLimits limits)
 void RecordingCatalogue::read_folder() {
   if (!on()) return;
   const std::lock_guard lock(mutex_);
-  std::error_code failed;
-  for (fs::directory_iterator it(folder_, failed), end; !failed && it != end; it.increment(failed)) {
+  for (const std::string& name : folder_.names()) {
+    const std::string_view file = name;
     // The note of a recording that has no frame.
-    if (it->path().string().ends_with(".vtkhdf.json") &&
-        !fs::exists(fs::symlink_status(fs::path(it->path()).replace_extension(), failed))) {
-      std::error_code ignored;
-      fs::remove(it->path(), ignored);
+    if (file.ends_with(".vtkhdf.json") && !(folder_ / file.substr(0, file.size() - kNote.size())).status()) {
+      (folder_ / file).remove();
       continue;
     }
-    const std::string id = it->path().stem().string();
+    if (!file.ends_with(kEnding)) continue;
+    const std::string id(file.substr(0, file.size() - kEnding.size()));
     // Links lead to what is not this server's, and a FIFO would be waited for.
-    if (it->path().extension() != kEnding || !is_recording_id(id) || !is_regular(it->path())) continue;
-    rows_[id].facts = read_note(it->path(), id);
+    if (!is_recording_id(id) || !place(id).is_regular()) continue;
+    rows_[id].facts = read_note(place(id), id);
   }
 }
 
 void RecordingCatalogue::settle(Row& row, RecordingThread& thread) {
   RecordingFacts& f = row.facts;
-  const std::string file = path(f.id).string();
-  const RecoveryReport report = recover_recording(thread, file, {});
+  const RecoveryReport report = recover_recording(thread, place(f.id).path(), {});
   f.note = report.message;
   f.frames = report.frames_kept;
   switch (report.outcome) {
@@ -141,12 +134,12 @@ void RecordingCatalogue::settle(Row& row, RecordingThread& thread) {
       break;
     case RecoveryOutcome::kRecovered:
       f.state = RecordingFate::repaired;
-      log_warn("recording {} was not finished: {} of {} frames kept", file, report.frames_kept,
+      log_warn("recording {} was not finished: {} of {} frames kept", f.id, report.frames_kept,
                report.frames_found);
       break;
     default:
       f.state = RecordingFate::damaged;
-      log_error("recording {} could not be repaired: {}", file, report.message);
+      log_error("recording {} could not be repaired: {}", f.id, report.message);
   }
 }
 
@@ -192,9 +185,9 @@ RecordingFacts RecordingCatalogue::begin(const std::string& session, const std::
     number = std::max(number, number_of(it->first) + 1);
   // A name is also taken while any file of that name remains, even without a note.
   const auto taken = [&](const std::string& id) {
-    for (const char* rest : {"", ".chunks", ".damaged", ".json"}) {
-      std::error_code none;
-      if (fs::exists(fs::symlink_status(path(id).string() + rest, none))) return true;
+    for (const std::string_view rest :
+         {std::string_view(), kChunkLogEnding, std::string_view(".damaged"), kNote}) {
+      if (place(id).with_ending(rest).status()) return true;
     }
     return false;
   };
@@ -207,7 +200,7 @@ RecordingFacts RecordingCatalogue::begin(const std::string& session, const std::
   row.facts.created = static_cast<int64_t>(std::time(nullptr));
   row.facts.asked = std::move(asked);
   // Without it nobody would know whose it is.
-  write_file(note_path(path(row.facts.id)), bytes_of(note_text(row.facts)), Durability::process);
+  write_file(note_place(place(row.facts.id)), bytes_of(note_text(row.facts)), Durability::process);
   rows_[row.facts.id] = row;
   return row.facts;
 }
@@ -240,7 +233,7 @@ void RecordingCatalogue::end(const std::string& id, RecordingFate state, uint64_
 // On a full disk the old note remains and is corrected at the next start.
 void RecordingCatalogue::write_note(const RecordingFacts& f) const {
   try {
-    write_file(note_path(path(f.id)), bytes_of(note_text(f)), Durability::process);
+    write_file(note_place(place(f.id)), bytes_of(note_text(f)), Durability::process);
   } catch (const Error& e) {
     log_warn("recording {}: {}", f.id, e.what());
   }
@@ -250,9 +243,8 @@ void RecordingCatalogue::write_note(const RecordingFacts& f) const {
 
 RecordingFacts RecordingCatalogue::present(const Row& row) const {
   RecordingFacts f = row.facts;
-  std::error_code none;
-  const auto size = fs::file_size(path(f.id), none);
-  f.bytes = none ? 0 : static_cast<double>(size);
+  const auto about = place(f.id).status();
+  f.bytes = about ? static_cast<double>(about->st_size) : 0;
   if (const auto sink = row.sink.lock()) {
     const RecordingStatus status = sink->status();
     f.frames = status.durable_frames;
@@ -271,7 +263,7 @@ bool RecordingCatalogue::live(const std::string& id) const {
 RecordingFacts RecordingCatalogue::find(std::string_view id, const net::Caller& caller) const {
   const std::lock_guard lock(mutex_);
   const auto it = rows_.find(id);
-  if (it == rows_.end() || !caller.may_see(it->second.facts.owner) || !is_regular(path(it->first)))
+  if (it == rows_.end() || !caller.may_see(it->second.facts.owner) || !place(it->first).is_regular())
     throw unknown();
   return present(it->second);
 }
@@ -280,7 +272,7 @@ std::vector<RecordingFacts> RecordingCatalogue::of_session(const std::string& se
   const std::lock_guard lock(mutex_);
   std::vector<RecordingFacts> out;
   for (auto it = rows_.lower_bound(session); it != rows_.end() && it->second.facts.session == session; ++it) {
-    if (is_regular(path(it->first))) out.push_back(present(it->second));
+    if (place(it->first).is_regular()) out.push_back(present(it->second));
   }
   std::sort(out.begin(), out.end(),
             [](const auto& a, const auto& b) { return number_of(a.id) > number_of(b.id); });
@@ -297,7 +289,7 @@ std::vector<RecordingFacts> RecordingCatalogue::list(std::string_view after, siz
   const std::lock_guard lock(mutex_);
   std::vector<RecordingFacts> out;
   for (auto it = rows_.upper_bound(after); it != rows_.end() && out.size() < limit; ++it) {
-    if (caller.may_see(it->second.facts.owner) && is_regular(path(it->first)))
+    if (caller.may_see(it->second.facts.owner) && place(it->first).is_regular())
       out.push_back(present(it->second));
   }
   return out;
@@ -311,19 +303,17 @@ void RecordingCatalogue::remove(const std::string& id) {
   if (it->second.facts.state == RecordingFate::live && sink &&
       sink->status().state == RecordingState::kRecording)
     throw Error("conflict", "the recording is being written; finish it first");
-  std::error_code failed;
-  fs::remove(path(id), failed);
-  if (failed) throw_file_error("remove the recording", failed.value());
+  const int code = place(id).remove();
+  if (code && code != ENOENT) throw_file_error("remove the recording", code);
   rows_.erase(it);
   remove_files(id);
 }
 
 void RecordingCatalogue::remove_files(const std::string& id) const {
-  std::error_code ignored;
-  const std::string file = path(id).string();
-  for (const std::string& name : {file, chunk_log_path(file), file + ".damaged",
-                                  chunk_log_path(file + ".damaged"), note_path(file).string()})
-    fs::remove(name, ignored);
+  const Place recording = place(id), damaged = recording.with_ending(".damaged");
+  for (const Place& file : {recording, recording.with_ending(kChunkLogEnding), damaged,
+                            damaged.with_ending(kChunkLogEnding), note_place(recording)})
+    file.remove();
 }
 
 void RecordingCatalogue::sweep() {

@@ -5,7 +5,6 @@
 #include <boost/json.hpp>
 #include <chrono>
 #include <cstdint>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -15,6 +14,7 @@
 
 #include "engine/sinks/recording/recording_sink.h"
 #include "server/net/http/message.h"
+#include "server/persistence/place.h"
 
 namespace truestep {
 
@@ -50,9 +50,9 @@ bool is_recording_id(std::string_view text);
 
 class RecordingCatalogue {
  public:
-  /// `folder` is empty when nothing is recorded.
-  RecordingCatalogue(std::filesystem::path folder, RecordingLimits limits);
-  bool on() const { return !folder_.empty(); }
+  /// `folder` is nowhere when nothing is recorded.
+  RecordingCatalogue(Place folder, RecordingLimits limits);
+  bool on() const { return static_cast<bool>(folder_); }
 
   /// Reads what earlier servers left; `repair` then repairs what they did not finish.
   void read_folder();
@@ -78,7 +78,7 @@ class RecordingCatalogue {
   std::vector<RecordingFacts> list(std::string_view after, size_t limit, const net::Caller& caller) const;
   /// Error "conflict" while it is being written.
   void remove(const std::string& id);
-  std::filesystem::path path(const std::string& id) const { return folder_ / (id + ".vtkhdf"); }
+  Place place(const std::string& id) const { return folder_ / (id + ".vtkhdf"); }
   /// Removes recordings that have reached the age limit.
   void sweep();
 
@@ -92,7 +92,7 @@ class RecordingCatalogue {
   void settle(Row& row, RecordingThread& thread);
   void remove_files(const std::string& id) const;
 
-  const std::filesystem::path folder_;
+  const Place folder_;
   const RecordingLimits limits_;
   mutable std::mutex mutex_;
   std::map<std::string, Row, std::less<>> rows_;

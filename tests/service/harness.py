@@ -35,6 +35,9 @@ class Service:
         self.process = subprocess.Popen([BINARY, "serve", "--port", "0", "--data-dir", self.data, "--log-level", "warn", *options],
                                         stdout=subprocess.PIPE, text=True)
         line = self.process.stdout.readline()
+        # What it warns of at its start comes first.
+        while " [warning] " in line:
+            line = self.process.stdout.readline()
         assert "listening on " in line, line
         self.url = line.split("listening on ")[1].strip()
         self.host = self.url.split("//")[1]

@@ -1,11 +1,16 @@
 """Requests that take long to read: others are answered meanwhile, their findings are bounded, and what they take is bounded by
 the memory of the server. Measured by measure_heavy.py."""
 import json
+import os
+import pathlib
+import shutil
+import tempfile
 import threading
 import time
 import unittest
 
 from cases import OSCILLATOR, Case
+from harness import Service
 from measure_heavy import scene_of_assets, scene_of_unknown_keys, send
 from patience import patience
 
@@ -65,6 +70,38 @@ class Heavy(Case):
         for path in ("step", "play", "seek", "branch"):
             answer = self.service.request("POST", "/v1/sessions/%s/%s" % (session, path), long_body, {"Content-Type": "application/json"})
             self.assertEqual((answer.status, answer.json()["code"]), (413, "too_large"), path)
+
+
+def cpu_by_niceness(service):
+    """CPU time (s) of the threads that answer requests, and of those that yield to them."""
+    seconds = [0.0, 0.0]
+    for task in pathlib.Path("/proc/%d/task" % service.process.pid).iterdir():
+        fields = (task / "stat").read_text().rsplit(")", 1)[1].split()
+        seconds[int(fields[16]) > 0] += (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    return seconds
+
+
+class Restored(unittest.TestCase):
+    """Sessions of long scenes come back from disk."""
+
+    def test_long_scenes_are_read_on_threads_that_answer_nobody(self):
+        data = tempfile.mkdtemp(prefix="truestep")
+        self.addCleanup(shutil.rmtree, data, ignore_errors=True)
+        service = Service(data=data)
+        scene = {"time": {"dt": 0.01}, "systems": [{"type": "particles", "id": "p", "positions": [[k % 97, k % 89, k / 1e3] for k in range(150_000)]}]}
+        sessions = [service.create(scene)["id"] for _ in range(4)]
+        service.process.terminate()
+        service.process.wait(patience(60))
+        service.process.stdout.close()
+        service = Service(data=data)
+        self.addCleanup(service.stop)
+        before = cpu_by_niceness(service)
+        for session in sessions:
+            while service.get("/v1/sessions/" + session).json().get("status") in ("creating", "restoring"):
+                time.sleep(0.01)
+        answering, yielding = (now - then for now, then in zip(cpu_by_niceness(service), before))
+        self.assertGreater(yielding, 0.1, "this is work")
+        self.assertLess(answering, 0.25 * yielding)
 
 
 class LittleMemory(Case):

@@ -1,6 +1,7 @@
 // server/net alone over real sockets, in the test's process, with routes for every kind of answer, and a
 // client that sends raw text.
 #pragma once
+#include <fcntl.h>
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -84,8 +85,9 @@ class NetServer : public ::testing::Test {
                [](const Request&) { return Response::text(std::string(4 << 20, 'b')); });
     router.add(Method::get, "/throw", "fails",
                [](const Request&) -> Response { throw std::runtime_error("secret"); });
-    router.add(Method::get, "/file", "a file",
-               [this](const Request&) { return Response::file(file_.string(), "text/plain"); });
+    router.add(Method::get, "/file", "a file", [this](const Request&) {
+      return Response::file(::open(file_.c_str(), O_RDONLY | O_CLOEXEC), "text/plain");
+    });
     router.add(Method::get, "/poll", "waits for a signal", [this](const Request&) -> Task<Response> {
       const bool raised = co_await signal_.wait(signal_.version(), std::chrono::steady_clock::now() + 20s);
       co_return Response::text(raised ? "raised" : "timeout");

@@ -1,6 +1,7 @@
 """A running scene is steered over HTTP and the stream: motors of joints and velocities of bodies, by row and by id, in the
 plane and in space; and queries tell of every plane once."""
 import json
+import math
 import pathlib
 import random
 import subprocess
@@ -18,7 +19,7 @@ AXIS = {"rigid2d": {}, "rigid3d": {"axis": [0, 0, 1]}}
 def driven(kind, drive, count=2):
     """Bodies a, b ... without gravity, two metres apart, each hinged to the world with the drive."""
     bodies = [{"id": chr(97 + k), "position": [2 * k, 0, 0], "mass": 1, **BALL[kind]} for k in range(count)]
-    joints = [{"id": "hinge_" + chr(97 + k), "type": "revolute", "a": -1, "b": k, "anchor": [2 * k, 0, 0], **AXIS[kind], **drive}
+    joints = [{"id": "hinge_" + chr(97 + k), "type": "revolute", "a": -1, "b": k, **({} if drive.get("type") == "motor" else {"anchor": [2 * k, 0, 0]}), **({} if "type" in drive else AXIS[kind]), **drive}
               for k in range(count)]
     return {"gravity": [0, 0, 0], "time": {"dt": 0.01},
             "systems": [{"type": kind, "id": "w", "precision": "f64", "bodies": bodies, "joints": joints}]}
@@ -106,6 +107,72 @@ class Steering(Case):
         self.assertAlmostEqual(self.observed(s, "joint.c.position"), 1, delta=0.05)
         self.assertAlmostEqual(self.observed(s, "joint.c.angle"), 0, delta=1e-6)
 
+    def at(self, session, kind, body=0):
+        """Position and angle about z of a body."""
+        at = self.service.get("/v1/sessions/%s/frames/latest?fields=position,%s" % (session, "angle" if kind == "rigid2d" else "orientation")).json()
+        by_name = {block["field"]: block["values"] for block in at["blocks"]}
+        flat = list(numbers(by_name["position"]))[3 * body:3 * body + 3]
+        turn = list(numbers(by_name["angle" if kind == "rigid2d" else "orientation"]))
+        return flat, turn[body] if kind == "rigid2d" else 2 * math.atan2(*sorted(turn[4 * body:4 * body + 4], key=abs)[-2:])
+
+    def test_a_joint_of_type_motor(self):
+        for kind in BALL:
+            scene = driven(kind, {}, 1)
+            scene["gravity"] = [0, -10, 0]
+            scene["systems"][0]["joints"] = [{"id": "m", "type": "motor", "a": -1, "b": 0, "max_force": 100, "max_torque": 100}]
+            scene["systems"][0]["id"] = "w"
+            s = self.service.create(scene)["id"]
+            vector = {"value": 1} if kind == "rigid2d" else {"vector": [0, 0, 1]}
+            # 100 N carry 1 kg, 4 N do not, and without force it falls freely.
+            self.set(s, "motor_target", index="m", vector=[0.5, 0, 0])
+            self.set(s, "turn.motor_target", index="m", **vector)
+            self.step(s, 200)
+            place, turn = self.at(s, kind)
+            self.assertAlmostEqual(place[0], 0.5, delta=0.01)
+            self.assertAlmostEqual(place[1], 0, delta=0.02)
+            self.assertAlmostEqual(abs(turn), 1, delta=0.01)
+            self.set(s, "max_force", index="m", value=4)
+            self.set(s, "max_torque", index="m", value=0)
+            self.set(s, "turn.motor_target", index="m", **({"value": -1} if kind == "rigid2d" else {"vector": [0, 0, -1]}))
+            self.step(s, 100)
+            place, turn = self.at(s, kind)
+            self.assertAlmostEqual(place[1], -(10 - 4) / 2, delta=0.1)
+            self.assertAlmostEqual(abs(turn), 1, delta=0.02)
+            self.set(s, "max_torque", index="m", value=100)
+            self.step(s, 300)
+            self.assertLess(self.at(s, kind)[1], 0)
+            for name, members in (("max_motor", {"value": 1}), ("motor_speed", {"vector": [1, 0, 0]}),
+                                  ("max_force", {"value": -1}), ("turn.max_force", {"value": 1})):
+                self.fault(s, name, index="m", **members)
+
+    def test_velocities_of_a_joint_of_type_motor(self):
+        for kind in BALL:
+            spin = {"angular_velocity": 0 if kind == "rigid2d" else [0, 0, 0]}
+            scene = driven(kind, {}, 1)
+            scene["systems"][0]["joints"] = [{"id": "m", "type": "motor", "a": -1, "b": 0, "velocity": [0, 0, 0], **spin}]
+            s = self.service.create(scene)["id"]
+            self.step(s, 100)
+            self.set(s, "motor_speed", index="m", vector=[1, 2, 0])
+            self.set(s, "turn.motor_speed", index="m", **({"value": 0.5} if kind == "rigid2d" else {"vector": [0, 0, 0.5]}))
+            self.step(s, 100)
+            place, turn = self.at(s, kind)
+            for found, right in zip((*place, abs(turn)), (1, 2, 0, 0.5)):
+                self.assertAlmostEqual(found, right, delta=0.03)
+
+    def test_a_mouse(self):
+        scene = driven("rigid2d", {}, 1)
+        scene["systems"][0]["joints"] = [{"id": "m", "type": "mouse", "b": 0, "target": [0, 0, 0], "max_force": 50}]
+        s = self.service.create(scene)["id"]
+        self.set(s, "motor_target", index="m", vector=[1, 1, 0])
+        self.step(s, 300)
+        for found, right in zip(self.at(s, "rigid2d")[0], (1, 1, 0)):
+            self.assertAlmostEqual(found, right, delta=0.01)
+        self.set(s, "max_force", index="m", value=0)
+        self.set(s, "motor_target", index="m", vector=[5, 1, 0])
+        self.step(s, 300)
+        self.assertAlmostEqual(self.at(s, "rigid2d")[0][0], 1, delta=0.02)
+        self.fault(s, "max_torque", index="m", value=1)
+
     def test_refusals_name_what_would_do(self):
         for kind in BALL:
             s = self.service.create(driven(kind, {"motor_speed": 1}))["id"]
@@ -190,10 +257,11 @@ class Steering(Case):
         for kind in BALL:
             listed = json.loads(subprocess.run([BINARY, "systems", kind, "--json"], capture_output=True, text=True).stdout)["settable"]
             self.assertEqual({p["name"] for p in listed},
-                             {"gravity", "velocity", "angular_velocity", "motor_speed", "motor_target", "max_motor"})
+                             {"gravity", "velocity", "angular_velocity", "motor_speed", "motor_target", "max_motor", "max_force", "max_torque"})
             for p in listed:
                 drive = {"motor_target": 0} if p["name"] == "motor_target" else {"motor_speed": 0}
-                s = self.service.create(driven(kind, drive))["id"]
+                scene = driven(kind, {"type": "motor"} if p["name"] in ("max_force", "max_torque") else drive)
+                s = self.service.create(scene)["id"]
                 row = {"body": {"index": "a"}, "joint": {"index": "hinge_a"}, "system": {}}[p["of"]]
                 self.set(s, p["name"], **row, **({"vector": [0, 1, 0]} if p["takes"] == "vector" else {"value": 1}))
 

@@ -1,4 +1,4 @@
-// A session of a scene with couplings, and the totals that couplings must conserve.
+// A session of a scene with couplings, and what it observes.
 #pragma once
 #include <gtest/gtest.h>
 
@@ -24,30 +24,5 @@ struct SceneRun {
   std::shared_ptr<const World> world;
   Session session;
 };
-
-/// Momenta of all points of a world; held points are left out. `scale`: sum of |m v|.
-struct Sums {
-  Vec3 linear, angular;
-  double mass = 0, scale = 0;
-  Vec3 center;
-};
-inline Sums sums(const World& world, const WorldState& state) {
-  Sums out;
-  for (size_t i = 0; i < world.size(); ++i) {
-    const ConstPoints p(state.systems[i], *world.system(i).ports().points);
-    for (size_t k = 0; k < p.count; ++k) {
-      const double w = p.inverse_mass(k);
-      if (w == 0) continue;
-      const Vec3 x = load3(p.x, k), momentum = load3(p.v, k) / w;
-      out.linear += momentum;
-      out.angular += cross(x, momentum);
-      out.scale += norm(momentum);
-      out.mass += 1 / w;
-      out.center += x / w;
-    }
-  }
-  out.center = out.center / out.mass;
-  return out;
-}
 
 }  // namespace truestep::testing_coupled

@@ -1,5 +1,5 @@
-// Bodies that are not free in space (links of a tree, bodies of the plane), balls that rain on them, and the
-// momenta of both: for tests of what couplings do to them.
+// Bodies that are not free in space (links of a tree, bodies of the plane) and balls that rain on them: for
+// tests of what couplings do to them.
 #pragma once
 #include <cstdio>
 
@@ -44,22 +44,6 @@ inline std::string dust(const Vec3& from, const Vec3& speed, const Vec3& spread,
   }
   return R"({"type": "particles", "id": "dust", "mass": 1, "radius": )" + std::to_string(radius) +
          R"(, "positions": [)" + x + R"(], "velocities": [)" + v + "]}";
-}
-
-/// Momenta of the balls; about z alone where `flat`.
-struct Momenta {
-  Vec3 linear, angular;
-  double scale = 0;
-};
-inline Momenta of_points(const SceneRun& run) {
-  Momenta out;
-  const ConstPoints p(run.session.state().systems[0], *run.world->system(0).ports().points);
-  for (size_t k = 0; k < p.count; ++k) {
-    const Vec3 m = p.velocity(k) / p.inverse_mass(k);
-    out.linear += m, out.angular += cross(p.place(k), m);
-    out.scale += norm(m);
-  }
-  return out;
 }
 
 inline constexpr const char* kFlat = R"({"type": "rigid2d", "id": "flat", "precision": "f64", "bodies": [

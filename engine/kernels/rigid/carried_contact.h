@@ -7,7 +7,9 @@
 // with the spin W = a n / h at which the place itself goes round, and the velocity d by which it moves beyond
 // that. What rests on a turntable goes round with it, W = w and d = 0, and stays for ever: v + w x C r is the
 // chord. Substeps follow the velocity as it changes: friction that had to turn it at once, in the first of
-// them, would slip. The place where a ball touches does not go round with the ball: W = 0.
+// them, would slip. The place where a ball touches does not go round with the ball: W = 0. That of a face on
+// a face goes round with what it lies on, whatever speed and spin the body has at the end of a step: its load
+// moves on among its corners and rocks it from substep to substep, and it ends every step along a chord.
 #pragma once
 #include <cmath>
 
@@ -64,27 +66,37 @@ struct Found {
   Vec3 on_a, on_b;   ///< m, the arms of the solver's rows, from the centres when it was found
   Vec3 apart;        ///< m, from the centre of a to that of b at the start of the step
   double ahead = 0;  ///< s after the start of the step
+  Vec3 flat;         ///< the normal, where a face lies on a face; otherwise zero
 };
 
+/// The spin of what lies flat on something with that spin: it turns freely about the normal only. What it has
+/// beside that is how it rocks from substep to substep as its load moves on among its corners.
+inline Vec3 spin_lying(const Vec3& own, const Vec3& under, const Vec3& normal) {
+  return under + normal * dot(normal, own - under);
+}
+
 /// To be added to the velocity of b relative to a at the place of a contact.
-inline Carried velocity(const Side& a, const Side& b, const Found& found, double h) {
+inline Carried velocity(Side a, Side b, const Found& found, double h) {
   // The place goes with what is round, or with the smaller body: it stands on the larger one.
   const bool with_b = a.round != b.round ? b.round : a.moves != b.moves ? b.moves : b.reach < a.reach;
-  const Side& leader = with_b ? b : a;
+  Side &leader = with_b ? b : a, &other = with_b ? a : b;
+  const bool lies = !leader.round && found.flat != Vec3{};
+  if (lies) leader.turns = leader.spin = spin_lying(leader.spin, other.spin, found.flat);
   const Vec3 &turns = leader.turns, &from = with_b ? found.on_b : found.on_a;
   // Back to the start of the step, with the body that the place goes with.
   const Vec3 back = found.ahead > 0 ? rotation(free_rotation::turn(turns * -found.ahead)).apply(from) : from;
-  const Vec3 arm_a = with_b ? back + found.apart : back, arm_b = with_b ? back : back - found.apart;
+  const Vec3 between = with_b ? found.apart : -found.apart, there = back + between;
+  // m/s at which the place leaves an arm of the other body that goes round at the place's rate. What lies
+  // stays where it is: its speed at the end of a step, along a chord, tells of no other.
+  const Vec3 passes = lies ? cross(other.spin, between) : leader.velocity - other.velocity;
+  Vec3 drift = passes - cross(turns, between);
   // A body that rolls on the other turns its velocity by this share of the change of what is under it.
   const bool rolls = leader.round && leader.moves && leader.moment > 0;
   const double follows = rolls ? leader.moment / (leader.moment + leader.mass * norm2(back)) : 0;
-  const auto excess_of = [&](const Side& side, const Vec3& arm, const Vec3& solved) {
-    // m/s at which the place leaves an arm of this body that goes round at the place's rate.
-    Vec3 drift = leader.velocity + cross(turns, back) - side.velocity - cross(turns, arm);
-    drift += cross(side.spin, drift) * (0.5 * h * follows);
-    return excess(side.spin, arm, solved, turns, drift, h);
-  };
-  const Carried of_a = excess_of(a, arm_a, found.on_a), of_b = excess_of(b, arm_b, found.on_b);
+  drift += cross(other.spin, drift) * (0.5 * h * follows);
+  const Carried of_leader = excess(leader.spin, back, from, turns, {}, h),
+                of_other = excess(other.spin, there, with_b ? found.on_a : found.on_b, turns, drift, h);
+  const Carried &of_a = with_b ? of_other : of_leader, &of_b = with_b ? of_leader : of_other;
   return {of_b.mean - of_a.mean, of_b.rate - of_a.rate, turns};
 }
 

@@ -15,6 +15,8 @@ namespace json = boost::json;
 
 namespace {
 
+constexpr double kNoBound = -1e300;  // every measured number meets it
+
 [[noreturn]] void refuse(const std::string& what, const std::string& value) {
   throw Error("scene_invalid", what, {{"/test", "bad_change", what, value, "", "", ""}});
 }
@@ -136,6 +138,22 @@ void SceneCheck::add_runs(const json::value& scene, size_t of_case, std::optiona
   }
 }
 
+// What runs must agree in is measured, whether or not the scene expects anything of it.
+void SceneCheck::measure_agreements(json::value& document) const {
+  if (!document.is_object()) return;
+  json::value& expected = document.as_object()["expect"];
+  if (expected.is_null()) expected = json::array{};
+  if (!expected.is_array()) return;
+  for (const TestAgreement& a : test_.agree) {
+    const auto named = [&](const json::value& e) {
+      const json::value* quantity = e.is_object() ? e.as_object().if_contains("quantity") : nullptr;
+      return quantity && *quantity == json::value(a.quantity);
+    };
+    if (std::ranges::none_of(expected.as_array(), named))
+      expected.as_array().push_back(json::object{{"quantity", a.quantity}, {"min", kNoBound}});
+  }
+}
+
 void SceneCheck::add_run(const json::value& scene, Run run) {
   const TestCase& c = test_.cases[run.of_case];
   run.trial.document = scene;
@@ -163,6 +181,7 @@ void SceneCheck::add_run(const json::value& scene, Run run) {
   if (!test_.commands.empty()) set_at(document, "/test", json::object{{"commands", test_.commands}});
   for (const SceneChange& change : changes) apply(change, run.trial);
   run.trial.commands = take_commands(document);
+  if (!c.is_refused()) measure_agreements(document);
   runs_.push_back(std::move(run));
 }
 

@@ -47,6 +47,7 @@ class SceneCheck {
   };
   void add_runs(const boost::json::value& scene, size_t of_case, std::optional<size_t> control);
   void add_run(const boost::json::value& scene, Run run);
+  void measure_agreements(boost::json::value& document) const;
   bool changes_no_bit(const std::string& axis) const;
   bool varies(size_t axis, std::optional<size_t> control) const;
   void judge(const Run& run, std::vector<CheckFinding>& out) const;

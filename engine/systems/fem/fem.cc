@@ -213,10 +213,6 @@ void Fem::resolve_contacts(State& s, const StepInput& in) const {
                      in.workspace, in.arena);
 }
 
-void Fem::warn(const State&, double, std::vector<Warning>& out) const {
-  out.insert(out.end(), locking_.begin(), locking_.end());
-}
-
 std::optional<double> Fem::limit(Limit which, const State& s, double h) const {
   return motion_ == Motion::quasi_static ? std::nullopt : ForceSystem::limit(which, s, h);
 }

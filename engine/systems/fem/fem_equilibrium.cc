@@ -55,20 +55,50 @@ void Fem::end_holds(State& s, double t, double h) const {
   });
 }
 
+namespace {
+
+// The largest change of an edge from an element's first node to another, over its length before: strain and
+// rotation. Edges shorter than a hundredth of their length at rest count as that.
+double change(const Mesh& mesh, std::span<const double> before, std::span<const double> after) {
+  constexpr double kCollapsed = 1e-4;
+  double most = 0;
+  for (size_t k = 0; k < mesh.cells(); ++k) {
+    const auto nodes = mesh.cell(k);
+    const uint32_t o = nodes[0];
+    const auto edge = [&](std::span<const double> x, uint32_t p) {
+      return load3(x.data(), p) - load3(x.data(), o);
+    };
+    for (const uint32_t p : nodes.subspan(1)) {
+      const Vec3 now = edge(before, p);
+      const double length2 = std::max(norm2(now), kCollapsed * norm2(mesh.x[p] - mesh.x[o]));
+      most = std::max(most, norm2(edge(after, p) - now) / length2);
+    }
+  }
+  return std::sqrt(most);
+}
+
+}  // namespace
+
 // Solves the equation of a stage, M (u - u0) = s f(x0 + s u), with s so large that the M term is below
-// rounding: the solution has f = 0. If none is found, the step is made in parts: the imbalance at its start
-// is then removed gradually, and prescribed displacements are applied gradually. A step has nothing to do if
-// its forces are as well balanced at its start as the last one left them and prescribed displacements are in
-// place.
+// rounding: the solution has f = 0. Elements that a guess turns inside out lead to other equilibria than
+// those that a body reaches on its way, so a step is made in parts in which neither the guess nor the
+// solution changes elements by more than kMostChange: the imbalance at its start is then removed gradually,
+// and prescribed displacements are applied gradually. So it is if no equilibrium is found. What snaps changes
+// by much under any load: parts of kUnwatched and less are taken as they are found, and where the way ends
+// the rest of the step is tried at once. A step has nothing to do if its forces are as well balanced at its
+// start as the last one left them and prescribed displacements are in place.
 void Fem::equilibrium(State& s, const StepInput& in) const {
   constexpr double kBeyondMass = 1e12;  // times the fastest period
-  constexpr double kShortest = 1.0 / 256;
+  constexpr double kShortest = 1.0 / 1024;
+  constexpr double kUnwatched = 1.0 / 32;
+  constexpr double kMostChange = 0.25;
   const auto x = s.f64(Columns::position), v = s.f64(Columns::velocity), w = s.f64(Columns::inverse_mass),
              balance = s.f64(Columns::balance);
   const size_t n = x.size();
   const auto scratch = [&](std::string_view key) { return in.workspace.doubles(key, n); };
   const auto start = scratch("fem.start"), kept = scratch("fem.v_kept"), reached = scratch("fem.reached"),
-             u = scratch("fem.u"), none = scratch("fem.none"), first = scratch("fem.first");
+             u = scratch("fem.u"), guess = scratch("fem.guess"), none = scratch("fem.none"),
+             first = scratch("fem.first");
   const auto copy = [](std::span<const double> from, std::span<double> to) {
     std::copy(from.begin(), from.end(), to.begin());
   };
@@ -103,20 +133,27 @@ void Fem::equilibrium(State& s, const StepInput& in) const {
   }
 
   const double scale = kBeyondMass / force_field().stiffness(s)->omega;
+  const auto shorten = [&](double& share) {
+    share *= 0.5;
+    copy(reached, x);
+    std::fill(balance.begin(), balance.end(), 0.0);
+  };
   double done = 0, share = 1;
+  bool gradual = true;
   while (done < 1) {
     share = std::min(share, 1 - done);
     const double left = 1 - (done + share);
-    // Prescribed components jump there at once; the last step's displacements are the guess for the others.
+    // Prescribed components jump there at once; the last displacements are the guess for the others.
     prescribed(in.t + (done + share) * in.h, [&](size_t k, double place) { x[k] = place; });
     for (size_t k = 0; k < n; ++k) {
       u[k] = held(k) ? 0 : share * in.h / scale * kept[k];
+      guess[k] = x[k] + scale * u[k];
       balance[k] = left * first[k];
     }
-    const auto take_back = [&] {
-      copy(reached, x), copy(kept, v);
-      std::fill(balance.begin(), balance.end(), 0.0);
-    };
+    if (gradual && share > kShortest && change(body().mesh, reached, guess) > kMostChange) {
+      shorten(share);
+      continue;
+    }
     try {
       StageNewton(m, options())
           .solve({.t = in.t + in.h,
@@ -127,17 +164,25 @@ void Fem::equilibrium(State& s, const StepInput& in) const {
                   .end = StageEquation::End::correction},
                  u);
     } catch (const Instability& failure) {
-      share *= 0.5;
-      take_back();
+      shorten(share);
+      copy(kept, v);
+      if (share < kShortest && gradual) gradual = false, share = 1;
       if (share >= kShortest) continue;
       copy(start, x);
       throw Instability(
           "", "position", -1,
-          std::string("no equilibrium was found, not even for 1/256 of the step's load: ") + failure.what());
+          std::string("no equilibrium was found, not even for 1/1024 of the step's load: ") + failure.what());
     }
     for (size_t k = 0; k < n; ++k) x[k] += scale * u[k];
+    const double changed = change(body().mesh, reached, x);
+    if (gradual && share > kUnwatched && changed > kMostChange) {
+      shorten(share);
+      continue;
+    }
+    for (size_t k = 0; k < n; ++k) kept[k] = (x[k] - reached[k]) / (share * in.h);
     copy(x, reached);
     done += share;
+    if (changed < 0.5 * kMostChange) share *= 2;
   }
   std::fill(balance.begin(), balance.end(), 0.0);
   unbalanced = out_of_balance();

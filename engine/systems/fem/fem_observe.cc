@@ -126,6 +126,16 @@ void Fem::observe(const State& s, double t, Observables& out) const {
   }
 }
 
+void Fem::warn(const State& s, double, std::vector<Warning>& out) const {
+  out.insert(out.end(), locking_.begin(), locking_.end());
+  if (motion_ == Motion::dynamic || elements_.material(s).law == Law::linear) return;
+  double least = HUGE_VAL;
+  each_element(elements_, s, [&](size_t, const ElementMeans& m) { least = std::min(least, m.least); });
+  if (least > 0) return;
+  out.push_back({"jacobian.min", least, 0,
+                 "elements are inside out: the material does not resist collapse; neo_hookean does"});
+}
+
 FieldView Fem::field(const State& s, size_t part, size_t which, std::vector<double>& scratch) const {
   const size_t n = body().mesh.x.size(), cells = body().mesh.cells();
   if (part == 0 && which < 2) return ForceSystem::field(s, part, which, scratch);

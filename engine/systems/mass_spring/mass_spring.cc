@@ -248,11 +248,12 @@ void MassSpring::observe(const State& state, double t, Observables& out) const {
   ForceSystem::observe(state, t, out);
   const auto x = state.f64(Columns::position), v = state.f64(Columns::velocity);
   const auto w = state.f64(Columns::inverse_mass);
-  Vec3 p;
+  Vec3 p, l;
   size_t pins = 0;
   for (size_t i = 0; i < w.size(); ++i) {
     if (w[i] > 0) {
-      p += springs_.masses()[i] * load3(v.data(), i);
+      const Vec3 m = springs_.masses()[i] * load3(v.data(), i);
+      p += m, l += cross(load3(x.data(), i), m);
     } else {
       ++pins;
     }
@@ -260,6 +261,9 @@ void MassSpring::observe(const State& state, double t, Observables& out) const {
   out.add("momentum.x", p.x, "kg m/s");
   out.add("momentum.y", p.y, "kg m/s");
   out.add("momentum.z", p.z, "kg m/s");
+  out.add("angular_momentum.x", l.x, "kg m^2/s");
+  out.add("angular_momentum.y", l.y, "kg m^2/s");
+  out.add("angular_momentum.z", l.z, "kg m^2/s");
   double largest = 0, squares = 0;
   size_t count = 0;
   const SpringSchedule& schedule = springs_.schedule();

@@ -115,12 +115,18 @@ State Particles::initial_state() const {
 void Particles::observe(const State& s, double t, Observables& out) const {
   ForceSystem::observe(s, t, out);
   const auto mass = s.f64(columns::mass);
-  const double* v = s.f64(columns::velocity).data();
-  Vec3 p;
-  for (size_t i = 0; i < mass.size(); ++i) p += load3(v, i) * mass[i];
+  const double *x = s.f64(columns::position).data(), *v = s.f64(columns::velocity).data();
+  Vec3 p, l;
+  for (size_t i = 0; i < mass.size(); ++i) {
+    const Vec3 m = load3(v, i) * mass[i];
+    p += m, l += cross(load3(x, i), m);
+  }
   out.add("momentum.x", p.x, "kg m/s");
   out.add("momentum.y", p.y, "kg m/s");
   out.add("momentum.z", p.z, "kg m/s");
+  out.add("angular_momentum.x", l.x, "kg m^2/s");
+  out.add("angular_momentum.y", l.y, "kg m^2/s");
+  out.add("angular_momentum.z", l.z, "kg m^2/s");
   out.add("count", static_cast<double>(mass.size()), "1");
   out.add("emitted", static_cast<double>(counter(s, Counter::emitted)), "1");
   out.add("killed", static_cast<double>(counter(s, Counter::killed)), "1");

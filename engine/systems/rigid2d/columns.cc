@@ -1,5 +1,7 @@
 #include "engine/systems/rigid2d/columns.h"
 
+#include <algorithm>
+
 #include "engine/rigid/islands.h"
 
 namespace truestep::rigid2d {
@@ -35,9 +37,19 @@ State state_at_start(const Model& model, const Vec3& gravity) {
   if (!model.motors.empty()) s.add({"joint.motor", "SI", S::f64, 3, Role::sentinel}, model.motors.size());
   for (size_t k = 0; k < model.motors.size(); ++k) {
     const Joint& j = model.joints[model.motors[k]];
-    const double wanted = j.has_target ? j.motor_target : j.motor_speed;
-    store3(s.f64(columns::joint_motor).data(), k,
-           j.kind == JointKind::motor ? Vec3{j.move.x, j.move.y, 0} : Vec3{wanted, 0, j.max_motor});
+    Vec3 motor{j.has_target ? j.motor_target : j.motor_speed, 0, j.max_motor};
+    if (j.kind == JointKind::motor) motor = {j.move.x, j.move.y, j.max_force};
+    if (j.kind == JointKind::mouse) motor = {j.ground_a.x, j.ground_a.y, j.max_force};
+    store3(s.f64(columns::joint_motor).data(), k, motor);
+  }
+  const auto turns = [&](uint32_t joint) { return model.joints[joint].kind == JointKind::motor; };
+  if (std::ranges::any_of(model.motors, turns)) {
+    s.add({"joint.turn_motor", "SI", S::f64, 2}, model.motors.size());
+    for (size_t k = 0; k < model.motors.size(); ++k) {
+      const Joint& j = model.joints[model.motors[k]];
+      s.f64(columns::joint_turn_motor)[2 * k] = j.at_spin ? j.spin : j.turn;
+      s.f64(columns::joint_turn_motor)[2 * k + 1] = j.max_torque;
+    }
   }
   store3(s.f64(columns::parameters).data(), 0, gravity);
   for (size_t i = 0; i < n; ++i) {

@@ -36,6 +36,7 @@ enum : State::Column {
   drag_stiffness,    // f64, N/m
   drag_impulse,      // f64 x 2, N s
   joint_motor,       // f64 x 3, see Motor; only where a joint has a motor
+  joint_turn_motor,  // f64 x 2, of the same rows; only where a joint is of type motor
 };
 inline constexpr UserForces kHands{{push_body, push_force, push_remaining, push_local},
                                    {drag_body, drag_target, drag_stiffness, drag_local, drag_impulse}};
@@ -53,14 +54,21 @@ inline Joint drag_joint(const Model& model, const UserForces::Drag& d) {
 }
 
 /// What the motor of a joint aims at: its speed or position (m/s, m, rad/s or rad; of a motor joint its move
-/// or velocity in the frame of a), and its maximum force or torque.
+/// or velocity in the frame of a; of a mouse its target in the world), and its maximum force or torque; of a
+/// motor joint also its turn or spin (rad or rad/s) and its maximum torque.
 struct Motor {
   Vec2 wanted;
-  double most = 0;
+  double most = HUGE_VAL;
+  double turn = 0, most_turn = 0;
 };
 inline Motor motor_of(const State& s, const Joint& j) {
   const double* m = s.f64(columns::joint_motor).data() + 3 * static_cast<size_t>(j.motor_row);
-  return {{m[0], m[1]}, m[2]};
+  Motor motor{.wanted = {m[0], m[1]}, .most = m[2]};
+  if (j.kind == JointKind::motor) {
+    const double* t = s.f64(columns::joint_turn_motor).data() + 2 * static_cast<size_t>(j.motor_row);
+    motor.turn = t[0], motor.most_turn = t[1];
+  }
+  return motor;
 }
 
 inline constexpr uint32_t kNoPoint = 0xffffffff;

@@ -268,7 +268,7 @@ struct Builder {
     Joint j = common(JointKind::motor, d);
     j.local_b = {}, j.local_a = pose(j.a).back(model.bodies[b].position);
     if (!d.velocity) j.local_a = j.local_a + flatten(d.move);
-    if (!d.angular_velocity) j.angle += d.turn;
+    if (!d.angular_velocity) j.angle += d.turn, j.turn = d.turn;
     j.at_velocity = d.velocity.has_value(), j.move = flatten(d.velocity.value_or(d.move));
     j.at_spin = d.angular_velocity.has_value(), j.spin = d.angular_velocity.value_or(0);
     j.max_force = d.max_force, j.max_torque = d.max_torque, j.motor_rate = d.rate;
@@ -334,7 +334,7 @@ void gather_hot_parts(Model& m) {
   }
   for (uint32_t i = 0; i < m.joints.size(); ++i) {
     Joint& j = m.joints[i];
-    if (j.has_motor || j.kind == JointKind::motor) {
+    if (j.has_motor || j.kind == JointKind::motor || j.kind == JointKind::mouse) {
       j.motor_row = static_cast<uint32_t>(m.motors.size()), m.motors.push_back(i);
     }
     m.may_break = m.may_break || j.may_break();

@@ -77,7 +77,7 @@ struct Joint {
   /// A motor joint: what it drives at a velocity instead of to a pose.
   bool at_velocity = false, at_spin = false;
   Vec2 move;                      ///< m or m/s at t = 0, in the frame of a
-  double spin = 0;                ///< rad/s
+  double spin = 0, turn = 0;      ///< rad/s, rad
   uint32_t motor_row = kNoMotor;  ///< in the state
   double hertz = 0, damping_ratio = 1;
   double stiffness = 0,

@@ -100,11 +100,15 @@ void Rigid2d::set_parameter(State& s, const Command& c) const {
     store3(s.f64(columns::parameters).data(), 0, c.vector);
     return (void)wake_islands(model_, s, std::vector<uint8_t>(model_.count(), 1));
   }
-  if (c.name == "motor_speed" || c.name == "motor_target" || c.name == "max_motor") return set_motor(s, c);
+  for (const char* of_motor : {"motor_speed", "motor_target", "max_motor", "max_force", "max_torque",
+                               "turn.motor_speed", "turn.motor_target"}) {
+    if (c.name == of_motor) return set_motor(s, c);
+  }
   const bool turn = c.name == "angular_velocity";
   if (!turn && c.name != "velocity") {
     refuse_command("name", "unknown_parameter", "there is no parameter \"" + c.name + "\" to set",
-                   "gravity, velocity, angular_velocity, motor_speed, motor_target, max_motor");
+                   "gravity, velocity, angular_velocity, motor_speed, motor_target, max_motor, max_force, "
+                   "max_torque");
   }
   const auto body = static_cast<uint32_t>(checked_command_row(c, model_.count(), "body"));
   const uint32_t status = s.span<uint32_t>(columns::status)[body];
@@ -128,19 +132,29 @@ void Rigid2d::set_parameter(State& s, const Command& c) const {
 void Rigid2d::set_motor(State& s, const Command& c) const {
   const size_t k = checked_command_row(c, model_.joints.size(), "joint");
   const Joint& j = model_.joints[k];
-  const bool strength = c.name == "max_motor", pose = j.kind == JointKind::motor;
+  const bool pose = j.kind == JointKind::motor, mouse = j.kind == JointKind::mouse;
+  const bool strength = c.name.starts_with("max_"), torque = c.name == "max_torque";
+  const bool turns = c.name.starts_with("turn."), to_place = c.name.ends_with("motor_target");
   if (strength && c.value < 0)
     refuse_command("value", "out_of_range", "the maximum of the motor must be at least 0");
-  const bool place = pose ? !j.at_velocity : j.has_target;
-  const bool takes = strength ? !pose : place == (c.name == "motor_target");
+  bool takes = false;
+  if (strength) {
+    takes = (c.name == "max_motor") != (pose || mouse) && !(torque && mouse);
+  } else if (pose) {
+    takes = to_place != (turns ? j.at_spin : j.at_velocity);
+  } else {
+    takes = !turns && to_place == (mouse || j.has_target);
+  }
   if (j.motor_row == kNoMotor || !takes) {
     refuse_command("index", "no_motor", "joint " + std::to_string(k) + " has no motor that takes " + c.name,
-                   "a joint with motor_speed or motor_target in the scene");
+                   "a joint with motor_speed or motor_target in the scene, or of type motor or mouse");
   }
   double* motor = s.f64(columns::joint_motor).data() + 3 * static_cast<size_t>(j.motor_row);
-  if (strength) {
+  if (turns || torque) {
+    s.f64(columns::joint_turn_motor)[2 * static_cast<size_t>(j.motor_row) + (torque ? 1 : 0)] = c.value;
+  } else if (strength) {
     motor[2] = c.value;
-  } else if (pose) {
+  } else if (pose || mouse) {
     motor[0] = c.vector.x, motor[1] = c.vector.y;
   } else {
     motor[0] = c.value;

@@ -17,7 +17,10 @@ std::optional<Vec3> place_on(const State& s, const Command& c, size_t body) {
 // "motor_speed" of "motor_speed" and "turn.motor_speed"; empty when the name is not of a motor.
 std::string_view motor_parameter(std::string_view name) {
   name.remove_prefix(name.rfind('.') + 1);
-  return name == "motor_speed" || name == "motor_target" || name == "max_motor" ? name : "";
+  for (const char* known : {"motor_speed", "motor_target", "max_motor", "max_force", "max_torque"}) {
+    if (name == known) return name;
+  }
+  return "";
 }
 
 }  // namespace
@@ -122,7 +125,8 @@ void Rigid3d::set_parameter(State& s, const Command& c) const {
   const bool turn = c.name == "angular_velocity";
   if (!turn && c.name != "velocity") {
     refuse_command("name", "unknown_parameter", "there is no parameter \"" + c.name + "\" to set",
-                   "gravity, velocity, angular_velocity, motor_speed, motor_target, max_motor");
+                   "gravity, velocity, angular_velocity, motor_speed, motor_target, max_motor, max_force, "
+                   "max_torque");
   }
   const size_t i = checked_command_row(c, s.rows(columns::position), "body");
   const BodyKind& b = bodies_.kinds[s.span<uint32_t>(columns::kind)[i]];

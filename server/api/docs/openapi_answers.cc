@@ -131,6 +131,7 @@ constexpr std::string_view kSchemas = R"json({
           "fields": {"type": "array", "items": {"$ref": "#/components/schemas/Field"}}}}},
       "kept": {"type": "boolean", "description": "whether it outlives the server"},
       "not_kept_because": {"type": "string"},
+      "recorded": {"type": "boolean", "description": "a recording is being written"},
       "not_recorded_because": {"type": "string", "description": "the recording is incomplete"},
       "restored": {"type": "object", "required": ["from_step", "step", "complete"],
         "description": "it came back from disk: computed from the state of from_step to step; complete is false when it had been further",

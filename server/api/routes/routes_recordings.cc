@@ -35,7 +35,7 @@ Response file_of(const App& app, const Request& request, const RecordingFacts& f
         request, "conflict", "the recording is being written; finish it first", {},
         json::object{{"frames", f.frames}, {"finish", "/v1/sessions/" + f.session + "/recording/finish"}});
   }
-  Response r = Response::file(app.recordings.path(f.id).string(), "application/x-hdf5");
+  Response r = Response::file(app.recordings.place(f.id).try_open(O_RDONLY).release(), "application/x-hdf5");
   r.header("Content-Disposition", "attachment; filename=\"" + f.id + ".vtkhdf\"");
   return r;
 }

@@ -38,7 +38,7 @@ Task<Response> keep_snapshot(App& app, const Request& request) {
   const bool uploaded = !request.body.empty() && !is_json(request);
   if (uploaded) require_media(request, "application/octet-stream");
   if (!uploaded) object_body_of(request, {});
-  co_return co_await with_session_on_worker(app, entry, [&app, &request, uploaded](SessionEntry& e) {
+  const auto keep = [&app, &request, uploaded](SessionEntry& e) {
     if (e.snapshots.size() + e.stored_snapshots.size() >= kMostSnapshots)
       throw Error("quota_exceeded", "a session keeps at most 64 snapshots");
     auto lease = app.memory.lease(uploaded ? static_cast<double>(request.body.size())
@@ -61,7 +61,9 @@ Task<Response> keep_snapshot(App& app, const Request& request) {
     e.stored_snapshots.erase(sid);
     e.snapshots[sid] = std::move(snapshot);
     return r;
-  });
+  };
+  if (!is_short(request)) co_return co_await with_session_in_long_work(app, entry, keep);
+  co_return co_await with_session_on_worker(app, entry, keep);
 }
 
 // A snapshot restored with its session is read when it is needed.

@@ -1,5 +1,7 @@
 #include "server/cli/run/run_outputs.h"
 
+#include <filesystem>
+
 #include "engine/sinks/picture/draw/draw_world.h"
 #include "engine/sinks/picture/picture.h"
 #include "engine/sinks/recording/recording_sink.h"
@@ -13,7 +15,9 @@ RunOutputs::RunOutputs(Session& session, const std::string& recording_path, Pict
   if (trails_) session.add_sink(trails_);
   if (recording_path.empty()) return;
   make_folder_of(recording_path);
-  recording_ = std::make_shared<RecordingSink>(std::make_shared<RecordingThread>(), session, recording_path);
+  // A link that the user gives leads to where the recording is to be; the sink itself follows none.
+  recording_ = std::make_shared<RecordingSink>(std::make_shared<RecordingThread>(), session,
+                                               std::filesystem::weakly_canonical(recording_path).string());
   session.add_sink(recording_);
 }
 

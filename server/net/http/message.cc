@@ -167,8 +167,7 @@ void Request::clear() {
   http10 = false;
 }
 
-FileBody FileBody::open(const std::string& path) {
-  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK | O_NOFOLLOW);
+FileBody FileBody::of(int fd) {
   if (fd < 0 && (errno == EMFILE || errno == ENFILE))
     throw Error("overloaded", "no more files can be opened at the moment");
   if (fd < 0) throw Error("not_found", "no such file (" + std::string(std::strerror(errno)) + ")");
@@ -208,8 +207,8 @@ Response Response::shared(SharedBuffer body, std::string content_type, std::stri
   return r;
 }
 
-Response Response::file(const std::string& path, std::string content_type) {
-  FileBody f = FileBody::open(path);
+Response Response::file(int fd, std::string content_type) {
+  FileBody f = FileBody::of(fd);
   Response r;
   r.etag = f.etag();
   r.content_type = std::move(content_type);

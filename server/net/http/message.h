@@ -88,8 +88,8 @@ class Request {
 /// Bytes of an open file; the descriptor closes with the last copy.
 class FileBody {
  public:
-  /// Opens for reading. Throws Error("not_found") when that fails or it is no regular file; a link is none.
-  static FileBody open(const std::string& path);
+  /// Takes a file that is open for reading; Error "not_found" when it is none (negative) or no regular file.
+  static FileBody of(int fd);
   int fd() const { return *fd_; }
   uint64_t size() const { return size_; }
   /// Strong validator from inode, size and modification time, quoted.
@@ -122,7 +122,7 @@ class Response {
                        int status = 200);
   static Response json(std::string body, int status = 200);
   static Response shared(SharedBuffer body, std::string content_type, std::string etag = {});
-  static Response file(const std::string& path, std::string content_type);
+  static Response file(int fd, std::string content_type);
 
   /// Appends one header. Line breaks and other controls in the value are dropped.
   Response& header(std::string_view name, std::string_view value);

@@ -23,7 +23,7 @@ struct Log {
 std::vector<Log> read_logs(const SessionFolder& folder, const std::vector<uint64_t>& numbers) {
   std::vector<Log> logs;
   for (const uint64_t n : numbers)
-    logs.push_back({n, read_records(read_file(folder.log_path(n), kMostLogBytes))});
+    logs.push_back({n, read_records(read_file(folder.log_place(n), kMostLogBytes))});
   return logs;
 }
 
@@ -98,7 +98,7 @@ SavedSession read_saved_session(const SessionFolder& folder, std::optional<uint6
   for (const Candidate& c : candidates(there, logs, recorded)) {
     try {
       SavedState state;
-      if (c.number > 0) state = read_saved_state(read_file(folder.state_path(c.number, c.step), kMostState));
+      if (c.number > 0) state = read_saved_state(read_file(folder.state_place(c.number, c.step), kMostState));
       std::vector<LogRecord> records;
       bool complete = true;
       for (const Log& log : logs) {

@@ -10,32 +10,23 @@
 
 namespace truestep {
 
-namespace fs = std::filesystem;
-
-SessionArchive::SessionArchive(fs::path folder, ArchiveLimits limits, MemoryBudget& memory)
+SessionArchive::SessionArchive(Place folder, ArchiveLimits limits, MemoryBudget& memory)
     : root_(std::move(folder)), limits_(limits), memory_(memory) {
-  std::error_code failed;
-  fs::create_directories(root_, failed);
-  if (failed) throw_file_error("make the folder of sessions", failed.value());
-  std::vector<fs::path> leftovers;
-  for (const auto& entry : fs::directory_iterator(root_)) {
-    const std::string id = entry.path().filename().string();
-    if (id.starts_with(".")) {
-      leftovers.push_back(entry.path());
-      continue;
-    }
+  root_.make_folder();
+  for (const std::string& id : root_.names()) {
+    if (id.starts_with(".")) (root_ / id).remove_all();
     if (!is_session_id(id)) continue;
     try {
-      if (!entry.is_directory(failed) || entry.is_symlink(failed))
+      const auto there = (root_ / id).status();
+      if (!there || !S_ISDIR(there->st_mode))
         throw Error("session_damaged", "what is saved of session " + id + " is no folder");
-      rows_[id].about = SessionFolder(entry.path()).about();
+      rows_[id].about = folder_of(id).about();
     } catch (const Error& e) {
       // It appears in no list, since its owner is unknown, but its id is taken.
       damage_.emplace_back(e.what());
       rows_[id].about = {id, "", "", 0, 0};
     }
   }
-  for (const fs::path& path : leftovers) fs::remove_all(path, failed);
 }
 
 std::optional<SessionAbout> SessionArchive::find(std::string_view id) const {
@@ -134,15 +125,18 @@ void SessionArchive::require_room(double bytes) const {
 // Size of a folder and when it was last used: the age of its newest file counts if this server has not seen
 // it used.
 void SessionArchive::survey(const std::string& id) {
-  const fs::path path = root_ / id;
-  const double bytes = folder_bytes(path);
-  std::error_code failed;
-  fs::file_time_type newest = fs::last_write_time(path, failed);
-  for (fs::directory_iterator it(path, failed), end; !failed && it != end; it.increment(failed)) {
-    std::error_code gone;
-    newest = std::max(newest, fs::last_write_time(it->path(), gone));
-  }
-  const auto age = std::max(fs::file_time_type::clock::now() - newest, fs::file_time_type::duration(0));
+  const Place place = root_ / id;
+  const double bytes = folder_bytes(place);
+  using Clock = std::chrono::system_clock;
+  const auto written = [](const Place& at) {
+    const auto about = at.status();
+    if (!about) return Clock::time_point();
+    return Clock::from_time_t(about->st_mtim.tv_sec) +
+           std::chrono::duration_cast<Clock::duration>(std::chrono::nanoseconds(about->st_mtim.tv_nsec));
+  };
+  auto newest = written(place);
+  for (const std::string& name : place.names()) newest = std::max(newest, written(place / name));
+  const auto age = std::max(Clock::now() - newest, Clock::duration(0));
   const std::lock_guard lock(mutex_);
   const auto it = rows_.find(id);
   if (it == rows_.end()) return;

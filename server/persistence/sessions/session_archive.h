@@ -2,7 +2,6 @@
 // unused ones stay.
 #pragma once
 #include <chrono>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -25,7 +24,7 @@ class SessionArchive {
  public:
   /// Reads what earlier servers left below `folder`, which is created if missing; removes folders that were
   /// being created or removed. Error "folder_io".
-  SessionArchive(std::filesystem::path folder, ArchiveLimits limits, MemoryBudget& memory);
+  SessionArchive(Place folder, ArchiveLimits limits, MemoryBudget& memory);
 
   /// Contents that cannot be used, one sentence each.
   const std::vector<std::string>& damage() const { return damage_; }
@@ -65,7 +64,7 @@ class SessionArchive {
   std::shared_ptr<SessionKeeper> add(SessionFolder folder, const SessionAbout& about, const Session& session,
                                      SessionKeeper::Beginning beginning);
 
-  const std::filesystem::path root_;
+  const Place root_;
   const ArchiveLimits limits_;
   MemoryBudget& memory_;
   OpenFiles files_;

@@ -1,6 +1,7 @@
 #include "server/persistence/sessions/session_folder.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 
 #include "engine/base/errors.h"
@@ -12,16 +13,14 @@
 
 namespace truestep {
 
-namespace fs = std::filesystem;
 namespace json = boost::json;
 
 namespace {
 
 constexpr size_t kMostAbout = 64 << 10, kMostScene = size_t{256} << 20, kMostSnapshot = size_t{1} << 40;
 
-[[noreturn]] void damaged(const fs::path& path, const char* what) {
-  throw Error("session_damaged",
-              "what is saved of session " + path.filename().string() + " cannot be used: " + what);
+[[noreturn]] void damaged(const Place& place, const char* what) {
+  throw Error("session_damaged", "what is saved of session " + place.name() + " cannot be used: " + what);
 }
 
 std::string hash_of(std::string_view text) {
@@ -52,8 +51,8 @@ std::string text_member(const json::object& o, const char* name) {
 
 }  // namespace
 
-SessionFolder SessionFolder::create(const fs::path& root, const SessionAbout& about,
-                                    const json::object& scene, const json::object& accuracy) {
+SessionFolder SessionFolder::create(const Place& root, const SessionAbout& about, const json::object& scene,
+                                    const json::object& accuracy) {
   const std::string body = write_json(json::object{{"scene", scene}, {"accuracy", accuracy}});
   const std::string line = write_json(json::object{{"id", about.id},
                                                    {"owner", about.owner},
@@ -61,37 +60,33 @@ SessionFolder SessionFolder::create(const fs::path& root, const SessionAbout& ab
                                                    {"scene_hash", hex64(about.scene_hash)},
                                                    {"created", about.created},
                                                    {"sum", hash_of(body)}});
-  const fs::path fresh = root / (".new-" + net::random_hex128()), path = root / about.id;
-  std::error_code failed;
-  if (!fs::create_directory(fresh, failed)) throw_file_error("make a folder for the session", failed.value());
+  const Place fresh = root / (".new-" + net::random_hex128()), place = root / about.id;
+  fresh.make_folder();
   try {
-    write_in_fresh_folder(SessionFolder(fresh).about_path(), bytes_of(line + "\n" + body));
-    fs::rename(fresh, path, failed);
-    if (failed) throw_file_error("name the folder of the session", failed.value());
+    write_in_fresh_folder(SessionFolder(fresh).about_place(), bytes_of(line + "\n" + body));
+    if (const int code = fresh.rename_to(place)) throw_file_error("name the folder of the session", code);
   } catch (...) {
-    std::error_code ignored;
-    fs::remove_all(fresh, ignored);
+    fresh.remove_all();
     throw;
   }
-  return SessionFolder(path);
+  return SessionFolder(place);
 }
 
 void SessionFolder::remove() const {
-  const fs::path gone = path_.parent_path() / (".gone-" + net::random_hex128());
-  std::error_code failed;
-  fs::rename(path_, gone, failed);
-  if (failed == std::errc::no_such_file_or_directory) return;
-  if (failed) throw_file_error("remove the folder of the session", failed.value());
+  const Place gone = place_.parent() / (".gone-" + net::random_hex128());
+  const int code = place_.rename_to(gone);
+  if (code == ENOENT) return;
+  if (code) throw_file_error("remove the folder of the session", code);
   // What cannot be removed now is removed at the next start.
-  fs::remove_all(gone, failed);
+  gone.remove_all();
 }
 
 SessionAbout SessionFolder::about() const {
   // The scene behind the first line may be long, and a list of ten thousand sessions reads only those lines.
-  const Bytes head = read_head(about_path(), kMostAbout);
+  const Bytes head = read_head(about_place(), kMostAbout);
   const std::string_view text = text_of(head);
   const size_t end = text.find('\n');
-  if (end == std::string_view::npos) damaged(path_, "the description is cut off");
+  if (end == std::string_view::npos) damaged(place_, "the description is cut off");
   SessionAbout about;
   try {
     const json::value line = parse_json(text.substr(0, end));
@@ -102,45 +97,54 @@ SessionAbout SessionFolder::about() const {
     about.scene_hash = std::stoull(text_member(o, "scene_hash"), nullptr, 16);
     about.created = o.at("created").to_number<int64_t>();
   } catch (const std::exception&) {
-    damaged(path_, "the description is malformed");
+    damaged(place_, "the description is malformed");
   }
-  if (about.id != path_.filename().string()) damaged(path_, "it describes another session");
+  if (about.id != place_.name()) damaged(place_, "it describes another session");
   return about;
 }
 
+double SessionFolder::bytes_to_read() const {
+  double sum = 0;
+  for (const std::string& name : place_.names()) {
+    const auto about = (place_ / name).status();
+    if (about && S_ISREG(about->st_mode)) sum += static_cast<double>(about->st_size);
+  }
+  return sum;
+}
+
 SessionFolder::Scene SessionFolder::scene() const {
-  const Bytes file = read_file(about_path(), kMostScene);
+  const Bytes file = read_file(about_place(), kMostScene);
   const std::string_view text = text_of(file);
   const size_t end = text.find('\n');
-  if (end == std::string_view::npos) damaged(path_, "the description is cut off");
+  if (end == std::string_view::npos) damaged(place_, "the description is cut off");
   const std::string_view body = text.substr(end + 1);
   try {
     const json::value line = parse_json(text.substr(0, end));
-    if (text_member(line.as_object(), "sum") != hash_of(body)) damaged(path_, "the scene is damaged");
+    if (text_member(line.as_object(), "sum") != hash_of(body)) damaged(place_, "the scene is damaged");
     json::value both = parse_json(body, {.max_bytes = kMostScene});
     json::object& o = both.as_object();
     return {std::move(o.at("scene")), std::move(o.at("accuracy").as_object())};
   } catch (const Error& e) {
     if (e.code() == "session_damaged") throw;
-    damaged(path_, e.what());
+    damaged(place_, e.what());
   } catch (const std::exception&) {
-    damaged(path_, "the scene is malformed");
+    damaged(place_, "the scene is malformed");
   }
 }
 
-fs::path SessionFolder::state_path(uint64_t number, uint64_t step) const {
-  return path_ / ("state." + std::to_string(number) + "." + std::to_string(step));
+Place SessionFolder::state_place(uint64_t number, uint64_t step) const {
+  return place_ / ("state." + std::to_string(number) + "." + std::to_string(step));
 }
 
-fs::path SessionFolder::log_path(uint64_t number) const {
-  return path_ / ("log." + std::to_string(number));
+Place SessionFolder::log_place(uint64_t number) const {
+  return place_ / ("log." + std::to_string(number));
 }
 
 SessionFolder::Contents SessionFolder::contents() const {
   Contents out;
-  std::error_code failed;
-  for (fs::directory_iterator it(path_, failed), end; !failed && it != end; it.increment(failed)) {
-    const std::string name = it->path().filename().string();
+  // Whether it can be read at all.
+  place_.open(O_RDONLY | O_DIRECTORY, "read");
+  for (const std::string& name : place_.names()) {
     const auto [head, tail] = split(name);
     const auto last = number_of(tail);
     if (!last) continue;
@@ -150,24 +154,20 @@ SessionFolder::Contents SessionFolder::contents() const {
       if (const auto number = number_of(head.substr(6))) out.states[*number] = *last;
     }
   }
-  if (failed) throw_file_error("read the folder of the session", failed.value());
   std::sort(out.logs.begin(), out.logs.end());
   return out;
 }
 
 void SessionFolder::keep_snapshot(const std::string& sid, uint64_t step,
                                   std::span<const std::byte> file) const {
-  std::error_code failed;
-  fs::create_directory(path_ / "snapshots", failed);
-  if (failed) throw_file_error("make a folder for snapshots", failed.value());
-  write_file(path_ / "snapshots" / (sid + "." + std::to_string(step)), file, Durability::process);
+  const Place folder = place_ / "snapshots";
+  folder.make_folder();
+  write_file(folder / (sid + "." + std::to_string(step)), file, Durability::process);
 }
 
 std::map<std::string, uint64_t> SessionFolder::snapshots() const {
   std::map<std::string, uint64_t> out;
-  std::error_code none;
-  for (fs::directory_iterator it(path_ / "snapshots", none), end; !none && it != end; it.increment(none)) {
-    const std::string name = it->path().filename().string();
+  for (const std::string& name : (place_ / "snapshots").names()) {
     const auto [sid, step] = split(name);
     if (const auto number = number_of(step)) out[std::string(sid)] = *number;
   }
@@ -175,7 +175,7 @@ std::map<std::string, uint64_t> SessionFolder::snapshots() const {
 }
 
 Bytes SessionFolder::snapshot(const std::string& sid, uint64_t step) const {
-  return read_file(path_ / "snapshots" / (sid + "." + std::to_string(step)), kMostSnapshot);
+  return read_file(place_ / "snapshots" / (sid + "." + std::to_string(step)), kMostSnapshot);
 }
 
 }  // namespace truestep

@@ -6,13 +6,13 @@
 // A folder appears and disappears as a whole, by a rename.
 #pragma once
 #include <boost/json.hpp>
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "engine/session/snapshot/sealed.h"
+#include "server/persistence/place.h"
 
 namespace truestep {
 
@@ -24,25 +24,27 @@ struct SessionAbout {
 
 class SessionFolder {
  public:
-  explicit SessionFolder(std::filesystem::path path) : path_(std::move(path)) {}
+  explicit SessionFolder(Place place) : place_(std::move(place)) {}
   /// Creates the folder below `root`. Error "disk_full" or "folder_io".
-  static SessionFolder create(const std::filesystem::path& root, const SessionAbout& about,
-                              const boost::json::object& scene, const boost::json::object& accuracy);
+  static SessionFolder create(const Place& root, const SessionAbout& about, const boost::json::object& scene,
+                              const boost::json::object& accuracy);
   /// Moves the folder away at once, then removes its files. Error "folder_io" when it is still there.
   void remove() const;
 
-  const std::filesystem::path& path() const { return path_; }
+  const Place& place() const { return place_; }
   /// Only the first line. Error "session_damaged" or "folder_io", as for all readers.
   SessionAbout about() const;
+  /// Of what a restore reads: description, states and logs, without the snapshots.
+  double bytes_to_read() const;
   struct Scene {
     boost::json::value document;
     boost::json::object accuracy;
   };
   Scene scene() const;
 
-  std::filesystem::path about_path() const { return path_ / "about"; }
-  std::filesystem::path state_path(uint64_t number, uint64_t step) const;
-  std::filesystem::path log_path(uint64_t number) const;
+  Place about_place() const { return place_ / "about"; }
+  Place state_place(uint64_t number, uint64_t step) const;
+  Place log_place(uint64_t number) const;
   /// What the folder holds, by number; `states` with their steps.
   struct Contents {
     std::map<uint64_t, uint64_t> states;
@@ -56,7 +58,7 @@ class SessionFolder {
   Bytes snapshot(const std::string& sid, uint64_t step) const;
 
  private:
-  std::filesystem::path path_;
+  Place place_;
 };
 
 }  // namespace truestep

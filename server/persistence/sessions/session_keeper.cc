@@ -96,7 +96,7 @@ void SessionKeeper::worked(double seconds) {
 
 void SessionKeeper::begin_log(LogRecord::Kind first) {
   first_ = first;
-  log_.emplace(folder().log_path(number_), means_.files);
+  log_.emplace(folder().log_place(number_), means_.files);
   told_step_ = base_step_;
 }
 
@@ -118,7 +118,7 @@ bool SessionKeeper::write(const LogRecord& record) {
 }
 
 void SessionKeeper::lose(const Error& e) {
-  if (problem_.empty()) log_warn("session {} is not kept: {}", folder().path().filename().string(), e.what());
+  if (problem_.empty()) log_warn("session {} is not kept: {}", folder().place().name(), e.what());
   problem_ = e.what(), problem_code_ = e.code();
   tried_at_ = SteadyClock::now();
 }
@@ -191,7 +191,7 @@ void SessionKeeper::save_beside() {
       files->settle(number, step, recorded);
     } catch (const Error& e) {
       // The logs lead here from the previous state.
-      log_warn("session {}: {}", files->folder().path().filename().string(), e.what());
+      log_warn("session {}: {}", files->folder().place().name(), e.what());
     }
     shared->written.store(true, std::memory_order_relaxed);
     const std::lock_guard lock(shared->mutex);
@@ -221,7 +221,7 @@ void SessionKeeper::save_anew() {
     try {
       files->settle(number, step, recorded);
     } catch (const Error& e) {
-      log_warn("session {}: {}", files->folder().path().filename().string(), e.what());
+      log_warn("session {}: {}", files->folder().place().name(), e.what());
     }
   });
 }
@@ -239,7 +239,7 @@ void SessionKeeper::save() {
     begin_log(LogRecord::Kind::continues);
     shared_->written.store(true, std::memory_order_relaxed);
   } catch (const Error& e) {
-    log_warn("session {}: {}", folder().path().filename().string(), e.what());
+    log_warn("session {}: {}", folder().place().name(), e.what());
   }
 }
 

@@ -6,13 +6,11 @@
 
 namespace truestep {
 
-namespace fs = std::filesystem;
-
 StateFiles::StateFiles(SessionFolder folder, std::map<uint64_t, uint64_t> states)
     : folder_(std::move(folder)), states_(std::move(states)) {}
 
 void StateFiles::write(uint64_t number, uint64_t step, const SavedState& state) {
-  FreshFile file(folder_.state_path(number, step), write_saved_state(state), Durability::process);
+  FreshFile file(folder_.state_place(number, step), write_saved_state(state), Durability::process);
   const std::lock_guard lock(mutex_);
   if (abandoned_) return;
   file.commit();
@@ -34,8 +32,8 @@ void StateFiles::settle(uint64_t number, uint64_t step, const Recorded& recorded
     const std::lock_guard lock(mutex_);
     if (abandoned_ || !states_.contains(number)) return;
   }
-  if (!std::exchange(described_, true)) harden_file(folder_.about_path());
-  harden_file(folder_.state_path(number, step));
+  if (!std::exchange(described_, true)) harden_file(folder_.about_place());
+  harden_file(folder_.state_place(number, step));
   const auto limit = recorded ? recorded() : std::nullopt;
   const std::lock_guard lock(mutex_);
   if (abandoned_) return;
@@ -44,13 +42,12 @@ void StateFiles::settle(uint64_t number, uint64_t step, const Recorded& recorded
     if (n <= number && (!limit || at <= *limit)) needed = std::max(needed, n);
   }
   if (needed == 0) return;
-  std::error_code ignored;
   std::erase_if(states_, [&](const auto& s) {
-    if (s.first < needed) fs::remove(folder_.state_path(s.first, s.second), ignored);
+    if (s.first < needed) folder_.state_place(s.first, s.second).remove();
     return s.first < needed;
   });
   for (const uint64_t n : folder_.contents().logs) {
-    if (n < needed) fs::remove(folder_.log_path(n), ignored);
+    if (n < needed) folder_.log_place(n).remove();
   }
 }
 

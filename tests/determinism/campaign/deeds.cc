@@ -103,7 +103,10 @@ class Walk {
     const uint64_t step = session_->step_index(), hash = session_->hash();
     const auto [it, fresh] = arrived_.try_emplace(step, hash);
     if (!fresh) return expect("a step that is repeated", step, it->second, hash);
-    left_[step] = hash;
+    // Commands that a seek went back from are carried out with the next step: the state that they leave is
+    // known from when they were given.
+    const auto due = session_->journal_ahead();
+    if (due.empty() || due.front().step > step) left_[step] = hash;
   }
   void forget(uint64_t from) {
     arrived_.erase(arrived_.lower_bound(from), arrived_.end());

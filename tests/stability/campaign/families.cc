@@ -49,7 +49,7 @@ std::span<const Family> families() {
         {"turntable_3d", turntable_3d, true},
         {"rolling_table_3d", rolling_table_3d},
         {"motor_disc_3d", motor_disc_3d},
-        {"drum_2d", drum_2d, true},
+        {"drum_2d", drum_2d},
         {"falls", falls},
         {"friction", friction},
         {"bouncing_bodies", bouncing_bodies},

@@ -1,5 +1,6 @@
 // Crowds that hit a light cloth all at once used to leak through it: the answers of a step lost the paths
 // before them, and a fast rotating triangle was met too late. Now nothing passes, at any speed.
+// (Momenta and energy are in tests/scenes/couplings/crowd_and_free_cloth_gain_nothing.json.)
 #include <cmath>
 
 #include "engine/base/random.h"
@@ -140,26 +141,6 @@ TEST(CrowdOnCloth, NorMuchHarder) {
   for (const Crowd& crowd : {fast, light, thin, many, coarse, bullet}) {
     EXPECT_EQ(most_below(crowd, kContact), 0) << crowd.speed << ' ' << crowd.node_mass << ' ' << crowd.count;
   }
-}
-
-// Stops and zones exchange momentum but do not create it: a crowd hits a cloth that floats freely.
-TEST(CrowdOnCloth, KeepsMomentumAndGainsNoEnergy) {
-  SceneRun run(R"({"seed": 2, "gravity": [0, 0, 0], "time": {"dt": 0.001}, "systems": [
-      {"type": "mass_spring", "id": "cloth", "cloth_grid": {"nx": 12, "ny": 12}, "mass": 0.004, "stiffness": 2,
-       "internal_damping": 0.002, "thickness": 0.02, "integrator": "velocity_verlet"},
-      {"type": "particles", "id": "dust", "mass": 0.01, "fill": [{"count": 300, "arrangement": "random",
-       "center": [0.5, 0.6, 0.5], "half_extents": [0.4, 0.4, 0.4], "velocity": [0, -100, 0]}]}],
-    "couplings": [{"type": "contact", "id": "c", "a": "dust", "b": "cloth", "restitution": 0.2}]})");
-  const Sums before = sums(*run.world, run.session.state());
-  const double energy = run.observe("energy.total");
-  run.session.step(300);
-  const Sums after = sums(*run.world, run.session.state());
-  EXPECT_LT(norm(after.linear - before.linear), 1e-12 * before.scale);
-  const Vec3 centre = before.center + before.linear * (300 * 0.001 / before.mass);
-  EXPECT_LT(norm(after.center - centre), 1e-12 * norm(centre));
-  EXPECT_LE(run.observe("energy.total"), energy);
-  // The control: there was momentum to conserve.
-  EXPECT_GT(run.observe("c.impulse.sum"), 0.1 * before.scale);
 }
 
 }  // namespace

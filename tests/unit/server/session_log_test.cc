@@ -20,10 +20,13 @@ using End = LogContents::End;
 
 class SessionLog : public ::testing::Test {
  protected:
-  SessionLog() { fs::create_directories(folder); }
-  ~SessionLog() override { fs::remove_all(folder); }
-  const fs::path folder =
+  ~SessionLog() override { fs::remove_all(path); }
+  const fs::path path =
       fs::temp_directory_path() / ("truestep-log-" + std::to_string(std::random_device()()));
+  const Place folder = [this] {
+    fs::create_directories(path);
+    return Place::folder(path.string());
+  }();
 };
 
 const std::vector<LogRecord> kRecords = {{Kind::continues, 0, 0, ""},
@@ -269,7 +272,7 @@ TEST_F(KeptSession, AStateThatIsDamagedLeavesTheOneBefore) {
   ASSERT_FALSE(states.empty());
   ASSERT_EQ(restored_hash(), session->hash());
   EXPECT_EQ(saved().from_step, 10u);
-  for (const auto& [number, step] : states) std::ofstream(sf.state_path(number, step)) << "nonsense";
+  for (const auto& [number, step] : states) std::ofstream(sf.state_place(number, step).path()) << "nonsense";
   ASSERT_EQ(restored_hash(), session->hash());
   EXPECT_EQ(saved().from_step, 0u);
   EXPECT_TRUE(saved().complete);

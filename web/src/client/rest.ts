@@ -70,6 +70,8 @@ export interface Session {
   teaches?: string;
   viewer?: ViewerSettings;
   links: Record<string, string>;
+  /** A recording of it is being written. */
+  recorded?: boolean;
   /** Present when the session stopped because its numbers no longer made sense. */
   instability?: Instability;
   /** Results that may be wrong although nothing has failed. */
@@ -161,6 +163,16 @@ export class Service {
 
   async reset(id: string): Promise<void> {
     await this.call("POST", this.path(id, "/reset"), {});
+  }
+
+  /** Records the session from now on. */
+  async startRecording(id: string): Promise<void> {
+    await this.call("POST", this.path(id, "/recording"), {});
+  }
+
+  /** Ends that; the file is at `recording`. */
+  async endRecording(id: string): Promise<{ frames: number; recording: string }> {
+    return (await this.call("DELETE", this.path(id, "/recording"))) as { frames: number; recording: string };
   }
 
   /** Goes to a time of the run, exactly. */

@@ -126,3 +126,9 @@ export class Ground {
     viewHeight.value = height;
   }
 }
+
+/** The ground's height: 0 if the scene is near it, otherwise slightly below it. Faces in its plane would flicker. */
+export function floorUnder(low: number, bodies: boolean, radius: number): number {
+  if (bodies) return low - 0.02 * radius;
+  return low >= -1e-3 * radius && low < 1.5 * radius ? 0 : low - 0.15 * radius;
+}

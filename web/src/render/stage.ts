@@ -6,13 +6,12 @@ import type { DecodedFrame, FieldArray } from "../client/decode";
 import type { Marks, Part, Shape, Topology } from "../client/gen/truestep/v1/stream_pb";
 import { Extent } from "./extent";
 import { Framing, type Inset, type Side } from "./framing";
-import { Ground } from "./ground";
+import { floorUnder, Ground } from "./ground";
 import { Handle } from "./handle";
 import { GridView, type Scale } from "./fields/grid_view";
-import { balanced, schemeOf } from "./fields/scheme";
+import { schemeOf } from "./fields/scheme";
 import { Labels, type Label } from "./labels";
-import { JointValues } from "./fields/joint_values";
-import { eachJointEnd, MarkLines } from "./marks";
+import { JointMarks } from "./fields/joint_marks";
 import { namesOf, probeLabels } from "./names";
 import { Painter } from "./painter";
 import { PlotAxes } from "./plot_axes";
@@ -43,9 +42,7 @@ export class Stage {
   private readonly painter: Painter;
   private readonly scene = new Scene();
   private readonly ground = new Ground();
-  private readonly marks = new MarkLines();
-  private marked: Marks | undefined;
-  private readonly joints = new JointValues();
+  private readonly joints = new JointMarks();
   private parts = new Map<string, Part>();
   private settings: ViewerSettings = {};
   private readonly shapes = new ShapeGroup();
@@ -80,7 +77,7 @@ export class Stage {
       resized: () => this.framing.resized(),
     });
     this.scene.background = null;
-    this.scene.add(this.ground.object, this.shapes.object, this.marks.object, this.handle.object, this.strings.object, this.trails.object);
+    this.scene.add(this.ground.object, this.shapes.object, this.joints.object, this.handle.object, this.strings.object, this.trails.object);
     this.framing = new Framing(this.camera, canvas, () => this.invalidate());
     this.labels = new Labels(canvas);
     this.ground.fit(new Sphere(new Vector3(0, 0.8, 0), 2.5), 0);
@@ -186,23 +183,9 @@ export class Stage {
 
   /** Contacts and joints to draw from now on. */
   setMarks(marks: Marks | undefined): void {
-    this.marked = marks;
-    this.drawMarks();
+    this.joints.mark(marks);
+    this.joints.draw(this.show, this.bounds.radius);
     this.invalidate();
-  }
-
-  private drawMarks(): void {
-    const colors = this.marked ? this.joints.colors(this.marked, this.show.scheme.map, this.jointRange ?? [0, 1]) : [];
-    this.marks.update(this.marked, 0.16 * this.bounds.radius, colors);
-  }
-
-  /** What the colours of joints show. */
-  private get jointRange(): [number, number] | undefined {
-    const { range, common } = this.show;
-    if (!this.joints.ownRange) return undefined;
-    if (range?.length === 2) return range as [number, number];
-    const seen = widest([common, this.joints.ownRange]);
-    return seen && this.show.scheme.balanced ? balanced(seen) : seen;
   }
 
   /** What shows the values of a part by its colour; "" or undefined: nothing. */
@@ -220,7 +203,7 @@ export class Stage {
     for (const view of this.views.values()) if (view instanceof GridView) return view.scale;
     let low = Infinity;
     let high = -Infinity;
-    for (const range of [...[...this.views.values()].map((view) => view.range), this.jointRange]) {
+    for (const range of [...[...this.views.values()].map((view) => view.range), this.joints.shownRange(this.show)]) {
       if (!range) continue;
       low = Math.min(low, range[0]);
       high = Math.max(high, range[1]);
@@ -254,7 +237,7 @@ export class Stage {
     const now = (this.show.common = common());
     if (now && (!before || now[0] < before[0] || now[1] > before[1])) for (const view of this.pointViews()) if (view.ownRange) update(view);
     for (const view of this.pointViews()) this.trails.take(view.id, view.positions, view.count, frame.time, this.show.bySpeed && this.show.colorBy ? undefined : view.tint);
-    if (this.joints.ownRange && this.marked) this.drawMarks();
+    if (this.joints.tells) this.joints.draw(this.show, this.bounds.radius);
     this.strings.update((id) => {
       const view = this.views.get(id);
       return view instanceof SystemView ? view : undefined;
@@ -321,8 +304,7 @@ export class Stage {
     for (const view of this.views.values()) view.reachOf(now);
     for (const shape of this.topology?.shapes ?? []) reachOfShape(now, shape, this.topology?.meshes ?? []);
     this.axes.forEach((axes) => axes.reachOf(now));
-    // Marks that tell values belong to the picture; others are notes on it.
-    if (this.marked && this.joints.ownRange) eachJointEnd(this.marked, (x, y, z) => now.add(x, y, z));
+    if (this.joints.tells) this.joints.eachEnd((x, y, z) => now.add(x, y, z));
     return now;
   }
 
@@ -409,10 +391,4 @@ export class Stage {
   private drawShapes(): void {
     this.shapes.set(this.topology?.shapes ?? [], this.topology?.meshes ?? [], 1.5 * this.extent);
   }
-}
-
-/** The ground's height: 0 if the scene is near it, otherwise slightly below it. Faces in its plane would flicker. */
-function floorUnder(low: number, bodies: boolean, radius: number): number {
-  if (bodies) return low - 0.02 * radius;
-  return low >= -1e-3 * radius && low < 1.5 * radius ? 0 : low - 0.15 * radius;
 }

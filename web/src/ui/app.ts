@@ -19,14 +19,16 @@ import { Look } from "./look";
 import { Page } from "./page";
 import { Past } from "./past";
 import { Plot } from "./plot";
-import { clearProblems, dismissProblems, showProblem, type Action } from "./problems";
+import { clearProblems, dismissProblems, type Action } from "./problems";
 import { Readout } from "./readout";
-import { fail, unstable, warn } from "./reports";
+import { Recorder } from "./recorder";
+import { fail, tell, unstable, warn } from "./reports";
 import { showScale } from "./scale";
 import { installShortcuts } from "./shortcuts";
 import { SpeedChoice } from "./speed_choice";
 import { speedAtFirst } from "./speeds";
 import { Timeline } from "./timeline";
+import { measureTrips } from "../client/trips";
 
 const kAddress = 1200; // ms between two updates of the address
 
@@ -47,6 +49,7 @@ export class App {
   private readonly interaction: Interaction;
   private readonly speed = new SpeedChoice();
   private readonly neighbours = new Neighbours();
+  private readonly recorder = new Recorder(this.service, (action) => this.attempt(action), (text) => this.page.hint(text));
   private readonly past = new Past((id, points) => this.service.history(id, points));
   private readonly timeline = new Timeline((time) => this.act((id) => this.seek(id, time)), (text) => this.page.hint(text));
   private id: string | undefined;
@@ -86,9 +89,8 @@ export class App {
     await listed;
     markScene(this.galleryName);
     addEventListener("hashchange", () => void this.attempt(() => this.openAddress()));
-    setInterval(() => void this.measureTrip(), 2000);
+    measureTrips(this.service, () => this.live.state === "open", (ms) => this.readout.roundTrip(ms));
     setInterval(() => this.live.state === "open" && this.address(), kAddress);
-    void this.measureTrip();
   }
 
   private async openAddress(): Promise<void> {
@@ -221,6 +223,7 @@ export class App {
     this.readout.clear();
     this.interaction.clear();
     this.page.title(session.title ?? session.name ?? "");
+    this.recorder.show(session);
     const studies = byId<HTMLAnchorElement>("studies");
     studies.href = `/studies.html?session=${encodeURIComponent(session.id)}`;
     studies.querySelector("span")!.textContent = "Study this scene";
@@ -238,8 +241,8 @@ export class App {
       playback: (state) => this.playback(state),
       event: (event) => {
         if (event.kind === "instability") void this.explain(session.id, event.detail);
-        else if (/error|fail|full/.test(event.kind)) showProblem({ title: event.kind.replaceAll("_", " "), status: 0, code: event.kind, detail: event.detail });
-        else if (event.kind === "warning") warn(event.detail);
+        else if (event.kind.startsWith("recording")) void this.attempt(() => this.recorder.look());
+        tell(event);
       },
       shown: (frame) => {
         if (this.stoppedAt !== undefined && frame.time < this.stoppedAt - 0.5 * (this.info.dt ?? 0)) this.recovered();
@@ -313,11 +316,6 @@ export class App {
   private shown(): Shown {
     const { framing } = this.stage;
     return { gallery: this.galleryName, packed: this.packed, time: this.time, ...(framing.held ? framing.view : {}) };
-  }
-
-  private async measureTrip(): Promise<void> {
-    if (document.hidden || this.live.state !== "open") return;
-    await this.service.roundTrip().then((ms) => this.readout.roundTrip(ms), () => undefined);
   }
 
   private wire(): void {

@@ -7,6 +7,12 @@ export function warn(detail: string): void {
   showProblem({ title: "Warning", status: 0, code: "warning", detail }, "warning");
 }
 
+/** What an event of the session says to its readers. */
+export function tell({ kind, detail }: { kind: string; detail: string }): void {
+  if (kind === "warning") warn(detail);
+  else if (/error|fail|full|incomplete/.test(kind)) showProblem({ title: kind.replaceAll("_", " "), status: 0, code: kind, detail });
+}
+
 /** Why the session stands at its last good step, and what can be done about it. */
 export function unstable({ detail, last_good_step, suggested_dt, remedies }: Instability, actions: Action[]): void {
   showProblem({ title: "The simulation became unstable", status: 0, code: "instability", detail, last_good_step, suggested_dt, remedies }, "error", actions);

@@ -260,7 +260,9 @@ void main() {
     return;
   }
   float facing = abs(dot(normalize(v_normal), normalize(eye.xyz - v_point)));
-  color = vec4(v_albedo, mix(0.32, 0.05, pow(facing, 0.6)));
+  // A film adds light: on dark paper as much of it would be milk.
+  float paper = dot(background_bottom.rgb, vec3(0.2126, 0.7152, 0.0722));
+  color = vec4(v_albedo, mix(0.32, 0.05, pow(facing, 0.6)) * mix(0.15, 1.0, smoothstep(0.0, 0.4, paper)));
 }
 )";
 

@@ -1,10 +1,14 @@
 #include "engine/sinks/recording/file/h5.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 
 #include "engine/base/errors.h"
+#include "engine/sinks/recording/file/plain_file.h"
 
 namespace truestep {
 namespace {
@@ -43,6 +47,16 @@ const void* text_data(std::string_view text) {
 }
 
 }  // namespace
+
+// The library follows links: it is given the file that was opened without.
+H5 h5_open_own(const std::string& path, unsigned mode, hid_t access) {
+  const bool writes = (mode & H5F_ACC_RDWR) != 0;
+  const int file = open_plainly(path, writes ? O_RDWR : O_RDONLY);
+  if (file < 0) throw_recording_error("open the recording", errno);
+  H5 opened(H5Fopen(("/proc/self/fd/" + std::to_string(file)).c_str(), mode, access));
+  ::close(file);
+  return opened;
+}
 
 void throw_h5_error(const char* what) {
   StackText text;

@@ -39,6 +39,10 @@ class H5 {
 /// `what` is a verb phrase.
 [[noreturn]] void throw_h5_error(const char* what);
 
+/// Opens a recording's own file, which is no link (Error as of files that are written plainly); negative
+/// when the library cannot.
+H5 h5_open_own(const std::string& path, unsigned mode, hid_t access);
+
 /// `id`, or throws when it is negative.
 inline H5 h5_id(hid_t id, const char* what) {
   if (id < 0) throw_h5_error(what);

@@ -25,8 +25,10 @@ H5 open_file(const std::string& path, RecordingOwner owner) {
   h5_ok(H5Pset_metadata_read_attempts(access, attempts), "set the attempts");
   // A file whose writer is alive or died is marked: only a SWMR reader may open it, and needs no repair.
   for (unsigned mode : {H5F_ACC_RDONLY, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ}) {
-    const hid_t id = H5Fopen(path.c_str(), mode, access);
-    if (id >= 0) return H5(id);
+    // What a dead writer left is repaired where it is; a reader may come by a link.
+    H5 file = owner == RecordingOwner::kDead ? h5_open_own(path, mode, access)
+                                             : H5(H5Fopen(path.c_str(), mode, access));
+    if (file >= 0) return file;
   }
   if (std::filesystem::exists(path) && H5Fis_hdf5(path.c_str()) == 0)
     throw Error("recording_foreign", "this file is not a Truestep recording: it is not an HDF5 file");

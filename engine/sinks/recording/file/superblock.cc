@@ -1,11 +1,15 @@
 #include "engine/sinks/recording/file/superblock.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
+
+#include "engine/sinks/recording/file/plain_file.h"
 
 namespace truestep {
 namespace {
@@ -67,14 +71,15 @@ bool repair_superblock(std::span<std::byte> start, uint64_t end) {
 }
 
 bool repair_superblock(const std::string& path) {
+  const int file = open_plainly(path, O_RDWR);
+  if (file < 0) return false;
   std::array<std::byte, kSize> block;
-  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
-  if (!file.read(reinterpret_cast<char*>(block.data()), kSize)) return false;
-  std::error_code error;
-  const uint64_t end = std::filesystem::file_size(path, error);
-  if (error || !repair_superblock(block, end)) return false;
-  file.seekp(0);
-  return file.write(reinterpret_cast<const char*>(block.data()), kSize) && file.flush();
+  struct stat about {};
+  const bool done = ::fstat(file, &about) == 0 && ::pread(file, block.data(), kSize, 0) == ssize_t{kSize} &&
+                    repair_superblock(block, static_cast<uint64_t>(about.st_size)) &&
+                    ::pwrite(file, block.data(), kSize, 0) == ssize_t{kSize};
+  ::close(file);
+  return done;
 }
 
 }  // namespace truestep

@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 
 #include "engine/base/errors.h"
 #include "engine/base/hash.h"
@@ -86,7 +85,7 @@ std::optional<LoggedChunks::Batch> read_batch(std::span<const std::byte> body, c
 }  // namespace
 
 std::string chunk_log_path(const std::string& recording) {
-  return recording + ".chunks";
+  return recording + std::string(kChunkLogEnding);
 }
 
 bool is_logged_whole(const PlannedArray& a) {
@@ -109,8 +108,7 @@ uint64_t chunk_key(const std::byte* chunk, size_t size) {
 
 ChunkLog::ChunkLog(const RecordingLayout& layout, const ChunkPlan& plan)
     : layout_(layout), plan_(plan), path_(chunk_log_path(layout.path)) {
-  file_ = open(path_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_APPEND | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK,
-               0644);
+  file_ = open_plainly(path_, O_CREAT | O_TRUNC | O_WRONLY | O_APPEND);
   if (file_ < 0) throw_recording_error("create the recording's chunk log", errno);
   const auto head = layout_bytes(layout);
   put(bytes_, kHead, sizeof kHead);
@@ -164,16 +162,9 @@ void ChunkLog::remove() {
 }
 
 std::optional<LoggedChunks> read_chunk_log(const std::string& recording) {
-  std::error_code none;
-  if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(chunk_log_path(recording), none)))
-    return std::nullopt;
-  std::ifstream file(chunk_log_path(recording), std::ios::binary | std::ios::ate);
-  if (!file) return std::nullopt;
-  std::vector<std::byte> all(static_cast<size_t>(file.tellg()));
-  file.seekg(0);
-  file.read(reinterpret_cast<char*>(all.data()), static_cast<std::streamsize>(all.size()));
-  if (!file) return std::nullopt;
-  std::span<const std::byte> rest(all);
+  const auto all = read_plainly(chunk_log_path(recording));
+  if (!all) return std::nullopt;
+  std::span<const std::byte> rest(*all);
   const auto head = take_block<uint64_t>(kHead, rest);
   if (!head) return std::nullopt;
   auto layout = layout_from_bytes(*head);

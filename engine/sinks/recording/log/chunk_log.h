@@ -12,12 +12,15 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/sinks/recording/log/chunk_plan.h"
 
 namespace truestep {
 
+/// What a log's name adds to the recording's.
+constexpr std::string_view kChunkLogEnding = ".chunks";
 std::string chunk_log_path(const std::string& recording);
 
 /// Whether the log holds this array's chunks themselves.

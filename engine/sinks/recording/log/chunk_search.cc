@@ -11,6 +11,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/sinks/recording/file/fletcher32.h"
+#include "engine/sinks/recording/file/plain_file.h"
 #include "engine/sinks/recording/file/recording_file.h"
 
 namespace truestep {
@@ -22,7 +23,7 @@ constexpr size_t kPage = 4096;
 class MappedFile {
  public:
   explicit MappedFile(const std::string& path) {
-    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    const int file = open_plainly(path, O_RDONLY);
     struct stat s {};
     if (file >= 0 && fstat(file, &s) == 0 && s.st_size > 0) {
       void* at = mmap(nullptr, static_cast<size_t>(s.st_size), PROT_READ, MAP_PRIVATE, file, 0);

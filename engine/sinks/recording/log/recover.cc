@@ -1,5 +1,6 @@
 #include "engine/sinks/recording/log/recover.h"
 
+#include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -11,6 +12,7 @@
 #include <functional>
 
 #include "engine/base/errors.h"
+#include "engine/sinks/recording/file/plain_file.h"
 #include "engine/sinks/recording/file/recorded_file.h"
 #include "engine/sinks/recording/file/recording_file.h"
 #include "engine/sinks/recording/file/superblock.h"
@@ -125,6 +127,16 @@ Answer from_log(const std::string& path, const LoggedChunks& log, uint64_t least
   });
 }
 
+// Neither is a link, nor was the new one there before.
+bool copy_plainly(const std::string& from, const std::string& to) {
+  const int file = open_plainly(from, O_RDONLY);
+  if (file < 0) return false;
+  std::error_code failed;
+  const bool done = fs::copy_file("/proc/self/fd/" + std::to_string(file), to, failed);
+  close(file);
+  return done;
+}
+
 // From HDF5's structures, of the file itself or of a copy with a repaired superblock.
 Answer from_structures(const std::string& path, uint64_t found, uint64_t least) {
   const auto read = [&](const std::string& from) {
@@ -147,8 +159,8 @@ Answer from_structures(const std::string& path, uint64_t found, uint64_t least) 
   const std::string copy = path + ".repair";
   Answer result = answer(RecoveryOutcome::kUnreadable, 0, 0, why);
   try {
-    fs::copy_file(path, copy, fs::copy_options::overwrite_existing);
-    if (repair_superblock(copy)) result = read(copy);
+    fs::remove(copy);
+    if (copy_plainly(path, copy) && repair_superblock(copy)) result = read(copy);
   } catch (const std::exception& e) {
     result = answer(RecoveryOutcome::kUnreadable, 0, 0, e.what());
   }

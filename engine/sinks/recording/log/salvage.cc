@@ -1,9 +1,13 @@
 #include "engine/sinks/recording/log/salvage.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <array>
-#include <fstream>
+#include <tuple>
 
 #include "engine/base/errors.h"
+#include "engine/sinks/recording/file/plain_file.h"
 #include "engine/sinks/recording/file/recorded_file.h"
 #include "engine/sinks/recording/file/superblock.h"
 #include "engine/sinks/recording/log/recover.h"
@@ -24,18 +28,24 @@ uint64_t good_frames(const std::string& path) {
   return good;
 }
 
+// Kept open while the file is tried with another one.
 class Superblock {
  public:
-  explicit Superblock(const std::string& path) : path_(path) {
-    std::ifstream(path_, std::ios::binary).read(bytes_.data(), bytes_.size());
+  explicit Superblock(const std::string& path) : file_(open_plainly(path, O_RDWR)) {
+    known_ = ::pread(file_, bytes_.data(), bytes_.size(), 0) == static_cast<ssize_t>(bytes_.size());
   }
+  ~Superblock() {
+    if (file_ >= 0) ::close(file_);
+  }
+  Superblock(const Superblock&) = delete;
+  Superblock& operator=(const Superblock&) = delete;
   void put_back() const {
-    std::fstream file(path_, std::ios::in | std::ios::out | std::ios::binary);
-    file.write(bytes_.data(), bytes_.size());
+    if (known_) std::ignore = ::pwrite(file_, bytes_.data(), bytes_.size(), 0);
   }
 
  private:
-  const std::string path_;
+  const int file_;
+  bool known_ = false;
   std::array<char, 48> bytes_{};
 };
 

@@ -211,9 +211,9 @@ namespace {
 bool motor_runs(const Joint& j, const Model& model, const State& s, double sleep_speed) {
   const Motor motor = motor_of(s, j);
   if (j.kind == JointKind::motor) {
-    return (j.at_velocity && flat::dot(motor.wanted, motor.wanted) > 0) || j.spin != 0;
+    return (j.at_velocity && flat::dot(motor.wanted, motor.wanted) > 0) || (j.at_spin && motor.turn != 0);
   }
-  if (motor.most == 0) return false;
+  if (motor.most == 0 || j.kind == JointKind::mouse) return false;
   if (!j.has_target) return motor.wanted.x != 0;
   constexpr double kAtRest = 0.01;  // of sleep_speed, as in space
   const double at = j.kind == JointKind::prismatic ? joint_coordinate(j, model, s) : joint_angle(j, s);

@@ -215,7 +215,7 @@ struct Acting {
     push(px, py), turn_by(p, -1, 1);
   }
 
-  T most_of(double force) const { return static_cast<T>(force) * h; }
+  T most_of(T force) const { return force * h; }
 
   /// Spring, motor and limits on the angle of b relative to a.
   void turning_drive() {
@@ -319,17 +319,17 @@ void Acting<T>::solve() {
     case JointKind::distance:
       return distance();
     case JointKind::motor: {
-      const T most = most_of(d.max_torque);
+      const T most = most_of(j.most_turn);
       if (d.at_spin) {
-        angular(j.impulse[5], {Law::motor, static_cast<T>(d.spin), {}, -most, most}, -1, 1);
+        angular(j.impulse[5], {Law::motor, j.spin, {}, -most, most}, -1, 1);
       } else {
         angular(j.impulse[5], {Law::servo, angle(), j.servo, -most, most}, -1, 1);
       }
-      if (d.at_velocity) return drive_point(j.impulse, most_of(d.max_force));
-      return point(j.impulse, Law::servo, j.servo, most_of(d.max_force));
+      if (d.at_velocity) return drive_point(j.impulse, most_of(j.most));
+      return point(j.impulse, Law::servo, j.servo, most_of(j.most));
     }
     case JointKind::mouse:
-      return point(j.impulse, Law::servo, j.servo, most_of(d.max_force));
+      return point(j.impulse, Law::servo, j.servo, most_of(j.most));
     case JointKind::gear:
       return angular(j.impulse[0], {Law::hold, j.angle + a.v[6] + static_cast<T>(d.ratio) * b.v[6], j.soft},
                      1, static_cast<T>(d.ratio));

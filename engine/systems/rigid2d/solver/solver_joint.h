@@ -20,8 +20,9 @@ struct JointRow {
   T angle;                // of the joint at the start of the step
   T gax, gay, gbx, gby;   // pulley: from the wheels to the anchors at the start of the step
   SoftConstraint<T> soft, servo;
-  T wanted, most;  // of the motor: speed or position, maximum force or torque
-  T wx, wy;        // velocity of a motor joint, in the world at the start of the step
+  T wanted, most;     // of the motor: speed or position, maximum force or torque
+  T spin, most_turn;  // of a motor joint
+  T wx, wy;           // velocity of a motor joint, in the world at the start of the step
   struct Spring {
     T pull = 0;   // N s/m or N m s/rad, of a substep
     T scale = 0;  // fraction of the speed removed by damping

@@ -210,10 +210,12 @@ JointRow<T> Solver<T>::row_of(const Joint& d, const Pairs& pairs, const SolverSe
       local_a = local_a + (motor.wanted - d.move);
     }
   }
-  j.wanted = t(motor.wanted.x), j.most = t(motor.most), j.wx = t(velocity.x), j.wy = t(velocity.y);
+  j.wanted = t(motor.wanted.x), j.most = t(motor.most), j.spin = t(motor.turn);
+  j.most_turn = t(motor.most_turn), j.wx = t(velocity.x), j.wy = t(velocity.y);
   const Vec2 ra = a.q * local_a, rb = b.q * d.local_b, u = a.q * d.axis;
   Vec2 e = (b.p - a.p) + rb - ra;
-  if (d.kind == JointKind::mouse) e = b.p + rb - d.ground_a;
+  // A drag has no row of its own.
+  if (d.kind == JointKind::mouse) e = b.p + rb - (d.motor_row == kNoMotor ? d.ground_a : motor.wanted);
   j.ax = t(ra.x), j.ay = t(ra.y), j.bx = t(rb.x), j.by = t(rb.y), j.ex = t(e.x), j.ey = t(e.y);
   j.ux = t(u.x), j.uy = t(u.y);
   const Vec2 ga = a.p + ra - d.ground_a, gb = b.p + rb - d.ground_b;
@@ -222,6 +224,7 @@ JointRow<T> Solver<T>::row_of(const Joint& d, const Pairs& pairs, const SolverSe
   const auto angle = [&](uint32_t i) { return i < angles.size() ? angles[i] : 0.0; };
   j.angle = t(d.kind == JointKind::gear ? angle(d.a) + d.ratio * angle(d.b) - d.angle
                                         : angle(d.b) - angle(d.a) - d.angle);
+  if (d.kind == JointKind::motor && !d.at_spin) j.angle -= t(motor.turn - d.turn);
   const SoftConstraint<double>& soft = settings.joint;
   const bool servos = d.has_target || d.kind == JointKind::motor;
   const SoftConstraint<double> servo =

@@ -177,7 +177,6 @@ struct Make {
   void operator()(const MotorJointDef& d) const {
     m.lock({}, Joint::Form::pose, {1, 0, 0});
     m.slides = m.turns = Quat{};
-    m.joint.max_force = d.max_force, m.joint.max_torque = d.max_torque;
     const auto three = [&](uint32_t first, const Vec3& place, const std::optional<Vec3>& velocity) {
       const double at[3] = {place.x, place.y, place.z};
       const double v[3] = {velocity ? velocity->x : 0, velocity ? velocity->y : 0,
@@ -187,7 +186,7 @@ struct Make {
         out.row = first + e, out.laws = Drive::kMotor;
         out.wants = velocity ? Drive::Wants::speed : Drive::Wants::place;
         out.motor_target = velocity ? v[e] : at[e];
-        out.servo_rate = d.rate;
+        out.servo_rate = d.rate, out.max_motor = first == 0 ? d.max_force : d.max_torque;
         m.drives.push_back(out);
       }
     };

@@ -24,7 +24,9 @@ struct Drive {
   double stiffness = 0, damping = 0;        ///< spring: N/m and N s/m, or N m/rad and N m s/rad
   double frequency = 0, damping_ratio = 0;  ///< rad/s; define stiffness and damping where not 0
   enum class Wants : uint8_t { speed, place } wants = Wants::speed;
-  double motor_target = 0, max_motor = kUnbounded;
+  double motor_target = 0;
+  /// N or N m; of a pose, whose rows 0 to 2 and 3 to 5 are each limited together, the same in all three.
+  double max_motor = kUnbounded;
   double servo_rate = 0;  ///< 1/s, rate at which a motor approaches its target
 };
 
@@ -42,8 +44,6 @@ struct Joint {
   Form form = Form::free;
   double length = 0;  ///< m, of a line
   uint32_t first_drive = 0, drives = 0;
-  /// Limits in N and N m on rows 0 to 2 and 3 to 5 of a pose, each taken together.
-  double max_force = kUnbounded, max_torque = kUnbounded;
   double break_force = kUnbounded, break_torque = kUnbounded;
   bool collide = false;
   /// A gear: coordinates of two drives, first + ratio second = 0.

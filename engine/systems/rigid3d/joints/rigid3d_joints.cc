@@ -132,7 +132,8 @@ bool names_drive(std::string_view freedom, uint32_t row) {
 void Rigid3d::set_motor(State& s, const Command& c, std::string_view parameter) const {
   const size_t k = checked_command_row(c, joints_.joints.size(), "joint");
   const Joint& j = joints_.joints[k];
-  const bool strength = parameter == "max_motor";
+  const bool bound = parameter == "max_force" || parameter == "max_torque";
+  const bool strength = bound || parameter == "max_motor";
   const std::string_view freedom = std::string_view(c.name).substr(0, c.name.size() - parameter.size());
   if (strength && c.value < 0)
     refuse_command("value", "out_of_range", "the maximum of the motor must be at least 0");
@@ -142,12 +143,17 @@ void Rigid3d::set_motor(State& s, const Command& c, std::string_view parameter) 
   for (uint32_t d = j.first_drive; d < j.first_drive + j.drives; ++d) {
     const Drive& drive = joints_.drives[d];
     if (!(drive.laws & Drive::kMotor) || (!strength && drive.wants != wants)) continue;
-    if (pose && (strength || drive.row > 2)) continue;
-    if (names_drive(freedom, drive.row)) chosen.push_back(d);
+    const bool turns = drive.row > 2;
+    // A pose has one limit for its slides and one for its turns; what names no freedom moves it.
+    if (pose ? parameter == "max_motor" : bound) continue;
+    if (bound && (!freedom.empty() || turns != (parameter == "max_torque"))) continue;
+    if (pose && !bound && freedom.empty() && turns) continue;
+    if (bound || names_drive(freedom, drive.row)) chosen.push_back(d);
   }
   if (chosen.empty()) {
     refuse_command("index", "no_motor", "joint " + std::to_string(k) + " has no motor that takes " + c.name,
-                   "a joint with motor_speed or motor_target in the scene");
+                   bound ? "a joint of type motor"
+                         : "a joint with motor_speed or motor_target in the scene, or of type motor");
   }
   if (chosen.size() > 1 && !pose) {
     refuse_command("name", "ambiguous",
@@ -157,7 +163,7 @@ void Rigid3d::set_motor(State& s, const Command& c, std::string_view parameter) 
   for (const uint32_t d : chosen) {
     const double axes[3] = {c.vector.x, c.vector.y, c.vector.z};
     s.f64(columns::drive_motor)[2 * static_cast<size_t>(d) + (strength ? 1 : 0)] =
-        pose ? axes[joints_.drives[d].row] : c.value;
+        pose && !bound ? axes[joints_.drives[d].row % 3] : c.value;
   }
   for (const uint32_t body :
        {s.span<uint32_t>(columns::joint_bodies)[2 * k], s.span<uint32_t>(columns::joint_bodies)[2 * k + 1]}) {

@@ -8,8 +8,7 @@ namespace {
 
 bool only_a_ball(const Joint& j) {
   constexpr std::array<uint8_t, 6> kBall{1, 1, 1, 0, 0, 0};
-  return j.form == Joint::Form::free && j.locked == kBall && j.drives == 0 && j.max_force == kUnbounded &&
-         j.max_torque == kUnbounded;
+  return j.form == Joint::Form::free && j.locked == kBall && j.drives == 0;
 }
 
 /// Axes along which the state stores the impulses of a joint.

@@ -46,7 +46,8 @@ carried::Carried carried_velocity(const Contact& c, const CarriedPair& p, const 
                       b = side(*p.kind_b, *p.now_b, c.manifold.part_b, p.velocity_b, p.spin_b);
   // Where two round bodies touch, neither tells where the place goes.
   if (a.round && b.round) return {};
-  return carried::velocity(a, b, {center, center - apart - c.apart, apart, c.ahead}, h);
+  const Vec3 flat = c.manifold.count > 2 ? n : Vec3{};
+  return carried::velocity(a, b, {center, center - apart - c.apart, apart, c.ahead, flat}, h);
 }
 
 template <class T>

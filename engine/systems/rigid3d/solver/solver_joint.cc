@@ -116,10 +116,12 @@ void JointSolver<T>::fill_group(size_t group, const State& s, const JointList& j
       g.flags |= JointGroup<T>::kLines;
       g.along.set(lane, 1), g.length.set(lane, T(joint.length));
     }
-    if (joint.max_force < kUnbounded || joint.max_torque < kUnbounded) {
+    if (joint.form == Joint::Form::pose) {
       g.flags |= JointGroup<T>::kBounded;
-      g.bound[0].set(lane, T(std::min(joint.max_force, kAnyImpulse)));
-      g.bound[1].set(lane, T(std::min(joint.max_torque, kAnyImpulse)));
+      for (size_t e = 0; e < 2; ++e) {
+        const double most = s.f64(columns::drive_motor)[2 * (joint.first_drive + 3 * e) + 1];
+        g.bound[e].set(lane, T(std::min(most, kAnyImpulse)));
+      }
     }
     set_drift(g, lane, s, {a, b}, bodies, at);
     for (uint32_t d = joint.first_drive; d < joint.first_drive + joint.drives; ++d) {
@@ -175,7 +177,9 @@ void JointSolver<T>::fill_drive(JointGroup<T>& g, int lane, const State& s, cons
       const double high = drive.laws & Drive::kUpper ? drive.upper : kUnbounded;
       d.motor.error.set(lane, T(coordinate - std::max(low, std::min(high, motor[0]))));
     }
-    d.motor.most.set(lane, T(std::min(motor[1], kAnyImpulse))), d.motor.impulse.set(lane, T(impulse[1]));
+    // The rows of a pose are limited together.
+    const double most = joint.form == Joint::Form::pose ? kAnyImpulse : std::min(motor[1], kAnyImpulse);
+    d.motor.most.set(lane, T(most)), d.motor.impulse.set(lane, T(impulse[1]));
   }
   if (drive.laws & Drive::kLower) {
     d.lower.error.set(lane, T(coordinate - drive.lower)), d.lower.impulse.set(lane, T(impulse[2]));
