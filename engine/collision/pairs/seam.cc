@@ -14,6 +14,8 @@ namespace {
 
 /// Cosine to a face's normal above which a contact belongs to that face.
 constexpr double kOnFace = 1 - 1e-4;
+/// Cosine between normals that are the same but for rounding.
+constexpr double kSame = 1 - 1e-12;
 
 /// The convex piece of a solid that was touched.
 struct Piece {
@@ -44,23 +46,34 @@ struct Piece {
   Piece& operator=(const Piece&) = delete;
 };
 
-bool on_face(const Piece& p, const Vec3& normal) {
+/// The normal (in the world) of the face that a contact with this normal belongs to.
+std::optional<Vec3> face_touched(const Piece& p, const Vec3& normal) {
   const Vec3 n = p.at.inverse_direction(normal);
+  Vec3 face;
   switch (p.shape.kind) {
     case SolidKind::plane:
-      return true;
-    case SolidKind::box:
-      return std::max({std::abs(n.x), std::abs(n.y), std::abs(n.z)}) > kOnFace;
+      return normal;
+    case SolidKind::box: {
+      const Vec3 size{std::abs(n.x), std::abs(n.y), std::abs(n.z)};
+      face = size.x > std::max(size.y, size.z) ? Vec3{std::copysign(1.0, n.x), 0, 0}
+             : size.y > size.z                 ? Vec3{0, std::copysign(1.0, n.y), 0}
+                                               : Vec3{0, 0, std::copysign(1.0, n.z)};
+      break;
+    }
     case SolidKind::triangle:
-      return dot(p.triangle->normal, n) > kOnFace;
+      face = p.triangle->normal;
+      break;
     case SolidKind::hull: {
       PolyhedronStorage storage;
       const Polyhedron faces = polyhedron(p.shape, storage);
-      return dot(faces.faces[face_towards(faces, n)].normal, n) > kOnFace;
+      face = faces.faces[face_towards(faces, n)].normal;
+      break;
     }
     default:
-      return false;
+      return {};
   }
+  if (dot(face, n) > kOnFace) return p.at.direction(face);
+  return {};
 }
 
 /// m by which the piece rises above the plane through `from` with this normal.
@@ -71,16 +84,20 @@ double rises(const Piece& p, const Vec3& up, const Vec3& from) {
 
 }  // namespace
 
-bool is_seam(const Touched& beside, const Touched& ground, double flush, double deep) {
-  if (beside.solid.kind == SolidKind::plane || dot(beside.normal, ground.normal) > kOnFace) return false;
-  const Vec3& up = ground.normal;
-  const double height = dot(up, beside.point - ground.point);
-  if (height > flush || height < -deep) return false;
-  const Piece floor(ground), piece(beside);
-  if (!on_face(floor, up) || rises(piece, up, ground.point) > flush) return false;
+std::optional<Vec3> floor_normal(const Touched& ground) {
+  return face_touched(Piece(ground), ground.normal);
+}
+
+Seam seam(const Touched& beside, const Floor& floor, double flush, double deep) {
+  const Vec3& up = floor.up;
+  if (beside.solid.kind == SolidKind::plane || dot(beside.normal, up) > kSame) return Seam::none;
+  const double height = dot(up, beside.point - floor.ground.point);
+  if (height > flush || height < -deep || rises(Piece(beside), up, floor.ground.point) > flush)
+    return Seam::none;
   // Seen from above: the front of a triangle does not count from below.
-  const Vec3 above = ground.at.inverse_point(beside.point + up * (deep - height));
-  return point_distance(ground.solid, above, 2 * deep).has_value();
+  const Vec3 above = floor.ground.at.inverse_point(beside.point + up * (deep - height));
+  if (!point_distance(floor.ground.solid, above, 2 * deep)) return Seam::none;
+  return dot(beside.normal, up) > kOnFace ? Seam::goes_on : Seam::covered;
 }
 
 }  // namespace truestep

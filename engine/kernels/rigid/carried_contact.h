@@ -37,9 +37,10 @@ inline Vec3 mean_turn(const Vec3& turn, const Vec3& r) {
 
 /// What the velocity of a surface exceeds that of the solver's rows by.
 struct Carried {
-  Vec3 mean;     ///< m/s, in the middle of the step: so that the sum over its substeps is exact
-  Vec3 rate;     ///< m/s^2, in the middle of the step as well
-  Vec3 turns{};  ///< rad/s, at which the place goes round, and friction there
+  Vec3 mean;          ///< m/s, in the middle of the step: so that the sum over its substeps is exact
+  Vec3 rate;          ///< m/s^2, in the middle of the step as well
+  Vec3 turns{};       ///< rad/s, at which the place goes round, and friction there
+  bool lies = false;  ///< a face on a face, which turns its normal along
 };
 
 /// Of a body with this spin at the place of a contact, beyond spin x solved. `arm` (m) leads there at the
@@ -97,7 +98,7 @@ inline Carried velocity(Side a, Side b, const Found& found, double h) {
   const Carried of_leader = excess(leader.spin, back, from, turns, {}, h),
                 of_other = excess(other.spin, there, with_b ? found.on_a : found.on_b, turns, drift, h);
   const Carried &of_a = with_b ? of_other : of_leader, &of_b = with_b ? of_leader : of_other;
-  return {of_b.mean - of_a.mean, of_b.rate - of_a.rate, turns};
+  return {of_b.mean - of_a.mean, of_b.rate - of_a.rate, turns, lies};
 }
 
 }  // namespace truestep::carried

@@ -62,7 +62,8 @@ struct alignas(64) ContactGroup {
   W struck;                           ///< 1 where an impact is being shared by the points
   // Read only if the flags require it.
   W restitution;
-  W slide_rate[2];  ///< m/s^2, change of slide_drift in the step
+  W slide_rate[2];    ///< m/s^2, change of slide_drift in the step
+  W lift, lift_rate;  ///< m/s along the normal at the start of the step, m/s^2: of surfaces that turn
   W roll_k[3], roll[2], rolling;
   // Written only in substeps with deep penetration.
   struct Before {
@@ -83,6 +84,7 @@ struct ContactLanes {
   W slide[3], twist, roll[3];                 ///< impulses of the last step, in the world
   W turn;                                     ///< rad/s about n, of b relative to a
   W surface[3], carried[3], carried_rate[3],  ///< m/s, m/s^2 (carried_contact.h), at the start of the step
+      lift, lift_rate,                        ///< the same along the normal
       surface_turn[3];  ///< velocity at a's centre and angular velocity of b's moving surface relative to a's
 };
 
@@ -211,6 +213,7 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
   }
   if (g.flags & ContactGroup<T>::kTurns) {
     for (int t = 0; t < 2; ++t) g.slide_rate[t] = r::dot(in.carried_rate, g.tangent[t]);
+    g.lift = in.lift, g.lift_rate = in.lift_rate;
   }
   g.twist = in.twist, g.twist_drift = drifts ? r::dot(in.surface_turn, in.normal) : zero;
   g.restitution = in.restitution, g.rolling = in.rolling;

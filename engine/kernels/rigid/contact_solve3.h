@@ -256,6 +256,9 @@ template <class T>
   W da[6], db[6], v[6];
   gather6(d, g.a, da), gather6(d, g.b, db);
   detail::relative_motion(g, da, db, v);
+  if (g.flags & ContactGroup<T>::kTurns) {
+    v[0] = madd(W(elapsed), madd(g.lift_rate, W(T(0.5) * elapsed), g.lift), v[0]);
+  }
   for (int p = 0; p < g.points; ++p) {
     auto& at = g.place[p];
     at.separation =
@@ -274,20 +277,20 @@ void solve_contacts(ContactGroup<T>& g, Record8<T>* records, const Record8<T>* d
   if constexpr (kind == ContactSolve::relax) update_separations(g, d, pass.elapsed);
   gather6(records, g.a, a), gather6(records, g.b, b);
   detail::relative_motion(g, a, b, v);
+  // A push leads to the end of a substep, by the mean of its velocities.
+  const T time = kind == ContactSolve::bias ? pass.elapsed + T(0.5) / pass.inverse_h : pass.elapsed;
+  if (g.flags & ContactGroup<T>::kTurns) v[0] += madd(g.lift_rate, W(time), g.lift);
   W push_out(pass.push_out);
   if (kind == ContactSolve::bias && pass.start) push_out = detail::push_left(g, a, b, pass);
   // Friction is bounded by the normal impulses of the last relaxation, never by those of a push.
-  if constexpr (kind == ContactSolve::bias) {
-    // The mean of the substep.
-    detail::solve_friction(g, v, f, pass.elapsed + T(0.5) / pass.inverse_h);
-  }
+  if constexpr (kind == ContactSolve::bias) detail::solve_friction(g, v, f, time);
   detail::share_blow<kind>(g, v, f, pass, push_out);
   detail::solve_points<kind>(g, v, f, pass, push_out);
   if constexpr (kind == ContactSolve::relax) {
-    detail::solve_friction(g, v, f, pass.elapsed);
+    detail::solve_friction(g, v, f, time);
   } else if ((g.flags & ContactGroup<T>::kTurns) && !pass.start) {
     // What goes round is pulled sideways anew in every substep: what the normals leave of its slip adds up.
-    detail::solve_friction(g, v, f, pass.elapsed + T(0.5) / pass.inverse_h);
+    detail::solve_friction(g, v, f, time);
   }
   detail::push_apart(g, f, a, b);
   scatter6(records, g.a, end, a), scatter6(records, g.b, end, b);

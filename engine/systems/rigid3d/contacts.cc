@@ -101,6 +101,7 @@ void ContactList::narrow_phase(const State& s, std::span<const BodyKind> kinds, 
   }
   bears_.clear();
   if (moves_) find_bearing(s);
+  if (moves_ && seams_possible_) look_at_seams_now(s, kinds);
   const size_t blocks = (pairs_.size() + kPairsPerBlock - 1) / kPairsPerBlock;
   if (blocks_.size() < blocks) blocks_.resize(blocks), manifolds_.resize(blocks);
   in.arena.for_blocks(pairs_.size(), kPairsPerBlock, [&](size_t begin, size_t end) {
@@ -193,13 +194,14 @@ void ContactList::find(State& s, const BodyList& list, std::span<const Joint> jo
                        double ahead) {
   const std::span<const BodyKind> kinds = list.kinds;
   find_joined(s, joints);
+  seams_possible_ = list.seams;
   update_bounds(s, kinds, in, ahead, list.thinnest);
   narrow_phase(s, kinds, in, ahead);
   if (wake(s, kinds)) {
     update_bounds(s, kinds, in, ahead, list.thinnest);
     narrow_phase(s, kinds, in, ahead);
   }
-  if (list.seams) leave_out_seams(s, kinds);
+  if (seams_possible_) leave_out_seams(s, kinds);
   match(s);
 }
 

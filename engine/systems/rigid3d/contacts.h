@@ -8,6 +8,7 @@
 
 #include "engine/collision/collision.h"
 #include "engine/collision/pairs/foreseen_manifold.h"
+#include "engine/collision/pairs/seam.h"
 #include "engine/core/system.h"
 #include "engine/systems/rigid3d/rigid3d_state.h"
 
@@ -53,6 +54,9 @@ class ContactList {
     const auto [low, high] = std::minmax(a, b);
     return std::binary_search(seams_.begin(), seams_.end(), uint64_t{low} << 32 | high);
   }
+  /// True if body i, which stands on a piece of ground, would meet the ground j at a seam of both.
+  bool meets_seam(const State& s, std::span<const BodyKind> kinds, uint32_t i, uint32_t j,
+                  const Impact& hit) const;
   const BroadPhase& broad_phase() const { return broad_; }
   /// True if a joint keeps the two bodies from touching.
   bool joined(uint32_t a, uint32_t b) const {
@@ -73,6 +77,8 @@ class ContactList {
   void leave_out_seams(const State& s, std::span<const BodyKind> kinds);
   /// Marks the pairs that move and bore a load in the last step.
   void find_bearing(const State& s);
+  /// Unmarks those of bodies over several pieces of ground: seams are judged by contacts of one moment.
+  void look_at_seams_now(const State& s, std::span<const BodyKind> kinds);
   /// Two bodies as they will be `ahead` (s) later; 0: they hardly move relative to one another.
   struct Outlook {
     double ahead = 0;
@@ -109,6 +115,8 @@ class ContactList {
   static constexpr double kSeenMotion = 1e-6;
   std::vector<uint8_t> bears_;    // per pair; empty if nothing moves
   bool moves_ = false;            // any body
+  bool seams_possible_ = false;   // the ground has several pieces
+  std::vector<uint8_t> pieces_;   // of ground in reach, per body
   std::vector<uint64_t> joined_;  // pairs that do not touch, ascending; as listed, now and before
   std::vector<uint64_t> joined_now_, joined_before_;
   std::vector<std::vector<Contact>> blocks_;
@@ -117,6 +125,7 @@ class ContactList {
   std::vector<Row> rows_;
   std::vector<std::pair<uint32_t, uint32_t>> on_ground_;  // bodies that touch fixed ones, and the contacts
   std::vector<uint64_t> seams_;                           // pairs of bodies, ascending
+  std::vector<std::pair<Floor, size_t>> floors_;          // under a body, and their contacts
   std::vector<uint8_t> claimed_;  // rows of the previous step that a contact continues
 };
 

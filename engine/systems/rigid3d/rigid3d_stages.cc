@@ -198,6 +198,7 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
             (!hit || hit->t == 0 || !one_way_holds(-dot(hit->normal, up), dot(own.move - other.move, up)))) {
           continue;
         }
+        if (hit && scratch.contacts.meets_seam(s, bodies_.kinds, i, j, *hit)) hit.reset();
       }
       if (!hit || hit->t == 0) hit = time_of_impact(core, own, o.solid, other, 0.1 * k.inner);
       // Overlapping cores may separate, and a body close to a wall may leave it, as may one whose core is cut

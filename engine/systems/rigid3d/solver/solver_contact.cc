@@ -107,8 +107,16 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
       g.flags |= ContactGroup<T>::kDrifts | ContactGroup<T>::kTurns;
       const CarriedPair pair{&ka, &kb, &now[c.a], &now[c.b], load3(v, c.a), load3(v, c.b), turn_a, turn_b};
       const carried::Carried carried = carried_velocity(c, pair, pressed_center(c) - xa, h);
-      set3(in.carried, lane, carried.mean - carried.rate * (0.5 * h)),
-          set3(in.carried_rate, lane, carried.rate);
+      const Vec3 first = carried.mean - carried.rate * (0.5 * h);
+      set3(in.carried, lane, first), set3(in.carried_rate, lane, carried.rate);
+      if (carried.lies) {
+        const double lift = dot(first, n), rate = dot(carried.rate, n);
+        in.lift.set(lane, T(lift)), in.lift_rate.set(lane, T(rate));
+        // What was found ahead was brought back without it.
+        const double missed = c.ahead * (lift + 0.5 * rate * c.ahead);
+        for (int p = 0; p < c.manifold.count; ++p)
+          in.separation[p].set(lane, T(double(in.separation[p][lane]) - missed));
+      }
       set3(in.slide, lane, rotation(free_rotation::turn(carried.turns * h)).apply(c.slide));
     }
     if (surface != Vec3{} || turn != Vec3{}) {
