@@ -105,11 +105,4 @@ class Driver {
   ExpressionProgram program_;
 };
 
-/// A system that such channels move.
-class Animated {
- public:
-  virtual ~Animated() = default;
-  virtual const Driver& driver() const = 0;
-};
-
 }  // namespace truestep::animation

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks the house rules: order of includes and calls, one definition a type, file and folder sizes, head comments, flags, names of one file, choices of the build, controls of scene tests, libm imports, README's folder table.
+"""Checks the house rules: order of includes and calls, one definition a type, file and folder sizes, head comments, flags, casts, names of one file, choices of the build, controls of scene tests, libm imports, README's folder table.
 
 check.py [--build DIR] [--in PATH...] [RULE...]     prints one line per finding, exit code 1 when one is no warning.
 Without a build folder the rules that read object files are left out (the pre-commit hook does that).
@@ -26,6 +26,7 @@ RULES = {
     "machine": files.check_machine_paths,
     "folders": files.check_folder_table,
     "flags": files.check_flags,
+    "casts": files.check_casts,
     "anonymous": anonymous.check,
     "choices": choices.check,
     "controls": controls.check,

@@ -86,6 +86,14 @@ def check_folder_table(tree):
         yield Finding("README.md", rows[folder], "folders", f"the folder table names {folder}, which is not there")
 
 
+def check_casts(tree):
+    """What a system offers is a member of its ports, not found by asking for its type."""
+    for path, lines in tree.code("engine"):
+        for number, line in enumerate(lines, 1):
+            if "dynamic_cast" in line.split("//")[0]:
+                yield Finding(path, number, "casts", "dynamic_cast: what some systems offer is a member of Ports (core/ports/ports.h)")
+
+
 def check_flags(tree):
     """No contraction, no fast-math: in the build files, and on every command that compiles a file of ours."""
     build_files = [p for p in tree.paths if p.endswith(("CMakeLists.txt", ".cmake", "CMakePresets.json"))]

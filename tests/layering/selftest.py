@@ -51,6 +51,7 @@ FAULTS = [
     ("machine", "README.md", "npm --registry https://registry.npm" + "js.org\n", "a registry"),
     ("folders", "README.md", "| `engine/gone/` | x |\n", "a row for no folder"),
     ("folders", "web/main.ts", "// Viewer.\n", "a folder without a row"),
+    ("casts", "engine/core/thing.cc", "bool tall(const System& s) { return dynamic_cast<const Tall*>(&s); }\n", "dynamic_cast"),
     ("flags", "cmake/options.cmake", "add_compile_options(-ffast-math)\n", "fast-math"),
     ("flags", "cmake/options.cmake", "add_compile_options(-march=native)\n", "one machine's instructions"),
     ("anonymous", "engine/systems/sph/state.cc", HEAD + "namespace truestep::sph {\nnamespace {\nconstexpr int kRest{1}, kOwn = 2;\n}\n}\n", "a name of a file beside it"),

@@ -29,6 +29,8 @@ struct BodyTwist {
 };
 
 class BodyAccess;
+class BodyCarrier;  // core/ports/body_carrier.h
+class BodySleep;    // core/ports/body_sleep.h
 
 /// The system behind bodies whose columns do not say everything.
 class BodyOwner {
@@ -38,6 +40,10 @@ class BodyOwner {
   virtual void wake(State& state, size_t row) const = 0;
   /// Access to rows that are not free bodies in space; null: they are free.
   virtual const BodyAccess* access() const { return nullptr; }
+  /// Null: they cannot be led to given motions (free bodies need none for that).
+  virtual const BodyCarrier* carrier() const { return nullptr; }
+  /// Null: they never fall asleep.
+  virtual const BodySleep* sleep() const { return nullptr; }
 };
 
 class BodyAccess : public BodyOwner {

@@ -1,6 +1,6 @@
 // Bodies moved by something else, such as a bone or a path: placed at given poses with given velocities. Free
 // bodies take these exactly; those with an access come as close as their joints allow, if their owner
-// supports it (BodyCarrier).
+// supports it (BodyOwner::carrier).
 #pragma once
 #include "engine/core/ports/body_port.h"
 
@@ -16,7 +16,7 @@ class BodyCarrier {
 
 /// Whether `carry` can do anything with such bodies.
 inline bool can_be_carried(const BodyPort& port) {
-  return !port.access() || dynamic_cast<const BodyCarrier*>(port.owner);
+  return !port.access() || port.owner->carrier();
 }
 
 /// Scratch of `carry`, with one element per row.
@@ -30,7 +30,7 @@ struct CarriedBodies {
 /// Moves rows of `port` to the wanted motions and wakes them; can_be_carried must hold.
 inline void carry(State& state, const BodyPort& port, const CarriedBodies& wanted, Workspace& memory) {
   if (port.access()) {
-    dynamic_cast<const BodyCarrier&>(*port.owner).carry(state, wanted.motions, wanted.given, memory);
+    port.owner->carrier()->carry(state, wanted.motions, wanted.given, memory);
     return;
   }
   RealColumn<double> place(state, port.position), orientation(state, port.orientation),

@@ -1,4 +1,4 @@
-// Bodies that fall asleep, as couplings see them: the owner of a BodyPort may also implement this. Impulses
+// Bodies that fall asleep, as couplings see them: what the owner of a BodyPort may name (BodyOwner::sleep). Impulses
 // wake a body (BodyOwner::wake resets its timer); a coupling that merely rests on it restores the timer.
 #pragma once
 #include "engine/core/state/state.h"

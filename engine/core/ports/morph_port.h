@@ -1,5 +1,5 @@
 // A surface that is a weighted sum of shapes, for file writers: its base, its targets and their weights in a
-// state. Separate from Ports, like rig_of.
+// state (Ports::morph).
 #pragma once
 #include <array>
 #include <cstdint>

@@ -92,7 +92,14 @@ struct PublishedSolids {
   bool empty() const { return triangles.empty() && segments.empty() && balls == Balls::none; }
 };
 
-class AnswersImpulses;  // core/equations/impulse_answer.h
+class AnswersImpulses;    // core/equations/impulse_answer.h
+class ChangingTriangles;  // core/ports/changing_triangles.h
+class Morphed;            // core/ports/morph_port.h
+class PressedPoints;      // core/ports/pressed_points.h
+class Rigged;             // core/ports/rig_port.h
+namespace animation {
+class Driver;  // animation/driver.h
+}
 
 /// A medium that fills space and takes bodies (core/ports/medium.h).
 struct MediumPort {
@@ -102,7 +109,8 @@ struct MediumPort {
   State::Column gravity = 0;  ///< three numbers, m/s^2, f64
 };
 
-/// What a system offers to couplings; corners of `solids` are rows of `points`.
+/// What a system offers to couplings and file writers; corners of `solids` are rows of `points`. What it does not
+/// have is empty or null.
 struct Ports {
   std::optional<PointPort> points;
   PublishedSolids solids;  ///< with which points of other systems collide
@@ -110,6 +118,11 @@ struct Ports {
   std::optional<MediumPort> medium;
   /// How all points respond to impulses on some; null: each by its own mass.
   const AnswersImpulses* answers = nullptr;
+  const ChangingTriangles* changing = nullptr;  ///< `solids` lists the triangles at t = 0; null: of any time
+  const PressedPoints* pressed = nullptr;       ///< what its points take when bodies press on them
+  const Rigged* rig = nullptr;                  ///< a skeleton
+  const Morphed* morph = nullptr;               ///< blended shapes
+  const animation::Driver* driver = nullptr;    ///< channels that move it and that others may follow
 };
 
 }  // namespace truestep

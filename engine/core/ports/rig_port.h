@@ -1,7 +1,7 @@
 // RigPort: how couplings and file writers access a skeleton without knowing its system: its tree of joints,
 // the columns with their poses, its bones as bodies, its skin; and how it is led when something else (a
-// ragdoll) determines the poses of its bones. Few systems have one, so it is obtained by rig_of, separately
-// from Ports.
+// ragdoll) determines the poses of its bones. Few systems have one, so it is made by rig_of when it is asked for
+// (Ports::rig).
 #pragma once
 #include <array>
 #include <cstdint>
@@ -59,7 +59,7 @@ class Rigged {
   virtual RigPort rig() const = 0;
 };
 inline std::optional<RigPort> rig_of(const System& system) {
-  const auto* rigged = dynamic_cast<const Rigged*>(&system);
+  const Rigged* rigged = system.ports().rig;
   return rigged ? std::optional(rigged->rig()) : std::nullopt;
 }
 

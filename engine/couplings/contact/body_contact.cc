@@ -103,7 +103,7 @@ std::unique_ptr<const BodyContact> BodyContact::make(const ContactDef& def, cons
       std::ranges::any_of(out->hulls_.start.segments, [](const auto& s) { return s[0] != s[1]; });
   out->reach_ = columns.radius + kContactSlop;
   const BodyAccess* access = on_bodies.bodies->access();
-  if (!access) out->sleep_ = dynamic_cast<const BodySleep*>(on_bodies.bodies->owner);
+  if (const BodyOwner* owner = on_bodies.bodies->owner; owner && !access) out->sleep_ = owner->sleep();
   if (out->sleep_) out->remembered_ = ConstBodies(bodies.state, *on_bodies.bodies).count();
   const auto space = access ? access->space() : BodyAccess::Space::space;
   for (const BodyForm& f : on_bodies.bodies->forms) out->forms_.push_back(touch_form(f, space));

@@ -11,7 +11,7 @@
 #pragma once
 #include <memory>
 
-#include "engine/core/changing_triangles.h"
+#include "engine/core/ports/changing_triangles.h"
 #include "engine/core/ports/body_sleep.h"
 #include "engine/couplings/contact/body_touch_solver.h"
 

@@ -3,7 +3,7 @@
 #pragma once
 #include <string>
 
-#include "engine/core/changing_triangles.h"
+#include "engine/core/ports/changing_triangles.h"
 #include "engine/core/coupling.h"
 #include "engine/couplings/contact/contact_def.h"
 #include "engine/couplings/contact/contact_search.h"

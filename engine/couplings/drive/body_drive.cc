@@ -73,7 +73,7 @@ class BodyDrive final : public Coupling {
 }  // namespace
 
 std::unique_ptr<const Coupling> build_body_drive(const DriveDef& d, const CouplingContext& context) {
-  const Driver& driver = dynamic_cast<const animation::Animated&>(context.a.system).driver();
+  const Driver& driver = *context.a.system.ports().driver;
   Guide guide{driver, {}, {}};
   const auto find = [&](const std::string& name, const char* member, Driver::Channel::Kind kind) {
     const auto channel = driver.channel(kind, name);

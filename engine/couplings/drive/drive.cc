@@ -173,7 +173,7 @@ Source control_of(const DriveDef& d, const CouplingContext& context) {
 }
 
 Source channel_of(const DriveDef& d, const System& a) {
-  const Driver& driver = dynamic_cast<const animation::Animated&>(a).driver();
+  const Driver& driver = *a.ports().driver;
   const bool path = d.vector.empty();
   const auto kind = path ? Driver::Channel::Kind::path : Driver::Channel::Kind::vector;
   const std::string& name = path ? d.path : d.vector;
@@ -197,7 +197,7 @@ bool takes_vector(const System& b, const State& state, Command c) {
 
 std::unique_ptr<const Coupling> build_drive(const void* def, const CouplingContext& context) {
   const auto& d = *static_cast<const DriveDef*>(def);
-  if (d.control.empty() && !dynamic_cast<const animation::Animated*>(&context.a.system)) {
+  if (d.control.empty() && !context.a.system.ports().driver) {
     refuse_drive("a", '"' + context.a.id + "\" has no channels", '"' + context.a.id + '"',
                  "keyframes, a skeleton or blend_shapes");
   }

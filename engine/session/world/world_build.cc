@@ -146,7 +146,7 @@ double World::substeps_of_pressed() const {
   for (const SceneCoupling& c : scene_.couplings) {
     if (c.reading == Reading::faulty || c.a == c.b || !systems_[c.a] || !systems_[c.b]) continue;
     for (const auto& [points, on] : {std::pair(c.a, c.b), std::pair(c.b, c.a)}) {
-      const auto* pressed = dynamic_cast<const PressedPoints*>(systems_[points].get());
+      const PressedPoints* pressed = systems_[points]->ports().pressed;
       const Ports ports = systems_[on]->ports();
       if (!pressed || !ports.bodies) continue;
       double heaviest = 0;

@@ -196,7 +196,7 @@ void MotionExport::add_skeleton(Document& d) const {
 }
 
 void MotionExport::add_surface(Document& d) const {
-  const Morphed::Port port = dynamic_cast<const Morphed&>(system_).morph();
+  const Morphed::Port port = system_.ports().morph->morph();
   json::object primitive{{"attributes", json::object{{"POSITION", d.vectors(port.base, true)}}}};
   if (!port.triangles.empty()) primitive["indices"] = d.indices(port.triangles);
   json::array targets, names;
@@ -228,7 +228,7 @@ void MotionExport::add_surface(Document& d) const {
 
 MotionExport::Document MotionExport::document() const {
   Document d;
-  if (rig_of(system_)) {
+  if (system_.ports().rig) {
     add_skeleton(d);
   } else {
     add_surface(d);

@@ -25,12 +25,12 @@ MotionExport::MotionExport(const System& system, std::string name, double rate)
 }
 
 bool MotionExport::suits(const System& system) {
-  return rig_of(system) || dynamic_cast<const Morphed*>(&system);
+  return system.ports().rig || system.ports().morph;
 }
 
 size_t MotionExport::rows(const System& system) {
   if (const auto rig = rig_of(system)) return rig->joints.size();
-  return 1 + dynamic_cast<const Morphed&>(system).morph().targets.size();
+  return 1 + system.ports().morph->morph().targets.size();
 }
 
 void MotionExport::add(const State& state, double t) {
@@ -52,7 +52,7 @@ void MotionExport::add(const State& state, double t) {
     }
     return;
   }
-  const auto& morphed = dynamic_cast<const Morphed&>(system_);
+  const Morphed& morphed = *system_.ports().morph;
   const size_t first = weights_.size();
   weights_.resize(first + morphed.morph().targets.size());
   locals_.push_back(morphed.morph_at(state, t, std::span(weights_).subspan(first)));

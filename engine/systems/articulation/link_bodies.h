@@ -23,6 +23,7 @@ class LinkBodies final : public BodyAccess, public BodyCarrier {
   std::span<const BodyForm> forms() const { return forms_; }
 
   void wake(State&, size_t) const override {}
+  const BodyCarrier* carrier() const override { return this; }
   void forget(Workspace& memory) const override;
   size_t count() const override { return forms_.size(); }
   uint32_t form(const State&, size_t row) const override { return static_cast<uint32_t>(row); }

@@ -183,6 +183,7 @@ void BlendShapes::draw(const State&, double, Wish wishes, Drawing& out) const {
 
 Ports BlendShapes::ports() const {
   Ports out;
+  out.morph = this, out.driver = &driver_;
   out.points = PointPort{.position = kPosition,
                          .velocity = kVelocity,
                          .mass = std::nullopt,

@@ -45,7 +45,7 @@ const DefTable& blend_shapes_table();
 const Outputs& blend_shapes_outputs();
 Cost blend_shapes_cost(const void* def);
 
-class BlendShapes final : public StagedSystem, public Morphed, public animation::Animated {
+class BlendShapes final : public StagedSystem, public Morphed {
  public:
   BlendShapes(const BlendShapesDef& def, const BuildContext& context);
 
@@ -55,7 +55,6 @@ class BlendShapes final : public StagedSystem, public Morphed, public animation:
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   Ports ports() const override;
-  const animation::Driver& driver() const override { return driver_; }
   Morphed::Port morph() const override;
   Pose morph_at(const State& state, double t, std::span<double> weights) const override;
 

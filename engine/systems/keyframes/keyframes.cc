@@ -266,6 +266,7 @@ void Keyframes::draw(const State&, double, Wish wishes, Drawing& out) const {
 
 Ports Keyframes::ports() const {
   Ports out;
+  out.driver = &driver_;
   if (rigid_) {
     out.bodies = kBodies.port(forms_);
   } else if (vertices_ > 0) {

@@ -14,7 +14,7 @@
 
 namespace truestep::keyframes {
 
-class Keyframes final : public StagedSystem, public animation::Animated {
+class Keyframes final : public StagedSystem {
  public:
   Keyframes(const KeyframesDef& def, const BuildContext& context);
 
@@ -24,7 +24,6 @@ class Keyframes final : public StagedSystem, public animation::Animated {
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   Ports ports() const override;
-  const animation::Driver& driver() const override { return driver_; }
 
  private:
   struct Shape {

@@ -39,6 +39,7 @@ class Rigid3d final : public StagedSystem, public BodyOwner, public BodySleep {
   /// The bodies; sensors touch nothing.
   Ports ports() const override;
   void wake(State& s, size_t row) const override;
+  const BodySleep* sleep() const override { return this; }
   double sleep_speed() const override { return sleep_speed_; }
   bool asleep(const State& s, size_t row) const override;
   double sleep_timer(const State& s, size_t row) const override;

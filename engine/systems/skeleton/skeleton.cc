@@ -171,6 +171,7 @@ State Skeleton::initial_state() const {
 
 Ports Skeleton::ports() const {
   Ports out;
+  out.rig = this, out.driver = &driver_;
   if (publish_ == SkeletonDef::Publish::bones) {
     out.bodies = kBones.port(forms_);
     return out;

@@ -33,7 +33,7 @@ struct SkeletonColumns {
   };
 };
 
-class Skeleton final : public StagedSystem, public FollowsBones, public Rigged, public animation::Animated {
+class Skeleton final : public StagedSystem, public FollowsBones, public Rigged {
  public:
   Skeleton(const SkeletonDef& def, const BuildContext& context);
 
@@ -44,7 +44,6 @@ class Skeleton final : public StagedSystem, public FollowsBones, public Rigged, 
   void check(StateCheck& check, double t) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   Ports ports() const override;
-  const animation::Driver& driver() const override { return driver_; }
   RigPort rig() const override;
   void prepare(State& state) const override;
   void follow(State& state, std::span<const Pose> bones, std::span<const uint8_t> given, double h,

@@ -335,8 +335,8 @@ Ports Xpbd::ports() const {
                               .id = std::nullopt,
                               .radius = options_.radius},
           .solids = {body_.triangles, segments_},
-          .bodies = std::nullopt,
-          .answers = nullptr};
+          .changing = this,
+          .pressed = this};
 }
 
 std::span<const std::array<uint32_t, 3>> Xpbd::triangles(const State& s) const {

@@ -11,7 +11,7 @@
 #pragma once
 #include <memory>
 
-#include "engine/core/changing_triangles.h"
+#include "engine/core/ports/changing_triangles.h"
 #include "engine/core/ports/pressed_points.h"
 #include "engine/systems/xpbd/solver.h"
 

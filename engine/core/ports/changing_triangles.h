@@ -20,7 +20,7 @@ class SolidsOf {
  public:
   SolidsOf() = default;
   explicit SolidsOf(const System& system)
-      : start(system.ports().solids), changing_(dynamic_cast<const ChangingTriangles*>(&system)) {}
+      : start(system.ports().solids), changing_(system.ports().changing) {}
   PublishedSolids in(const State& state) const {
     PublishedSolids now = start;
     if (changing_ && !start.triangles.empty()) now.triangles = changing_->triangles(state);
