@@ -55,7 +55,7 @@ void belt(Dice& d, Trial& t, bool flat) {
   const std::string x = "load.position.x - " + number(speed) + "*t";
   const double lag = 0.5 * speed * slips;
   char after[64];
-  std::snprintf(after, sizeof after, "%.6f, %.6f", slips + 0.2, seconds);
+  std::snprintf(after, sizeof after, "%.6f, %.6f", slips + 1, seconds);
   const double dt = t.scene["time"].at("dt").as_double();
   expect_range(t, "largest(" + x + " + " + number(lag) + ", " + after + ")", 0,
                0.01 * size + 0.5 * mu * kG * dt * dt + 0.01 * std::abs(lag), "it slips for v / (mu g)");
@@ -125,8 +125,10 @@ void driven_lift_3d(Dice& d, Trial& t) {
   const std::string c = "(cos(" + number(rate) + "*t) - 1)";
   const std::string x = "load.position.x - " + number(aside * std::cos(phase)) + "*" + c,
                     z = "load.position.z - " + number(aside * std::sin(phase)) + "*" + c;
+  // The first step has no load yet that friction could answer.
+  const double dt = t.scene["time"].at("dt").as_double(), first = std::abs(aside) * rate * rate * dt * dt;
   for (const std::string& q : {x, z}) {
-    expect_range(t, "largest(" + q + ")", 0, 1e-2 * size,
+    expect_range(t, "largest(" + q + ")", 0, 1e-2 * size + first,
                  "it stays where it is, but for how it settles and leans");
   }
 }

@@ -92,6 +92,8 @@ void shield_3d(Dice&, Trial&);
 void bar_2d(Dice&, Trial&);
 void bar_3d(Dice&, Trial&);
 void shield_points(Dice&, Trial&);
+void driven_shield_3d(Dice&, Trial&);
+void driven_bar_3d(Dice&, Trial&);
 void bar_points(Dice&, Trial&);
 void seam_3d(Dice&, Trial&);
 void turntable_3d(Dice&, Trial&);
