@@ -112,6 +112,32 @@ std::span<const CommandType> command_types() {
   return kTypes;
 }
 
+std::string written_name(CommandKind kind, std::string_view member) {
+  using K = CommandKind;
+  struct Word {
+    CommandKind kind;
+    std::string_view member, written;
+  };
+  static constexpr Word kWords[] = {{K::push, "vector", "force"},
+                                    {K::impulse, "vector", "impulse"},
+                                    {K::drag, "vector", "target"},
+                                    {K::drag, "value", "stiffness"},
+                                    {K::spawn, "vector", "position"}};
+  for (const Word& w : kWords) {
+    if (w.kind == kind && w.member == member) return std::string(w.written);
+  }
+  return std::string(member);
+}
+
+Error as_written(const Error& refused, CommandKind kind) {
+  std::vector<Issue> issues = refused.issues();
+  for (Issue& i : issues) {
+    if (i.pointer.starts_with('/'))
+      i.pointer.replace(1, std::string::npos, written_name(kind, i.pointer.substr(1)));
+  }
+  return {refused.code(), refused.what(), std::move(issues)};
+}
+
 Command read_command(const json::value& document) {
   std::vector<Issue> issues;
   std::vector<std::string> names;

@@ -3,6 +3,7 @@
 #pragma once
 #include <boost/json.hpp>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -23,6 +24,11 @@ std::span<const CommandType> command_types();
 /// Error "bad_command" with every fault and its pointer.
 Command read_command(const boost::json::value& document);
 boost::json::object write_command(const Command& command);
+
+/// What a document calls a member of Command: drag's "value" is its "stiffness".
+std::string written_name(CommandKind kind, std::string_view member);
+/// The error of a system that refused a command, with pointers that name what the document says.
+Error as_written(const Error& refused, CommandKind kind);
 
 class World;
 struct WorldState;

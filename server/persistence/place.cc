@@ -37,7 +37,8 @@ void remove_below(int at, const char* name) {
   if (::unlinkat(at, name, 0) == 0 || errno == ENOENT) return;
   const Descriptor folder(::openat(at, name, kAsFolder));
   if (folder.get() < 0) return;
-  for (const std::string& inner : names_in(::fcntl(folder.get(), F_DUPFD_CLOEXEC, 0))) remove_below(folder.get(), inner.c_str());
+  for (const std::string& inner : names_in(::fcntl(folder.get(), F_DUPFD_CLOEXEC, 0)))
+    remove_below(folder.get(), inner.c_str());
   ::unlinkat(at, name, AT_REMOVEDIR);
 }
 

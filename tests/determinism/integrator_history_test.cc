@@ -1,6 +1,7 @@
 // Methods with a memory of earlier steps continue with the same bits where only the state has survived: from
 // a snapshot restored elsewhere, with a discarded workspace, after another state has used the workspace, and
-// across the points where a history starts anew (commands, events, its greatest length).
+// across the points where a history starts anew (commands, events; its greatest length is in
+// tests/scenes/determinism/methods_with_a_memory.json).
 #include <gtest/gtest.h>
 
 #include "tests/support/runs/ode_run.h"
@@ -46,21 +47,6 @@ TEST_P(History, ContinuesWithTheSameBits) {
     ASSERT_EQ(restored.state.hash(), whole.state.hash()) << "restored, part " << part;
     ASSERT_EQ(forgetful.state.hash(), whole.state.hash()) << "forgetful, part " << part;
     ASSERT_EQ(shared.state.hash(), whole.state.hash()) << "shared, part " << part;
-  }
-}
-
-// Enough steps for a history that is too long to be replayed.
-TEST_P(History, OfGreatLengthContinuesWithTheSameBits) {
-  const std::string scene = R"("states": {"x": 1}, "velocities": {"x": 0}, "second": {"x": "-400 * x"},
-    "tolerance": 1e-7, "integrator": ")" +
-                            GetParam() + '"';
-  OdeRun whole(scene, 0.1), restored(scene, 0.1);
-  for (int part = 0; part < 8; ++part) {
-    whole.steps(100);
-    restored.state = WorldState::deserialize(restored.state.serialize());
-    restored.workspace.clear();
-    restored.steps(100);
-    ASSERT_EQ(restored.state.hash(), whole.state.hash()) << "part " << part;
   }
 }
 

@@ -35,11 +35,4 @@ struct Bath {
   }
 };
 
-inline double body_height(const SceneRun& run) {
-  return ConstBodies(run.session.state().systems[0], *run.world->system(0).ports().bodies).place(0).y;
-}
-inline Vec3 body_velocity(const SceneRun& run) {
-  return ConstBodies(run.session.state().systems[0], *run.world->system(0).ports().bodies).velocity(0);
-}
-
 }  // namespace truestep::testing_coupled

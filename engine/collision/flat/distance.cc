@@ -84,11 +84,17 @@ CoreDistance core_distance(const Outline& a, const Outline& b) {
     return Vertex{a.corner[i], b.corner[j], b.corner[j] - a.corner[i], i, j, 1};
   };
   s.v[0] = vertex(0, 0), s.count = 1;
+  Simplex best;
+  double least = HUGE_VAL;
   for (int round = 0; round < 24; ++round) {
     if (s.reduce()) return {};
     const Vec2 near = s.nearest();
     const double near2 = dot(near, near);
     if (near2 < 1e-28) return {};
+    // Of parallel edges, a further corner is on the line of those two that are known already; where edges are
+    // long, rounding makes it look nearer again and again. What brings nothing nearer ends the search.
+    if (!(near2 < least)) break;
+    best = s, least = near2;
     const Vertex next = vertex(support(a, near), support(b, -near));
     const bool seen =
         std::any_of(s.v, s.v + s.count, [&](const Vertex& v) { return v.i == next.i && v.j == next.j; });
@@ -96,8 +102,9 @@ CoreDistance core_distance(const Outline& a, const Outline& b) {
     s.v[s.count++] = next;
   }
   Vec2 p, q;
-  for (int k = 0; k < s.count; ++k) p = p + s.v[k].weight * s.v[k].p, q = q + s.v[k].weight * s.v[k].q;
-  return {norm(q - p), p, q, s.v[0].i, s.v[0].j};
+  for (int k = 0; k < best.count; ++k)
+    p = p + best.v[k].weight * best.v[k].p, q = q + best.v[k].weight * best.v[k].q;
+  return {norm(q - p), p, q, best.v[0].i, best.v[0].j};
 }
 
 Distance distance(const Outline& a, const Outline& b, const Pose& b_in_a) {

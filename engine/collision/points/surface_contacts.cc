@@ -39,32 +39,57 @@ void SurfaceContacts::step(const ForceField& field, const Integrator& method,
   std::copy(x.begin(), x.end(), x_begin.begin()), std::copy(v.begin(), v.end(), v_begin.begin());
   for (size_t i = 0; i < n; ++i) held[i] = on.kind[i];
   const EnergyBound bound = energy_bound(field, s, in, supply);
-  divided(field, method, options, s, in, Friction::coulomb);
+  divided(field, method, options, s, in, {Friction::coulomb, Depth::corrected});
   if (bound.most == HUGE_VAL || energy(field, s, in.t + in.h, in) <= bound.most) return;
+  const auto w = s.f64(columns_.inverse_mass);
+  const auto restart = [&] {
+    std::copy(x_begin.begin(), x_begin.end(), x.begin()),
+        std::copy(v_begin.begin(), v_begin.end(), v.begin());
+    for (size_t i = 0; i < n; ++i) {
+      on.kind[i] = held[i] == double{RowContacts::kFree} ? RowContacts::kFree : RowContacts::kSlides;
+      store3(on.drag.data(), i, Vec3{});
+    }
+  };
   // Friction that is revised from solve to solve may diverge where springs are stiff; without it points are
   // only held back.
-  std::copy(x_begin.begin(), x_begin.end(), x.begin()), std::copy(v_begin.begin(), v_begin.end(), v.begin());
-  for (size_t i = 0; i < n; ++i) {
-    on.kind[i] = held[i] == double{RowContacts::kFree} ? RowContacts::kFree : RowContacts::kSlides;
-    store3(on.drag.data(), i, Vec3{});
-  }
-  divided(field, method, options, s, in, Friction::none);
-  const double end = energy(field, s, in.t + in.h, in);
-  if (end <= bound.most) return;
-  // The energy that moving points onto surfaces has put into the springs is removed from the velocities.
   Evaluation e{in.workspace, in.arena};
-  const double kinetic = field.kinetic({in.t + in.h, x, v, s}, e);
-  const double left = std::max(0.0, kinetic - (end - bound.start));
-  const double share = kinetic > 0 ? std::sqrt(left / kinetic) : 0;
-  const auto w = s.f64(columns_.inverse_mass);
-  for (size_t i = 0; i < n; ++i) {
-    if (w[i] > 0) store3(v.data(), i, load3(v.data(), i) * share);
+  for (const Depth depth : {Depth::corrected, Depth::kept}) {
+    restart();
+    divided(field, method, options, s, in, {Friction::none, depth});
+    const double end = energy(field, s, in.t + in.h, in);
+    if (end <= bound.most) return;
+    // The energy that moving points onto surfaces has put into the springs is removed from the velocities.
+    const double kinetic = field.kinetic({in.t + in.h, x, v, s}, e);
+    const double left = kinetic - (end - bound.start);
+    const double lifted = depth == Depth::corrected ? lift(s, x_begin, in.t) : 0;
+    if (left < -lifted) continue;
+    const double share = kinetic > 0 ? std::sqrt(std::max(0.0, left) / kinetic) : 0;
+    for (size_t i = 0; i < n; ++i) {
+      if (w[i] > 0) store3(v.data(), i, load3(v.data(), i) * share);
+    }
+    return;
   }
+  restart();
+  for (size_t i = 0; i < n; ++i) {
+    if (w[i] > 0) store3(v.data(), i, Vec3{});
+  }
+}
+
+double SurfaceContacts::lift(const State& s, std::span<const double> x, double t) const {
+  const double g = norm(load3(s.f64(columns_.gravity).data(), 0));
+  const auto w = s.f64(columns_.inverse_mass);
+  double sum = 0;
+  for (size_t i = 0; i < w.size(); ++i) {
+    if (w[i] == 0) continue;
+    const NearSurface at = colliders_.nearest(load3(x.data(), i), t);
+    if (at.collider != NearSurface::kNone) sum += g / w[i] * std::max(0.0, radius_ - at.distance);
+  }
+  return sum;
 }
 
 void SurfaceContacts::divided(const ForceField& field, const Integrator& method,
                               const IntegratorOptions& options, State& s, const StepInput& in,
-                              Friction friction) const {
+                              Means by) const {
   const auto x = s.f64(columns_.position), v = s.f64(columns_.velocity);
   const auto x_begin = in.workspace.doubles("surfaces.x_begin", x.size());
   const auto v_begin = in.workspace.doubles("surfaces.v_begin", v.size());
@@ -73,7 +98,7 @@ void SurfaceContacts::divided(const ForceField& field, const Integrator& method,
     try {
       for (int k = 0; k < parts; ++k) {
         StepInput part{in.t + in.h * k / parts, in.h / parts, in.step, in.workspace, in.arena, in.profile};
-        whole(field, method, options, s, part, friction);
+        whole(field, method, options, s, part, by);
       }
       return;
     } catch (const Instability&) {
@@ -108,8 +133,7 @@ SurfaceContacts::EnergyBound SurfaceContacts::energy_bound(const ForceField& fie
 }
 
 void SurfaceContacts::whole(const ForceField& field, const Integrator& method,
-                            const IntegratorOptions& options, State& s, const StepInput& in,
-                            Friction friction) const {
+                            const IntegratorOptions& options, State& s, const StepInput& in, Means by) const {
   const auto x = s.f64(columns_.position), v = s.f64(columns_.velocity);
   const RowContacts on = RowContacts::all(s);
   const size_t n = on.kind.size();
@@ -121,10 +145,10 @@ void SurfaceContacts::whole(const ForceField& field, const Integrator& method,
   const Start start{x0, v0};
   const auto released = in.workspace.doubles("surfaces.released", n);
   std::fill(released.begin(), released.end(), 0.0);
-  take_up(s, on, start, in);
+  take_up(s, on, start, in, by);
   for (int round = 0;; ++round) {
     method.step(field, s, in, options);
-    if (round + 1 == kRounds || !revise(s, on, start, in, round, friction)) break;
+    if (round + 1 == kRounds || !revise(s, on, start, in, round, by)) break;
     std::copy(x0.begin(), x0.end(), x.begin()), std::copy(v0.begin(), v0.end(), v.begin());
   }
   finish(s, on, start, in, before);
@@ -140,7 +164,7 @@ Vec3 SurfaceContacts::free_normal(size_t i, const Vec3& normal) const {
 }
 
 void SurfaceContacts::hold(const RowContacts& on, size_t i, const Vec3& x0, const NearSurface& surface,
-                           const Vec3& place, RowContacts::Kind kind, double h) const {
+                           const Vec3& place, RowContacts::Kind kind, double h, Depth depth) const {
   NearSurface at = surface;
   at.normal = free_normal(i, surface.normal);
   if (norm2(at.normal) == 0) {
@@ -148,7 +172,8 @@ void SurfaceContacts::hold(const RowContacts& on, size_t i, const Vec3& x0, cons
     return;
   }
   // A sticking point moves with the surface, and along the normal to where the surface will be.
-  const Vec3 to = (place - x0) / h;
+  Vec3 to = (place - x0) / h;
+  if (depth == Depth::kept) to -= at.normal * std::max(0.0, dot(at.normal, to - at.velocity));
   on.kind[i] = kind;
   store3(on.normal.data(), i, at.normal);
   store3(on.velocity.data(), i, at.velocity + at.normal * dot(at.normal, to - at.velocity));
@@ -156,8 +181,8 @@ void SurfaceContacts::hold(const RowContacts& on, size_t i, const Vec3& x0, cons
 }
 
 // Points held in the last step are held again where they still touch.
-void SurfaceContacts::take_up(const State& s, const RowContacts& on, const Start& start,
-                              const StepInput& in) const {
+void SurfaceContacts::take_up(const State& s, const RowContacts& on, const Start& start, const StepInput& in,
+                              Means by) const {
   const auto w = s.f64(columns_.inverse_mass);
   for (size_t i = 0; i < on.kind.size(); ++i) {
     store3(on.impulse.data(), i, Vec3{});
@@ -170,13 +195,13 @@ void SurfaceContacts::take_up(const State& s, const RowContacts& on, const Start
       on.kind[i] = RowContacts::kFree;
       continue;
     }
-    hold(on, i, x0, at, x0 - at.normal * off, static_cast<RowContacts::Kind>(on.kind[i]), in.h);
+    hold(on, i, x0, at, x0 - at.normal * off, static_cast<RowContacts::Kind>(on.kind[i]), in.h, by.depth);
   }
 }
 
 // Revises the contacts after a solve; true if another one is needed.
 bool SurfaceContacts::revise(State& s, const RowContacts& on, const Start& start, const StepInput& in,
-                             int round, Friction friction) const {
+                             int round, Means by) const {
   const auto x = s.f64(columns_.position), v = s.f64(columns_.velocity);
   const auto w = s.f64(columns_.inverse_mass);
   const auto xr = in.workspace.doubles("surfaces.x_apart", x.size()),
@@ -219,7 +244,7 @@ bool SurfaceContacts::revise(State& s, const RowContacts& on, const Start& start
       const double depth = dot(at.normal, place - x1);
       if (depth <= 0) continue;
       // Friction starts with the next solve, which knows the normal load.
-      hold(on, i, x0, at, place, RowContacts::kSlides, in.h);
+      hold(on, i, x0, at, place, RowContacts::kSlides, in.h, by.depth);
       store3(on.drag.data(), i, Vec3{});
       again = again || depth > slack;
       continue;
@@ -234,10 +259,14 @@ bool SurfaceContacts::revise(State& s, const RowContacts& on, const Start& start
       continue;
     }
     const double off = at.distance - radius_ - kContactSlop,
-                 most = friction == Friction::none ? 0 : surfaces_[at.collider].friction * pressed;
+                 most = by.friction == Friction::none ? 0 : surfaces_[at.collider].friction * pressed;
     if (!takes) continue;
-    if (std::abs(off) > slack) {
-      hold(on, i, x0, at, x1 - at.normal * off, static_cast<RowContacts::Kind>(on.kind[i]), in.h);
+    // A point that is kept at its depth is off by as much.
+    const double from = by.depth == Depth::kept
+                            ? std::min(0.0, colliders_.nearest(x0, in.t).distance - radius_ - kContactSlop)
+                            : 0;
+    if (off > slack || off < from - slack) {
+      hold(on, i, x0, at, x1 - at.normal * off, static_cast<RowContacts::Kind>(on.kind[i]), in.h, by.depth);
       again = true;
     }
     const Vec3 along = impulse - n * pressed;
@@ -252,7 +281,7 @@ bool SurfaceContacts::revise(State& s, const RowContacts& on, const Start& start
     const Vec3 slides = slip - n * dot(n, slip);
     if (most > 0 && dot(drag, slides) > 0) {
       // Friction must not drive the point: it sticks instead.
-      hold(on, i, x0, at, x1 - at.normal * off, RowContacts::kSticks, in.h);
+      hold(on, i, x0, at, x1 - at.normal * off, RowContacts::kSticks, in.h, by.depth);
       again = again || dot(drag, slides) > kPulled * weight * g * in.h;
       continue;
     }

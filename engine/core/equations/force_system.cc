@@ -1,6 +1,7 @@
 #include "engine/core/equations/force_system.h"
 
 #include <cmath>
+#include <limits>
 
 #include "engine/base/errors.h"
 
@@ -78,6 +79,8 @@ std::optional<Energy> ForceSystem::energy(const State& state, double t, Workspac
   if (const auto potential = field_->potential(at, e)) {
     out.potential = *potential;
     out.exchange = exchange(state);
+    // Terms that cancel at rest leave their rounding, which is no gain.
+    out.slack = std::numeric_limits<double>::epsilon() * field_->cancelling_terms(state);
   }
   const bool limited =
       method_.kind == Integrator::Kind::explicit_ && method_.stepping == Integrator::Stepping::fixed;

@@ -185,30 +185,44 @@ void ImplicitSystem::solve_again(std::span<const double> b, std::span<double> d,
   matrices_.solver.solve_again(matrices_.system, b, d, accuracy, m_.input.arena);
 }
 
+namespace {
+
+// sum_j |block_ij| |y_j|
+double row_size(const BlockSparse& m, size_t i, std::span<const double> y) {
+  const auto b = static_cast<size_t>(m.block_size()), bb = b * b;
+  double total = 0;
+  for (auto k = m.row_begin(i); k < m.row_begin(i + 1); ++k) {
+    const double* block = m.values().data() + size_t{k} * bb;
+    double block2 = 0, y2 = 0;
+    for (size_t e = 0; e < bb; ++e) block2 += block[e] * block[e];
+    for (size_t e = 0; e < b; ++e) y2 += y[m.column(k) * b + e] * y[m.column(k) * b + e];
+    total += std::sqrt(block2 * y2);
+  }
+  return total;
+}
+
+double length(std::span<const double> y, size_t i, size_t width) {
+  double y2 = 0;
+  for (size_t k = i * width; k < (i + 1) * width; ++k) y2 += y[k] * y[k];
+  return std::sqrt(y2);
+}
+
+}  // namespace
+
 double ImplicitSystem::rounding_floor(std::span<const double> x, std::span<const double> u, double g) {
   // Two units of rounding: one for x0 + s u, one for evaluating the force.
   constexpr double kUnits = 2 * std::numeric_limits<double>::epsilon();
-  const auto b = static_cast<size_t>(matrices_.system.block_size()), bb = b * b;
-  // sum_j |block_ij| |y_j|
-  const auto row = [&](const BlockSparse& m, size_t i, std::span<const double> y) {
-    double total = 0;
-    for (auto k = m.row_begin(i); k < m.row_begin(i + 1); ++k) {
-      const double* block = m.values().data() + size_t{k} * bb;
-      double block2 = 0, y2 = 0;
-      for (size_t e = 0; e < bb; ++e) block2 += block[e] * block[e];
-      for (size_t e = 0; e < b; ++e) y2 += y[m.column(k) * b + e] * y[m.column(k) * b + e];
-      total += std::sqrt(block2 * y2);
-    }
-    return total;
-  };
   return kUnits * std::sqrt(sum([&](size_t i) {
            if (w_[i] == 0) return 0.0;
-           double u2 = 0;
-           for (size_t k = i * b; k < (i + 1) * b; ++k) u2 += u[k] * u[k];
-           double r = g * row(matrices_.dfdx, i, x) + std::sqrt(u2) / w_[i];
-           if (!matrices_.dfdv.empty()) r += g * row(matrices_.dfdv, i, u);
+           double r = g * row_size(matrices_.dfdx, i, x) + length(u, i, width_) / w_[i];
+           if (!matrices_.dfdv.empty()) r += g * row_size(matrices_.dfdv, i, u);
            return w_[i] * r * r;
          }));
+}
+
+double ImplicitSystem::rounding_energy(std::span<const double> x) {
+  return sum(
+      [&](size_t i) { return w_[i] > 0 ? length(x, i, width_) * row_size(matrices_.dfdx, i, x) : 0.0; });
 }
 
 }  // namespace truestep

@@ -46,6 +46,9 @@ class ImplicitSystem {
   /// sqrt(sum_i w_i r_i^2) of the unavoidable rounding error r of M (u - u0) - g f at (x, u): a position is
   /// known to eps |x|, so a force is known to eps |df/dx| |x|, row by row. Call after assemble.
   double rounding_floor(std::span<const double> x, std::span<const double> u, double g);
+  /// J, sum_ij |x_i| |df/dx_ij| |x_j| =: E. A potential made of squares of changes of length knows them to
+  /// eps |x|, hence itself to eps sqrt(2 V E) + eps^2 E (Cauchy's inequality). Call after differentiate.
+  double rounding_energy(std::span<const double> x);
 
   std::span<const double> inverse_mass() const { return w_; }
   size_t width() const { return width_; }  ///< components per row

@@ -26,6 +26,8 @@ double share_below(const std::array<double, 3>& normal, double level);
 Border border_with(const std::array<double, 3>& normal, double share);
 /// The border in a cell, from the shares around it.
 Border border_in(const MacGrid& grid, const double* share, size_t at);
+/// Integral of the place along an axis (0 to 1 within the cell) over what is filled.
+double share_moment(const Border& border, size_t axis);
 /// Share of the whole cell that is filled between low and high (0 to 1) along an axis.
 double share_between(const Border& border, size_t axis, double low, double high);
 

@@ -10,6 +10,7 @@
 #include "engine/core/equations/configuration.h"
 #include "engine/core/lattice.h"
 #include "engine/integrators/table/integrators.h"
+#include "engine/session/commands.h"
 
 namespace truestep {
 
@@ -185,7 +186,13 @@ void World::apply(WorldState& state, const Command& command) const {
   const size_t first = joined_to_[i];
   const bool judged = first < state.watch.size() && state.watch[first].phase == EnergyWatch::Phase::watching;
   const auto before = judged ? energy(state, i) : std::nullopt;
-  systems_[i]->apply(state.systems[i], command);
+  try {
+    systems_[i]->apply(state.systems[i], command);
+  } catch (const Instability&) {
+    throw;
+  } catch (const Error& refused) {
+    throw as_written(refused, command.kind);
+  }
   if (before) {
     if (const auto after = energy(state, i)) state.watch[first].command(*before, *after);
   }

@@ -5,6 +5,7 @@
 
 #include "engine/base/errors.h"
 #include "engine/base/text/short_number.h"
+#include "engine/collision/points/idle_colliders.h"
 #include "engine/integrators/implicit/impulse_answer.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/systems/fem/fem_choice.h"
@@ -46,6 +47,7 @@ Fem::Fem(std::unique_ptr<const FemField> field, const ChosenMethod& method, cons
       motion_(def.motion),
       colliders_(build_colliders(def.colliders)),
       radius_(def.contact == Meeting::barrier ? 0 : def.contact_distance.value_or(0)),
+      idle_(idle(colliders_, body().mesh.x, radius_)),
       locking_(locking_of(def)) {
   for (const Collider& c : colliders_.colliders()) {
     surfaces_.push_back(c.surface);
@@ -219,7 +221,7 @@ std::optional<double> Fem::limit(Limit which, const State& s, double h) const {
 
 Energy::Exchange Fem::exchange(const State& s) const {
   const Body& b = body();
-  const bool driven = barrier_ || Columns::kHands.any(s) || !colliders_.empty() || !b.pressures.empty() ||
+  const bool driven = barrier_ || Columns::kHands.any(s) || !idle_ || !b.pressures.empty() ||
                       !b.holds.empty() || elements_.load_share(0) < 1;
   return driven ? Energy::Exchange::open : Energy::Exchange::closed;
 }

@@ -73,6 +73,7 @@ class Fem final : public ForceSystem, public AnswersImpulses {
   ColliderSet colliders_;
   std::vector<Surface> surfaces_;  // one per collider
   double radius_;                  // m, distance kept from colliders
+  bool idle_;                      // colliders do no work
   std::vector<Warning> locking_;
   SurfaceContacts on_surfaces_{
       colliders_,

@@ -34,6 +34,8 @@ class GridFluid final : public StagedSystem {
   FlowFields fields(State& state) const;
   /// kg, of the fluid between the obstacles.
   double mass(const State& state, double t) const;
+  /// J, potential of two fluids about the origin.
+  double gravity_of_two(const State& state) const;
   double rms_error(const State& state, double t) const;
   void vorticity(const State& state, double* out) const;
   /// Largest substep for a flow that crosses this many cells per second.

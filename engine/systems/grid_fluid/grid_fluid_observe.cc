@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/kernels/mac/share.h"
 #include "engine/systems/grid_fluid/grid_fluid.h"
 #include "engine/systems/grid_fluid/liquid/liquid.h"
 
@@ -129,6 +130,37 @@ double GridFluid::mass(const State& s, double t) const {
   return g.cell_volume() * (model_.def.density * (all - second) + model_.def.second_fluid->density * second);
 }
 
+// Within a cell that both fluids share, each is on its side of the border: waves lower than a cell have all
+// of their energy there.
+double GridFluid::gravity_of_two(const State& s) const {
+  const mac::MacGrid& g = model_.grid;
+  const auto shares = s.f64(*second_);
+  std::vector<double> share(shares.begin(), shares.end());
+  static const ThreadArena kSerial(1);
+  mac::Sides sides;
+  const auto mirrors = model_.mirrors(mac::kCentre);
+  for (size_t a = 0; a < 3; ++a) {
+    for (size_t end = 0; end < 2; ++end) sides[a][end].mirror = mirrors[a][end];
+  }
+  mac::fill_ghosts(g, mac::kCentre, sides, share.data(), kSerial);
+  const double weight[] = {model_.gravity.x, model_.gravity.y, model_.gravity.z};
+  const double jump = model_.density_of(1) - model_.density_of(0);
+  double potential = 0;
+  for_cells(g, [&](size_t, size_t at, size_t i, size_t j, size_t k) {
+    const size_t place[] = {i, j, k};
+    const double here = share[at];
+    const mac::Border border = here > 0 && here < 1 ? mac::border_in(g, share.data(), at) : mac::Border{};
+    const bool cut = border.normal != std::array<double, 3>{};
+    for (size_t a = 0; a < g.dimensions; ++a) {
+      if (weight[a] == 0) continue;
+      const double centre = g.coordinate(mac::kCentre, a, static_cast<double>(place[a]));
+      const double aside = cut ? (mac::share_moment(border, a) - 0.5 * here) * g.spacing[a] : 0;
+      potential -= weight[a] * (model_.density_of(here) * centre + jump * aside);
+    }
+  });
+  return g.cell_volume() * potential;
+}
+
 void GridFluid::observe(const State& s, double t, Observables& out) const {
   const mac::MacGrid& g = model_.grid;
   const double* second = second_ ? s.f64(*second_).data() : nullptr;
@@ -173,18 +205,10 @@ void GridFluid::observe(const State& s, double t, Observables& out) const {
     if (model_.texts.obstacles_turn) out.add("obstacle.torque", numbers[9], "N m");
   }
   if (second) {
-    double filled = 0, potential = 0;
-    const double weight[] = {model_.gravity.x, model_.gravity.y, model_.gravity.z};
-    for_cells(g, [&](size_t, size_t at, size_t i, size_t j, size_t k) {
-      const size_t place[] = {i, j, k};
-      filled += second[at];
-      for (size_t a = 0; a < g.dimensions; ++a) {
-        potential -= model_.density_of(second[at]) * weight[a] *
-                     g.coordinate(mac::kCentre, a, static_cast<double>(place[a]));
-      }
-    });
+    double filled = 0;
+    for_cells(g, [&](size_t, size_t at, size_t, size_t, size_t) { filled += second[at]; });
     out.add("second_fluid.volume", volume * filled, "m^3");
-    out.add("energy.gravity", volume * potential, "J");
+    out.add("energy.gravity", gravity_of_two(s), "J");
     out.add("pressure.iterations", s.f64(numbers_)[4], "1");
     out.add("pressure.residual", s.f64(numbers_)[5], "1");
   }

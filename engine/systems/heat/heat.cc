@@ -96,6 +96,8 @@ void Heat::observe(const State& s, double t, Observables& out) const {
 }
 
 std::optional<double> Heat::limit(Limit which, const State& s, double) const {
+  // With the method that the step's length chose.
+  if (which == Limit::step_seconds) return lattice::lattice_step_seconds(def_, stepper_->method().name);
   if (which != Limit::stable_dt) return std::nullopt;
   static const ThreadArena kSerial(1);
   LatticeWork work;

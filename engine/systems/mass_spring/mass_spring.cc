@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/collision/points/idle_colliders.h"
 #include "engine/integrators/implicit/implicit.h"
 #include "engine/integrators/implicit/impulse_answer.h"
 #include "engine/integrators/table/integrators.h"
@@ -72,6 +73,7 @@ MassSpring::MassSpring(std::unique_ptr<const MassSpringField> field, const Chose
       colliders_(build_colliders(def.colliders)),
       radius_(0.5 * def.thickness),
       shortest_(shortest_length(springs_.schedule())),
+      idle_(idle(colliders_, springs_.network().x, radius_)),
       looks_(def.choice().name.empty() && method.row.name == kUsual),
       divides_(def.choice().name.empty() && method.row.name == kStiff && !solves_contacts()),
       rising_(springs_, kRising) {
@@ -224,7 +226,7 @@ void MassSpring::answer(State& state, const StepInput& in, Answer which, std::sp
 }
 
 Energy::Exchange MassSpring::exchange(const State& s) const {
-  return driven(s) || !colliders_.empty() ? Energy::Exchange::open : Energy::Exchange::closed;
+  return driven(s) || !idle_ ? Energy::Exchange::open : Energy::Exchange::closed;
 }
 
 void MassSpring::add_contact_stage() {

@@ -32,7 +32,7 @@ class MassSpring final : public ForceSystem, public AnswersImpulses {
   Ports ports() const override;
   void answer(State& state, const StepInput& input, Answer which, std::span<const double> impulses,
               std::span<double> dv) const override;
-  /// Open in wind, while something is pushed, and where obstacles put points back.
+  /// Open in wind, while something is pushed, and where obstacles may do work on points.
   Energy::Exchange exchange(const State& state) const override;
 
   const MassSpringField& springs() const { return springs_; }
@@ -59,6 +59,7 @@ class MassSpring final : public ForceSystem, public AnswersImpulses {
   std::vector<Surface> surfaces_;  // one per collider
   double radius_;                  // m, distance kept from colliders
   double shortest_;                // m, of the springs' lengths
+  bool idle_;                      // colliders do no work
   bool looks_;                     // at the energy of steps
   bool divides_;                   // steps that have no solution or gain energy
   RisingStep rising_;

@@ -108,7 +108,8 @@ State Ode::initial_state() const {
   add(C::kWork, "integrator.work", "1", 1, Role::internal, std::vector<uint64_t>(kOdeWorkCounters));
   add(C::kMemory, "integrator.memory", "1", 1, Role::sentinel,
       std::vector<double>(method_ && method_->memory ? method_->memory(model_.size()) : 0, NAN));
-  add(C::kTrail, "trail", "m", 3, Role::internal, std::vector<double>(def_.tracers ? 0 : 3 * rows_));
+  // NaN where the plot's formulas have no value: the logarithm of what has become negative.
+  add(C::kTrail, "trail", "m", 3, Role::sentinel, std::vector<double>(def_.tracers ? 0 : 3 * rows_));
   if (!model_.contacts.empty()) {
     add(C::kResting, "events.resting", "1", 1, Role::internal, std::vector<int32_t>(model_.guards.outputs()));
   }

@@ -108,17 +108,18 @@ std::unique_ptr<const ForceField> make_oscillator_field(const OscillatorDef& def
 OscillatorMotion oscillator_exact(const OscillatorDef& d, double t) {
   const double g = d.damping / (2 * d.mass), w2 = d.stiffness / d.mass - g * g, w = std::sqrt(std::abs(w2));
   const double x0 = d.position, b = d.velocity + g * x0;
-  double c = 1, s = t;
+  // exp(-g t) times cosine and sine of w t (over w), or their hyperbolic kin, which alone may overflow.
+  const double decay = trig::exp(-g * t);
+  double c = decay, s = decay * t;
   if (w * t > 1e-9 && w2 > 0) {
     const auto sc = trig::sincos(w * t);
-    c = sc.cos, s = sc.sin / w;
+    c = decay * sc.cos, s = decay * sc.sin / w;
   } else if (w * t > 1e-9) {
-    const double up = trig::exp(w * t), down = 1 / up;
-    c = 0.5 * (up + down), s = 0.5 * (up - down) / w;
+    const double slow = trig::exp(-d.stiffness / d.mass / (g + w) * t), fast = trig::exp(-(g + w) * t);
+    c = 0.5 * (slow + fast), s = 0.5 * (slow - fast) / w;
   }
-  const double decay = trig::exp(-g * t);
-  const double x = decay * (x0 * c + b * s);
-  return {x, decay * (b * c - w2 * x0 * s) - g * x};
+  const double x = x0 * c + b * s;
+  return {x, b * c - w2 * x0 * s - g * x};
 }
 
 }  // namespace truestep::oscillator

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/session/session.h"
+#include "engine/session/snapshot/sealed.h"
 
 namespace truestep {
 
@@ -17,6 +18,7 @@ struct Course {
   std::vector<std::string> deeds;  ///< what was done, one line each
   size_t commands = 0, refused = 0, seeks = 0, branches = 0, restores = 0;
   std::string fault;  ///< what differs; empty: nothing
+  Bytes bundle;       ///< at its end; empty when the session had failed
 };
 
 /// A scene as courses need it, with the commands that its systems understand.

@@ -247,7 +247,8 @@ class Walk {
   void repeat() {
     if (session_->failure()) return;
     deed("bundle at " + std::to_string(session_->step_index()));
-    const Bundle bundle = read_bundle(write_bundle(bundle_of(*session_)));
+    course_.bundle = write_bundle(bundle_of(*session_));
+    const Bundle bundle = read_bundle(course_.bundle);
     const ReplayResult r = replay(bundle, threads_.many);
     if (r.difference) expect("the bundle", r.difference->step, r.difference->expected, r.difference->found);
   }

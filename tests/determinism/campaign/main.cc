@@ -1,10 +1,15 @@
 // courses FOLDER [--count N] [--first SEED] [--scene NAME] [--patience S] [--show]: random courses through
 // sessions of a folder's scenes, in turn. Prints what differs with the course that led there, and a table.
 // Exit code 1 if anything does.
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <condition_variable>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <map>
 #include <mutex>
@@ -44,11 +49,24 @@ class Watch {
   std::thread thread_;
 };
 
+/// Whether a process of its own, on two threads, repeats the bundle.
+bool repeats(const std::string& program, const Bytes& bundle) {
+  const auto file =
+      std::filesystem::temp_directory_path() / ("course-" + std::to_string(::getpid()) + ".bundle");
+  std::ofstream(file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bundle.data()), static_cast<std::streamsize>(bundle.size()));
+  const std::string command =
+      '"' + program + "\" replay --threads 2 \"" + file.string() + "\" >/dev/null 2>&1";
+  const bool same = std::system(command.c_str()) == 0;
+  std::filesystem::remove(file);
+  return same;
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
   CLI::App app("random courses through sessions");
-  std::string folder, wanted;
+  std::string folder, wanted, program;
   uint64_t courses = 500, first = 0;
   double most_seconds = 1.5e-3, most_kilobytes = 256, patience = 20;
   bool show = false;
@@ -58,6 +76,8 @@ int main(int count, char** arguments) {
   app.add_option("--scene", wanted, "only of this scene");
   app.add_option("--most-seconds", most_seconds, "of scenes whose step is estimated to take at most this");
   app.add_option("--most-kilobytes", most_kilobytes, "of scenes with states of at most this size");
+  app.add_option("--fresh", program,
+                 "the program truestep, which repeats every course's bundle in a process of its own");
   app.add_option("--patience", patience, "seconds after which a course is given up, and counted");
   app.add_flag("--show", show, "prints every course");
   CLI11_PARSE(app, count, arguments);
@@ -83,6 +103,9 @@ int main(int count, char** arguments) {
       std::cout << course.scene << " --first " << course.seed << " is slow: " << course.deeds.back()
                 << std::endl;
     }
+    if (course.fault.empty() && !program.empty() && !course.bundle.empty() &&
+        !repeats(program, course.bundle))
+      course.fault = "a fresh process";
     commands += course.commands, refused += course.refused, seeks += course.seeks;
     branches += course.branches, restores += course.restores;
     if (course.fault.empty() && !show) continue;

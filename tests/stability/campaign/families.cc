@@ -65,9 +65,11 @@ std::span<const Family> families() {
         {"bouncing_bodies", bouncing_bodies},
         {"merging_bodies", merging_bodies},
         {"pulses", pulses},
+        {"near_rest", near_rest},
+        {"closed_materials", closed_materials},
     };
-    const auto coupled = coupled_families();
-    all.insert(all.end(), coupled.begin(), coupled.end());
+    for (const auto& more : {coupled_families(), drape_families()})
+      all.insert(all.end(), more.begin(), more.end());
     return all;
   }();
   return kAll;

@@ -111,7 +111,11 @@ void friction(Dice&, Trial&);
 void bouncing_bodies(Dice&, Trial&);
 void merging_bodies(Dice&, Trial&);
 void pulses(Dice&, Trial&);
+void near_rest(Dice&, Trial&);
+void closed_materials(Dice&, Trial&);
 /// Soft things with rigid bodies, a family for each kind of both.
 std::span<const Family> coupled_families();
+/// Soft things that fall on colliders, a family for each kind.
+std::span<const Family> drape_families();
 
 }  // namespace truestep::campaign

@@ -1,6 +1,5 @@
-// A scene of one rigid2d system "r", from the members of its JSON object: step, look.
+// A scene of one rigid2d system "r", from the members of its JSON object.
 #pragma once
-#include <cmath>
 #include <string>
 
 #include "tests/support/runs/world_run.h"
@@ -20,10 +19,6 @@ struct FlatTrial : testing_rig::WorldRun {
     WorldRun::steps(n);
     return *this;
   }
-  Vec3 position(size_t body) const { return vec("position", body); }
-  Vec3 velocity(size_t body) const { return vec("velocity", body); }
-  double spin(size_t body) const { return value("angular_velocity", body); }
-  double angle(size_t body) const { return value("angle", body); }
 };
 
 }  // namespace truestep::testing

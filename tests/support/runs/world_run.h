@@ -15,7 +15,6 @@ struct WorldRun {
     for (int k = 0; k < n; ++k) world.step(state, workspace, arena, {});
     return *this;
   }
-  WorldRun& seconds(double s) { return steps(static_cast<int>(std::lround(s / world.dt()))); }
   /// Of the scene, or of its first system; NAN when there is none.
   double observed(const std::string& name) const {
     const Observables all = world.observe(state);
@@ -23,11 +22,6 @@ struct WorldRun {
   }
   State& s() { return state.systems[0]; }
   const State& s() const { return state.systems[0]; }
-  /// Of a column of the first system.
-  double value(const std::string& column, size_t k) const { return s().f64(s().at(column))[k]; }
-  Vec3 vec(const std::string& column, size_t row = 0) const {
-    return load3<double>(s().f64(s().at(column)).data(), row);
-  }
   void apply(const Command& c) { world.system(0).apply(s(), c); }
 
   World world;

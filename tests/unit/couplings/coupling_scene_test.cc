@@ -16,23 +16,6 @@ std::string scene(const std::string& couplings) {
   return std::string("{") + kSystems + R"(, "couplings": )" + couplings + "}";
 }
 
-std::vector<Issue> faults(const std::string& couplings) {
-  try {
-    const World world(parse_scene(scene(couplings)));
-  } catch (const Error& e) {
-    EXPECT_EQ(e.code(), "scene_invalid");
-    return e.issues();
-  }
-  return {};
-}
-
-TEST(CouplingScene, AllFaultsAreReportedAtOnce) {
-  EXPECT_EQ(
-      faults(R"([{"type": "attachment", "a": "x", "b": "y", "damping": -1, "linc": 1}, {"type": "glue"}])")
-          .size(),
-      5u);
-}
-
 TEST(CouplingScene, CanonicalFormReadsBackAsTheSame) {
   const Scene first = parse_scene(scene(R"([{"type": "attachment", "a": "cloth", "b": "dust",
     "rest_length": "20 cm"}])"));

@@ -1,4 +1,4 @@
-// What an ode system makes of its equations: structure, Jacobians, the method, fields. (Events, tracers,
+// What an ode system makes of its equations: structure, Jacobians, fields. (Methods, events, tracers,
 // commands and faults are in tests/scenes/equations and tests/scenes/refused/equations.json.)
 #include <gtest/gtest.h>
 
@@ -100,29 +100,6 @@ TEST(OdeSystem, JacobiansOfAllShapesAreTheLimitsOfDifferences) {
   static_cast<const SecondOrder&>(f).jacobian(0, y.data(), y.data() + half, dadx.data(), dadv.data());
   EXPECT_EQ(dadx[1], -2);
   EXPECT_EQ(dadv[1], -0.2);
-}
-
-TEST(OdeSystem, StiffEquationsGetAnImplicitMethod) {
-  const auto method = [](const OdeRun& run) { return static_cast<const Ode&>(run.world.system(0)).method(); };
-  OdeRun easy(R"s("states": {"x": 2, "v": 0}, "equations": {"x": "v", "v": "5 * (1 - x^2) * v - x"})s", 0.01);
-  EXPECT_EQ(method(easy)->kind, Integrator::Kind::explicit_);
-  // The second system shows its stiffness only after a moment.
-  OdeRun van_der_pol(
-      R"s("states": {"x": 2, "v": 0}, "equations": {"x": "v", "v": "1e5 * (1 - x^2) * v - x"})s", 0.01);
-  OdeRun robertson(R"s("states": {"a": 1, "b": 0, "c": 0},
-    "equations": {"a": "1e4*b*c - 0.04*a", "b": "0.04*a - 1e4*b*c - 3e7*b^2", "c": "3e7*b^2"})s",
-                   0.1);
-  bool implicit_exists = false;
-  for (const Integrator& m : integrators()) {
-    implicit_exists |=
-        m.kind == Integrator::Kind::implicit && m.advance && m.stepping == Integrator::Stepping::adaptive;
-  }
-  const auto expected = implicit_exists ? Integrator::Kind::implicit : Integrator::Kind::explicit_;
-  EXPECT_EQ(method(van_der_pol)->kind, expected);
-  EXPECT_EQ(method(robertson)->kind, expected);
-  // Fast oscillations are no reason for an implicit method, which would have to follow them too.
-  OdeRun fast(R"s("states": {"x": 1, "v": 0}, "equations": {"x": "v", "v": "-1e8 * x"})s", 0.1);
-  EXPECT_EQ(method(fast)->kind, Integrator::Kind::explicit_);
 }
 
 TEST(OdeSystem, FieldsAreThePathAndEveryState) {

@@ -8,6 +8,7 @@
 #include "engine/scene/gallery.h"
 #include "engine/sinks/picture/camera.h"
 #include "engine/sinks/picture/color_map.h"
+#include "engine/sinks/picture/draw/draw_plot.h"
 #include "engine/sinks/picture/draw/draw_world.h"
 #include "engine/sinks/picture/draw/plot_ticks.h"
 #include "tests/unit/pictures/picture_session.h"
@@ -120,6 +121,17 @@ TEST(PicturePlot, ACurveOverARodHasItsLengthAndItsValue) {
   const DrawList list = s.list();
   EXPECT_EQ(texts(list, {Side::corner}), Texts{"x (m)"});
   EXPECT_EQ(texts(list, {Side::above}), Texts{"value (K)"});
+}
+
+TEST(PicturePlot, WhatHasHardlyChangedIsNoLineOnTheEdge) {
+  PlotBox flat, tall;
+  for (const double y : {2.0, 2.1}) flat.add(Vec3{3 * y, y, 0});
+  flat.add(Vec3{0, 2, 0});
+  tall.add(Vec3{0, 0, 0}), tall.add(Vec3{1, 5, 0});
+  flat.open_up(), tall.open_up();
+  EXPECT_NEAR(flat.high.y - flat.low.y, (flat.high.x - flat.low.x) / 3, 1e-12);
+  EXPECT_NEAR(flat.high.y + flat.low.y, 4.1, 1e-12) << "on both sides alike";
+  EXPECT_EQ(tall.high.y - tall.low.y, 5) << "the control";
 }
 
 TEST(PicturePlot, ALegendNamesOnlyWhatHasItsColour) {

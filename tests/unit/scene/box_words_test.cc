@@ -1,7 +1,7 @@
 // A box may be given in the words of any other system: it is the same box, and is written in the table's own.
+// (Two boxes for one are refused: tests/scenes/refused/boxes.json.)
 #include <gtest/gtest.h>
 
-#include "engine/base/errors.h"
 #include "engine/scene/json/json.h"
 #include "engine/scene/params/params.h"
 #include "engine/scene/scene.h"
@@ -48,29 +48,6 @@ INSTANTIATE_TEST_SUITE_P(
             R"({"type": "grid_fluid", "id": "a", "cells": [8, 8], "low": [-1, 0], "high": [1, 1]})"},
         Spelling{R"({"type": "grid_fluid", "id": "a", "cells": [8, 8], "size": [2, 1]})",
                  R"({"type": "grid_fluid", "id": "a", "cells": [8, 8], "half_extents": [1, 0.5]})"}));
-
-std::vector<Issue> issues(const char* members) {
-  try {
-    parse_scene(system_text(members));
-  } catch (const Error& e) {
-    return e.issues();
-  }
-  return {};
-}
-
-TEST(BoxWordsRefused, TwoBoxesForOne) {
-  const auto found = issues(
-      R"({"type": "rigid3d", "id": "a", "bodies": [{"type": "box", "half_extents": [1, 1, 1], "size": [2, 2, 2]}]})");
-  ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0].pointer, "/systems/0/bodies/0/size");
-}
-
-TEST(BoxWordsRefused, ASphereHasNoSize) {
-  const auto found = issues(
-      R"({"type": "rigid3d", "id": "a", "bodies": [{"type": "sphere", "radius": 1, "size": [2, 2, 2]}]})");
-  ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0].pointer, "/systems/0/bodies/0/size");
-}
 
 }  // namespace
 }  // namespace truestep

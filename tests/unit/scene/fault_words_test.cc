@@ -1,5 +1,5 @@
-// Messages at failures and limits: the state by its name, the length of the step, the limit with its number,
-// remedies that apply to equations, and rules that a table's sentences must name.
+// Messages at failures and limits: remedies that equations do not have, and rules that a table's sentences
+// must name. (What is told of equations that fail is in tests/scenes/equations/failures_name_the_state.json.)
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -28,19 +28,6 @@ std::string all(const std::vector<std::string>& sentences) {
   return text;
 }
 
-TEST(FaultWords, EquationsThatFailNameTheStateAndTheStep) {
-  Session s = equations(
-      R"("states": {"calm": 1, "bread": 0}, "equations": {"calm": "-1", "bread": "1 / (calm - 0.5)^2"})");
-  s.step(100);
-  ASSERT_TRUE(s.failure());
-  EXPECT_EQ(s.failure()->step, 50u);
-  EXPECT_THAT(s.failure()->detail, HasSubstr("\"bread\""));
-  EXPECT_THAT(s.failure()->detail, Not(HasSubstr("component")));
-  // A few roundings of the time: six decimals would print 0.000000 s.
-  EXPECT_THAT(s.failure()->detail, HasSubstr("e-1"));
-  EXPECT_THAT(s.failure()->detail, Not(HasSubstr("0.000000")));
-}
-
 // A solution that ends: no method continues it, so none is offered, nor the stiffness and mass that equations
 // do not have.
 TEST(FaultWords, RemediesOfASolutionThatEnds) {
@@ -52,15 +39,6 @@ TEST(FaultWords, RemediesOfASolutionThatEnds) {
   EXPECT_THAT(remedies, Not(HasSubstr("mass")));
   EXPECT_THAT(remedies, Not(HasSubstr("integrator")));
   EXPECT_THAT(remedies, Not(HasSubstr("tolerance")));
-}
-
-// A fixed step too long for a fast decay: a method that chooses its own steps was tried and holds.
-TEST(FaultWords, RemediesOfEquationsThatAMethodCannotFollow) {
-  Session s =
-      equations(R"s("states": {"x": 1}, "equations": {"x": "-1e4 * (x - cos(t))"}, "integrator": "rk4")s");
-  s.step(2000);
-  ASSERT_TRUE(s.failure());
-  EXPECT_THAT(s.failure()->remedies, ::testing::Contains(HasSubstr("integrator tsit5 (held when tried")));
 }
 
 /// The table of a kind as text: names and sentences.

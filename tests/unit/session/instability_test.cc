@@ -1,5 +1,5 @@
 // A scene that blows up is caught while its numbers are still meaningful, keeps the last good state and
-// suggests remedies; and the remedies work.
+// suggests remedies. (That they work is in tests/scenes/chains/remedies_*.json.)
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -42,32 +42,6 @@ TEST(Instability, ExplosionIsCaughtBeforeTheNumbersOverflow) {
   EXPECT_EQ(s.step_index(), done);
 }
 
-TEST(Instability, TheSuggestionsHelp) {
-  Session broken = session(0.03, "symplectic_euler");
-  broken.step(2000);
-  ASSERT_TRUE(broken.failure() && broken.failure()->suggested_dt);
-  // Half of the step, which is below 2 / omega = 0.02 s: what is offered is what was tried.
-  EXPECT_DOUBLE_EQ(*broken.failure()->suggested_dt, 0.015);
-  ASSERT_GE(broken.failure()->remedies.size(), 2u);
-  EXPECT_THAT(broken.failure()->detail,
-              ::testing::AllOf(::testing::HasSubstr("0.015 s"), ::testing::HasSubstr("integrator")));
-  Session smaller = session(*broken.failure()->suggested_dt, "symplectic_euler");
-  EXPECT_EQ(smaller.step(2000), 2000u);
-  // The method named in the second sentence.
-  const std::string& second = broken.failure()->remedies[1];
-  const std::string name = second.substr(15, second.find(' ', 15) - 15);
-  Session implicit = session(0.03, name);
-  EXPECT_EQ(implicit.step(2000), 2000u) << name;
-}
-
-TEST(Instability, WhatIsOnlyFastIsLeftAlone) {
-  // Ten kilometres a second in a small scene is an experiment, not an explosion.
-  std::string fast = scene(0.001, "symplectic_euler");
-  fast.replace(fast.find("\"velocity\":0"), 12, "\"velocity\":10000");
-  Session s(std::make_shared<const World>(parse_scene(fast)), std::make_shared<const ThreadArena>(1));
-  EXPECT_EQ(s.step(2000), 2000u);
-}
-
 TEST(Instability, BadValuesAreFoundByColumnAndRow) {
   const World world(parse_scene(scene(0.001, "rk4")));
   State s = world.initial_state().systems[0];
@@ -91,17 +65,6 @@ TEST(Instability, RemediesWereTriedOnTheStateThatFailed) {
   ASSERT_TRUE(s.failure());
   for (const std::string& remedy : s.failure()->remedies)
     EXPECT_THAT(remedy, ::testing::HasSubstr("held when tried for ")) << remedy;
-  // The effect of a command at step 3 is part of the trial.
-  Session stiffened = session(0.01, "symplectic_euler");
-  stiffened.step(3);
-  Command c;
-  c.kind = CommandKind::set_parameter, c.system = "o", c.name = "stiffness", c.value = 1e7;
-  stiffened.command(c);
-  stiffened.step(2000);
-  ASSERT_TRUE(stiffened.failure());
-  // omega is 3162 rad/s then, the limit 6.3e-4 s: half a step would not do.
-  ASSERT_TRUE(stiffened.failure()->suggested_dt) << stiffened.failure()->detail;
-  EXPECT_LE(*stiffened.failure()->suggested_dt, 2 / std::sqrt(1e7) * (1 + 1e-9));
 }
 
 // Loops whose bars all come into one line, in steps in which they turn by a radian: Newton's method diverges

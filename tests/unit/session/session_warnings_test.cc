@@ -1,4 +1,5 @@
-// A run whose result is not trustworthy warns once, with a dt that would be; and that dt works.
+// A run whose result is not trustworthy warns once, with a dt that would be. (That dt works:
+// tests/scenes/fluids/whirls_are_told_of_their_step.json.)
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -32,7 +33,7 @@ class Listener final : public Sink {
   FrameRequest request_;
 };
 
-TEST(SessionWarnings, SaysOnceWhatIsWrongAndTheSuggestedStepDoes) {
+TEST(SessionWarnings, SaysOnceWhatIsWrong) {
   Session s = whirls(0.5);
   const auto listener = std::make_shared<Listener>();
   s.add_sink(listener);
@@ -46,14 +47,6 @@ TEST(SessionWarnings, SaysOnceWhatIsWrongAndTheSuggestedStepDoes) {
   ASSERT_GT(w.warning.suggested_dt, 0);
   EXPECT_THAT(listener->told,
               ::testing::ElementsAre(::testing::HasSubstr("system \"f\": the flow crosses ")));
-  // The eddies decay: a step that was short enough for their first speed remains so.
-  Session shorter = whirls(w.warning.suggested_dt);
-  shorter.step(16);
-  EXPECT_TRUE(shorter.warnings().empty());
-  // Control: twice that step is too long.
-  Session longer = whirls(2 * w.warning.suggested_dt);
-  longer.step(2);
-  EXPECT_FALSE(longer.warnings().empty());
 }
 
 TEST(SessionWarnings, BelongToThePastThatASeekLeadsTo) {

@@ -40,6 +40,9 @@ export class PlotAxes {
       out.add(...high);
     });
     const [x, y, z] = [0, 1, 2].map((axis) => out.along(axis)) as [[number, number], [number, number], [number, number]];
+    // What has hardly changed yet is no line on the edge of the paper: the frame is at least a third as high as wide.
+    const missing = (x[1] - x[0]) / 3 - (y[1] - y[0]);
+    if (missing > 0) [y[0], y[1]] = [y[0] - 0.5 * missing, y[1] + 0.5 * missing];
     for (let corner = 0; corner < 8; ++corner) out.add(x[corner & 1]!, y[(corner >> 1) & 1]!, z[corner >> 2]!);
   }
 

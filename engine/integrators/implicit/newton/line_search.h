@@ -22,9 +22,14 @@ inline constexpr double kLeftSlope = 0.5;   ///< more than this fraction of the 
 inline constexpr double kLongest = 1024;
 inline constexpr double kShortest = 1e-10;  ///< shorter steps do not count
 
-/// Whether step a ends the search; `noise` is the rounding error of a value.
-inline bool accepts(const Point& start, const Point& at, double a, double noise) {
-  if (at.value <= start.value + kShare * a * start.slope) return true;
+/// Whether phi falls enough at step a.
+inline bool falls(const Point& start, const Point& at, double a) {
+  return at.value <= start.value + kShare * a * start.slope;
+}
+
+/// Whether phi stays the same to within `noise`, the rounding error of a value, and most of the slope is
+/// gone.
+inline bool settles(const Point& start, const Point& at, double noise) {
   return at.value <= start.value + noise && at.slope <= (2 * kSlopeShare - 1) * start.slope;
 }
 

@@ -18,7 +18,10 @@ constexpr int kDirect = 60, kPolish = 25;
 constexpr double kCrawling = 0.25;  ///< fraction of a direction below which a line search makes no progress
 constexpr int kLeap = 6;            ///< full steps that may increase the potential before they must have
                                     ///< fallen below the start
-constexpr double kNoise = 1e-12;    ///< relative error of sums over many terms, generously
+/// Multiples of the expected rounding that may hide a residual, and the fraction of the residual above which
+/// an iteration was of no help.
+constexpr double kHidden = 8, kNoHelp = 0.5;
+constexpr double kNoise = 1e-12;  ///< relative error of sums over many terms, generously
 
 }  // namespace
 
@@ -121,6 +124,7 @@ bool StageNewton::settled(const StageEquation& eq, std::span<const double> u, in
 
 StageNewton::Failure StageNewton::iterate_to(double target, int most, const StageEquation& eq,
                                              std::span<double> u) {
+  double before = 0;
   for (int it = 0;; ++it) {
     interruption_point();
     record();
@@ -131,8 +135,11 @@ StageNewton::Failure StageNewton::iterate_to(double target, int most, const Stag
     // Values that have decayed until their squares underflow count as zero: a norm can no longer tell better
     // from worse there.
     constexpr double kNothing = 1e-150;
-    const bool rounded = norm_ <= report_.floor + kNothing;
+    // Several roundings may meet: then one more iteration shows that it no longer helps.
+    const bool stuck = it > 0 && norm_ > kNoHelp * before && norm_ <= kHidden * report_.floor;
+    const bool rounded = stuck || norm_ <= report_.floor + kNothing;
     if (rounded && (eq.end == StageEquation::End::rounding || settled(eq, u, it))) return nullptr;
+    before = norm_;
     if (it >= most) return "did not converge";
     // No more accuracy than this iterate deserves.
     const double accuracy =
@@ -317,12 +324,21 @@ bool StageNewton::leap(const StageEquation& eq, std::span<double> u, double accu
   return false;
 }
 
+// Of phi, whose terms add up to `magnitude`, at the iterate whose derivatives are at hand: of sums over many
+// terms, and of lengths from rounded positions, which counts most near rest, where V is small beside it.
+double StageNewton::rounding_of_value(const StageEquation& eq, double magnitude) {
+  constexpr double kUnits = 2 * std::numeric_limits<double>::epsilon();
+  const double lengths = eq.g / eq.s * system_.rounding_energy(x_);
+  return kNoise * magnitude + kUnits * std::sqrt(2 * magnitude * lengths) + kUnits * kUnits * lengths;
+}
+
 // Moves u along d; false when no step improves it.
 bool StageNewton::search(const StageEquation& eq, std::span<double> u, double slope) {
   const bool potential = merit_ == Merit::incremental_potential;
   const double norm = norm_;
   const line_search::Point start{potential ? value(eq, u) : 0, slope};
-  const double noise = kNoise * magnitude_;
+  const double magnitude = magnitude_;
+  std::optional<double> noise;
   const auto go = [&](double share) {
     m_.loop(n_, [to = trial_.data(), u = u.data(), d = d_.data(), share](size_t i) {
       to[i] = u[i] + share * d[i];
@@ -335,8 +351,12 @@ bool StageNewton::search(const StageEquation& eq, std::span<double> u, double sl
   double share = 1;
   line_search::Point at = go(share);
   const auto good = [&] {
-    return potential ? line_search::accepts(start, at, share, noise)
-                     : norm_ < (1 - line_search::kShare * share) * norm;
+    if (potential) {
+      if (line_search::falls(start, at, share)) return true;
+      if (!noise) noise = rounding_of_value(eq, magnitude);
+      return line_search::settles(start, at, *noise);
+    }
+    return norm_ < (1 - line_search::kShare * share) * norm;
   };
   if (good()) {
     while (potential && line_search::goes_on(start, at) && share < line_search::kLongest) {

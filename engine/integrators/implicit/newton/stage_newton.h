@@ -92,6 +92,7 @@ class StageNewton {
   bool full_step(const StageEquation& eq, std::span<double> u, double accuracy);
   void slope_along(const StageEquation& eq, std::span<const double> u, std::span<const double> z,
                    std::span<double> q);
+  double rounding_of_value(const StageEquation& eq, double magnitude);
   bool search(const StageEquation& eq, std::span<double> u, double slope);
   void record();
   std::span<const double> rate_position() const;

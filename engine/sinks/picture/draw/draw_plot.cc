@@ -68,6 +68,13 @@ void PlotBox::add_time(std::span<const PlotAxis> axes, double duration) {
   }
 }
 
+void PlotBox::open_up() {
+  constexpr double kLeastHeight = 1.0 / 3;  // of the width
+  const double missing = kLeastHeight * (high.x - low.x) - (high.y - low.y);
+  if (empty() || !(missing > 0)) return;
+  low.y -= 0.5 * missing, high.y += 0.5 * missing;
+}
+
 void add_axes(DrawList& list, std::span<const PlotAxis> axes, const PlotBox& box) {
   using Side = DrawLabel::Side;
   if (axes.size() < 2 || box.empty()) return;

@@ -15,6 +15,9 @@ struct PlotBox {
   void add(const std::vector<float>& positions);
   /// Adds t = 0 to `duration` along time axes.
   void add_time(std::span<const PlotAxis> axes, double duration);
+  /// What has hardly changed yet is no line on the edge of the paper: the box is at least a third as high as
+  /// wide.
+  void open_up();
   bool empty() const { return !(low.x <= high.x); }
 };
 

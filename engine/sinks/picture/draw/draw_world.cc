@@ -373,6 +373,7 @@ DrawList draw_list_of(const World& world, const Frame& frame, const PictureLook&
   }
   if (!axes.empty()) {
     plot.add_time(axes, header.time.duration);
+    plot.open_up();
     add_axes(list, axes, plot);
   }
   if (lies_in_plane(world, frame)) flatten(list);
