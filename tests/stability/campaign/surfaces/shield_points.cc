@@ -8,12 +8,6 @@
 namespace truestep::campaign {
 namespace {
 
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "(%.17g)", x);
-  return text;
-}
-
 /// Something thin that moves along x or turns about z.
 struct Mover {
   std::string kind;
@@ -41,7 +35,7 @@ Mover mover(Dice& d, double half_thickness, double half_width, double wide) {
 /// Adds the systems and couplings that move it; returns the id of the one that points meet.
 const char* add_mover(Dice& d, const Mover& m, double seconds, json::array& systems, json::array& couplings) {
   const std::string& kind = m.kind;
-  const std::string along = number(m.from) + " + " + number(m.speed) + "*t", turned = number(m.rate) + "*t";
+  const std::string along = exact(m.from) + " + " + exact(m.speed) + "*t", turned = exact(m.rate) + "*t";
   if (kind == "body") {
     json::array bodies = bodies_of(m, "kinematic");
     json::object& body = bodies[0].as_object();
@@ -88,7 +82,7 @@ const char* add_mover(Dice& d, const Mover& m, double seconds, json::array& syst
   json::object root{{"id", "root"}}, tip{{"id", "tip"}, {"parent", "root"}};
   json::object skeleton{{"type", "skeleton"}, {"bone_radius", m.half_thickness}};
   if (m.rate == 0) {
-    skeleton["root_position"] = json::array{along, number(-m.half_width)};
+    skeleton["root_position"] = json::array{along, exact(-m.half_width)};
     tip["offset"] = vec(0, 2 * m.half_width, 0);
   } else {
     root["rotation"] = json::array{"0", "0", turned}, tip["offset"] = vec(m.half_width, 0, 0);
@@ -154,7 +148,7 @@ void shield_points(Dice& d, Trial& t) {
   if (m.kind != "skeleton" || hit.at("type") == "particles") {
     expect_range(t, "hit.velocity.x", 0.98 * m.speed, 2 * m.speed, "it goes on with what has hit it");
   }
-  expect_range(t, "hit.position.x - (" + number(m.from) + " + " + number(m.speed) + "*t)",
+  expect_range(t, "hit.position.x - (" + exact(m.from) + " + " + exact(m.speed) + "*t)",
                0.5 * m.half_thickness, 1e9, "in front of it");
 }
 
