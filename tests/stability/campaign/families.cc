@@ -45,6 +45,8 @@ std::span<const Family> families() {
         {"shield_3d", shield_3d, true},
         {"bar_2d", bar_2d},
         {"bar_3d", bar_3d, true},
+        {"driven_shield_3d", driven_shield_3d, true},
+        {"driven_bar_3d", driven_bar_3d, true},
         {"shield_points", shield_points, true},
         {"bar_points", bar_points, true},
         {"seam_3d", seam_3d, true},

@@ -1,5 +1,6 @@
 // Building blocks shared by the scene generators.
 #pragma once
+#include <cstdio>
 #include <string>
 
 #include "tests/stability/campaign/campaign.h"
@@ -34,6 +35,13 @@ inline void set_scene(Trial& t, double dt, double seconds, const Vec3& gravity, 
              {"gravity", vec(gravity)},       {"time", json::object{{"dt", dt}, {"duration", seconds}}},
              {"systems", std::move(systems)}, {"probes", json::array{}},
              {"expect", json::array{}}};
+}
+
+/// As text in an expression, to the last bit.
+inline std::string exact(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "(%.17g)", x);
+  return text;
 }
 
 /// Watches a row of system "a"; quantities are then NAME.position.x and so on.
@@ -92,6 +100,8 @@ void shield_3d(Dice&, Trial&);
 void bar_2d(Dice&, Trial&);
 void bar_3d(Dice&, Trial&);
 void shield_points(Dice&, Trial&);
+void driven_shield_3d(Dice&, Trial&);
+void driven_bar_3d(Dice&, Trial&);
 void bar_points(Dice&, Trial&);
 void seam_3d(Dice&, Trial&);
 void turntable_3d(Dice&, Trial&);

@@ -9,12 +9,6 @@ namespace {
 
 constexpr double kG = 9.81;
 
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "(%.17g)", x);
-  return text;
-}
-
 /// A table with its top at y = 0 that turns about y.
 json::object table(Dice& d, double rate, double friction) {
   const std::string kind = d.of({"cylinder", "box", "mesh", "height_field", "compound"});
@@ -68,9 +62,9 @@ void turntable_3d(Dice& d, Trial& t) {
   if (d.chance(0.3)) system_of(t)["substeps"] = d.of({1, 10, 20});
   t.rules.gain.reset();
   probe(t, "rests", 1, {"position"});
-  const std::string turned = number(angle) + " + " + number(rate) + "*t", c = "cos(" + turned + ")",
+  const std::string turned = exact(angle) + " + " + exact(rate) + "*t", c = "cos(" + turned + ")",
                     sine = "sin(" + turned + ")";
-  const std::string out = "rests.position.x*" + c + " - rests.position.z*" + sine + " - " + number(from),
+  const std::string out = "rests.position.x*" + c + " - rests.position.z*" + sine + " - " + exact(from),
                     along = "rests.position.x*" + sine + " + rests.position.z*" + c;
   for (const std::string& q : {out, along}) {
     expect_range(t, "largest(" + q + ")", 0, 1e-2 * size,
@@ -96,7 +90,7 @@ void rolling_table_3d(Dice& d, Trial& t) {
   t.rules.gain.reset();
   probe(t, "ball", 1, {"position"});
   const std::string squared =
-      "((ball.position.x - " + number(middle.x) + ")^2 + (ball.position.z - " + number(middle.z) + ")^2)";
+      "((ball.position.x - " + exact(middle.x) + ")^2 + (ball.position.z - " + exact(middle.z) + ")^2)";
   expect_range(t, "max(sqrt" + squared + ")", 0, 1.02 * loop, "a closed circle");
   expect_range(t, "min(sqrt" + squared + ")", 0.98 * loop, 1e9, "a closed circle");
 }
@@ -133,7 +127,7 @@ void motor_disc_3d(Dice& d, Trial& t) {
   t.rules.gain.reset();
   probe(t, "rests", 1, {"position"});
   const std::string r = "sqrt(rests.position.x^2 + rests.position.z^2)";
-  expect_range(t, "largest(" + r + " - " + number(from) + ")", 0, 0.02 * size,
+  expect_range(t, "largest(" + r + " - " + exact(from) + ")", 0, 0.02 * size,
                "it stays where it is on the disc");
 }
 
@@ -164,9 +158,9 @@ void drum_2d(Dice& d, Trial& t) {
   if (d.chance(0.3)) system_of(t)["precision"] = "f64";
   t.rules.gain.reset();
   probe(t, "rests", 1, {"position"});
-  const std::string c = "cos(" + number(angle) + " + " + number(rate) + "*t)",
-                    s = "sin(" + number(angle) + " + " + number(rate) + "*t)";
-  expect_range(t, "largest(rests.position.x*" + c + " + rests.position.y*" + s + " - " + number(own.x) + ")",
+  const std::string c = "cos(" + exact(angle) + " + " + exact(rate) + "*t)",
+                    s = "sin(" + exact(angle) + " + " + exact(rate) + "*t)";
+  expect_range(t, "largest(rests.position.x*" + c + " + rests.position.y*" + s + " - " + exact(own.x) + ")",
                0, 0.02 * size, "it does not slide along");
 }
 

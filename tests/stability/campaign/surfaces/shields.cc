@@ -98,8 +98,45 @@ void bar(Dice& d, Trial& t, bool flat) {
                "at least the bar's speed where it was hit, at most that of the tip along and across");
 }
 
+/// What moves first is driven by keys instead of its velocities: a path or a turn at the same rate.
+void drive(Trial& t) {
+  json::object& body = system_of(t)["bodies"].as_array()[0].as_object();
+  const double seconds = t.scene["time"].at("duration").as_double() + 1;
+  json::object keys{{"type", "keyframes"}, {"id", "keys"}};
+  json::object drive{{"type", "drive"}, {"id", "d"}, {"a", "keys"}, {"b", "a"}, {"body", 0}};
+  if (body.contains("velocity")) {
+    const double from = body["position"].as_array()[0].as_double(),
+                 speed = body["velocity"].as_array()[0].as_double();
+    keys["paths"] =
+        json::array{json::object{{"name", "way"},
+                                 {"times", json::array{0, seconds}},
+                                 {"points", json::array{vec(from, 0, 0), vec(from + speed * seconds, 0, 0)}},
+                                 {"interpolation", "linear"}}};
+    drive["path"] = "way", body.erase("velocity");
+  } else {
+    const double rate = body["angular_velocity"].as_array()[2].as_double();
+    json::array times, turns;
+    const int n = static_cast<int>(std::ceil(std::abs(rate) * seconds / 1.5)) + 1;
+    for (int k = 0; k <= n; ++k) {
+      const double at = k * seconds / n, half = 0.5 * rate * at;
+      times.push_back(at);
+      for (const double q : {std::cos(half), 0.0, 0.0, std::sin(half)}) turns.push_back(q);
+    }
+    keys["turns"] = json::array{json::object{{"name", "roll"}, {"times", times}, {"quaternions", turns}}};
+    drive["turn"] = "roll", body.erase("angular_velocity");
+  }
+  t.scene["systems"].as_array().push_back(keys);
+  t.scene["couplings"] = json::array{drive};
+}
+
 }  // namespace
 
+void driven_shield_3d(Dice& d, Trial& t) {
+  plate(d, t, false), drive(t);
+}
+void driven_bar_3d(Dice& d, Trial& t) {
+  bar(d, t, false), drive(t);
+}
 void shield_2d(Dice& d, Trial& t) {
   plate(d, t, true);
 }

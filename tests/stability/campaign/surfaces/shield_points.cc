@@ -8,12 +8,6 @@
 namespace truestep::campaign {
 namespace {
 
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "(%.17g)", x);
-  return text;
-}
-
 /// Something thin that moves along x or turns about z.
 struct Mover {
   std::string kind;
@@ -41,7 +35,7 @@ Mover mover(Dice& d, double half_thickness, double half_width, double wide) {
 /// Adds the systems and couplings that move it; returns the id of the one that points meet.
 const char* add_mover(Dice& d, const Mover& m, double seconds, json::array& systems, json::array& couplings) {
   const std::string& kind = m.kind;
-  const std::string along = number(m.from) + " + " + number(m.speed) + "*t", turned = number(m.rate) + "*t";
+  const std::string along = exact(m.from) + " + " + exact(m.speed) + "*t", turned = exact(m.rate) + "*t";
   if (kind == "body") {
     json::array bodies = bodies_of(m, "kinematic");
     json::object& body = bodies[0].as_object();
@@ -88,7 +82,7 @@ const char* add_mover(Dice& d, const Mover& m, double seconds, json::array& syst
   json::object root{{"id", "root"}}, tip{{"id", "tip"}, {"parent", "root"}};
   json::object skeleton{{"type", "skeleton"}, {"bone_radius", m.half_thickness}};
   if (m.rate == 0) {
-    skeleton["root_position"] = json::array{along, number(-m.half_width)};
+    skeleton["root_position"] = json::array{along, exact(-m.half_width)};
     tip["offset"] = vec(0, 2 * m.half_width, 0);
   } else {
     root["rotation"] = json::array{"0", "0", turned}, tip["offset"] = vec(m.half_width, 0, 0);
@@ -113,16 +107,16 @@ json::object points(Dice& d, const Vec3& middle, const Vec3& u, const Vec3& v, d
     out["positions"] = places;
     return out;
   }
-  const int n = 4;
-  row = (n + 1) * (n + 1) / 2;
+  const int n = 5;
+  row = n * n / 2;
   out["cloth_grid"] = json::object{{"origin", vec(middle - u * 0.5 - v * 0.5)},
                                    {"edge_u", vec(u)},
                                    {"edge_v", vec(v)},
                                    {"nx", n},
                                    {"ny", n}};
   // Explicit methods hold it at 30 Hz.
-  out["stiffness"] = 0.05, out["thickness"] = norm(u) * d.between(0.02, 0.1);
-  if (kind == "mass_spring") out["integrator"] = "velocity_verlet";
+  out["stiffness"] = 1, out["thickness"] = norm(u) * d.between(0.02, 0.1);
+  if (kind == "mass_spring") out["shear_stiffness"] = 0.5, out["integrator"] = "velocity_verlet";
   return out;
 }
 
@@ -150,8 +144,11 @@ void shield_points(Dice& d, Trial& t) {
   int row = 0;
   const json::object hit = points(d, {}, {0, wide, 0}, {0, 0, wide}, 0.01, row);
   set_scene_of(t, d, dt, gap / m.speed + 4 * dt, m, hit, row);
-  expect_range(t, "hit.velocity.x", 0.98 * m.speed, 2 * m.speed, "it goes on with what has hit it");
-  expect_range(t, "hit.position.x - (" + number(m.from) + " + " + number(m.speed) + "*t)",
+  // A bone meets only a strip of a cloth, which the rest pulls back and forth.
+  if (m.kind != "skeleton" || hit.at("type") == "particles") {
+    expect_range(t, "hit.velocity.x", 0.98 * m.speed, 2 * m.speed, "it goes on with what has hit it");
+  }
+  expect_range(t, "hit.position.x - (" + exact(m.from) + " + " + exact(m.speed) + "*t)",
                0.5 * m.half_thickness, 1e9, "in front of it");
 }
 
@@ -165,8 +162,10 @@ void bar_points(Dice& d, Trial& t) {
   int row = 0;
   const json::object hit = points(d, out * from, out * wide, {0, 0, wide}, 0.01, row);
   set_scene_of(t, d, dt, (angle + 0.4) / std::abs(m.rate) + 2 * dt, m, hit, row);
+  // A bone meets only a strip of a cloth; what is passed stays at rest.
+  const double share = m.kind != "skeleton" || hit.at("type") == "particles" ? 0.75 : 0.3;
   const double w = std::abs(m.rate);
-  expect_range(t, "sqrt(hit.velocity.x^2 + hit.velocity.y^2)", 0.75 * w * (from - 0.5 * wide), 2 * w,
+  expect_range(t, "sqrt(hit.velocity.x^2 + hit.velocity.y^2)", share * w * (from - 0.5 * wide), 2 * w,
                "at least the bar's speed where it was hit");
 }
 

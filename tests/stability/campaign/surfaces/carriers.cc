@@ -8,13 +8,7 @@
 namespace truestep::campaign {
 namespace {
 
-constexpr double kG = 9.81;
-
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "(%.17g)", x);
-  return text;
-}
+constexpr double kWeight = 9.81;
 
 /// A box with the extents `half` at p.
 json::object box(bool flat, const Vec3& half, const Vec3& p) {
@@ -28,7 +22,7 @@ json::object box(bool flat, const Vec3& half, const Vec3& p) {
 }
 
 void set_carrier_scene(Trial& t, Dice& d, bool flat, double seconds, json::array bodies) {
-  set_scene(t, usual_dt(d), seconds, {0, -kG, 0},
+  set_scene(t, usual_dt(d), seconds, {0, -kWeight, 0},
             {{{"type", flat ? "rigid2d" : "rigid3d"}, {"bodies", std::move(bodies)}}});
   if (d.chance(0.3)) system_of(t)["precision"] = "f64";
   t.rules.gain.reset();
@@ -38,7 +32,7 @@ void set_carrier_scene(Trial& t, Dice& d, bool flat, double seconds, json::array
 void belt(Dice& d, Trial& t, bool flat) {
   const double size = d.between(0.05, 0.3), mu = d.between(0.2, 1), speed = d.sign() * d.spread(0.1, 4);
   const bool rides = d.chance(0.5);
-  const double slips = rides ? 0 : std::abs(speed) / (mu * kG), seconds = slips + 4;
+  const double slips = rides ? 0 : std::abs(speed) / (mu * kWeight), seconds = slips + 4;
   json::object belt = box(flat, {40, 0.5, 2}, {0, -0.5, 0});
   belt["motion"] = "fixed", belt["friction"] = mu;
   if (flat) {
@@ -52,13 +46,13 @@ void belt(Dice& d, Trial& t, bool flat) {
   load["friction"] = mu;
   if (rides) load["velocity"] = flat ? vec(speed, 0) : vec(speed, 0, 0);
   set_carrier_scene(t, d, flat, seconds, {belt, load});
-  const std::string x = "load.position.x - " + number(speed) + "*t";
+  const std::string x = "load.position.x - " + exact(speed) + "*t";
   const double lag = 0.5 * speed * slips;
   char after[64];
-  std::snprintf(after, sizeof after, "%.6f, %.6f", slips + 0.2, seconds);
+  std::snprintf(after, sizeof after, "%.6f, %.6f", slips + 1, seconds);
   const double dt = t.scene["time"].at("dt").as_double();
-  expect_range(t, "largest(" + x + " + " + number(lag) + ", " + after + ")", 0,
-               0.01 * size + 0.5 * mu * kG * dt * dt + 0.01 * std::abs(lag), "it slips for v / (mu g)");
+  expect_range(t, "largest(" + x + " + " + exact(lag) + ", " + after + ")", 0,
+               0.01 * size + 0.5 * mu * kWeight * dt * dt + 0.01 * std::abs(lag), "it slips for v / (mu g)");
   expect_range(t, "max(" + x + ", " + after + ") - min(" + x + ", " + after + ")", 0, 1e-3 * size,
                "then it rides along");
 }
@@ -75,12 +69,12 @@ void lift(Dice& d, Trial& t, bool flat) {
   for (json::object* b : {&floor, &load})
     (*b)["velocity"] = flat ? vec(v.x, v.y) : vec(v), (*b)["friction"] = 0.6;
   set_carrier_scene(t, d, flat, 5, {floor, load});
-  expect_range(t, "largest(load.position.x - " + number(x0) + " - " + number(v.x) + "*t)", 0, 2e-3 * size,
+  expect_range(t, "largest(load.position.x - " + exact(x0) + " - " + exact(v.x) + "*t)", 0, 2e-3 * size,
                "it stays where it is");
-  expect_range(t, "largest(load.position.y - " + number(half) + " - " + number(v.y) + "*t)", 0,
+  expect_range(t, "largest(load.position.y - " + exact(half) + " - " + exact(v.y) + "*t)", 0,
                0.02 * half + 1e-3, "nor does it sink in");
   if (!flat)
-    expect_range(t, "largest(load.position.z - " + number(v.z) + "*t)", 0, 2e-3 * size,
+    expect_range(t, "largest(load.position.z - " + exact(v.z) + "*t)", 0, 2e-3 * size,
                  "it stays where it is");
 }
 
@@ -102,7 +96,7 @@ void lift_3d(Dice& d, Trial& t) {
 /// A platform that keys drive up and down and to and fro, with up to 0.4 g.
 void driven_lift_3d(Dice& d, Trial& t) {
   const double size = d.between(0.05, 0.3), half = size * d.between(0.2, 0.6), rate = d.spread(0.5, 6);
-  const double most = d.between(0.05, 0.4) * kG / (rate * rate);
+  const double most = d.between(0.05, 0.4) * kWeight / (rate * rate);
   const double up = most * d.unit(), aside = most * d.between(-0.5, 0.5), phase = d.between(0, 6.28);
   const double seconds = 5;
   json::object floor = box(false, {3, 0.1, 3}, {0, -0.1, 0}),
@@ -122,11 +116,13 @@ void driven_lift_3d(Dice& d, Trial& t) {
   t.scene["systems"].as_array().push_back(keys);
   t.scene["couplings"] = json::array{
       json::object{{"type", "drive"}, {"id", "d"}, {"a", "b"}, {"b", "a"}, {"body", 0}, {"path", "way"}}};
-  const std::string c = "(cos(" + number(rate) + "*t) - 1)";
-  const std::string x = "load.position.x - " + number(aside * std::cos(phase)) + "*" + c,
-                    z = "load.position.z - " + number(aside * std::sin(phase)) + "*" + c;
+  const std::string c = "(cos(" + exact(rate) + "*t) - 1)";
+  const std::string x = "load.position.x - " + exact(aside * std::cos(phase)) + "*" + c,
+                    z = "load.position.z - " + exact(aside * std::sin(phase)) + "*" + c;
+  // The first step has no load yet that friction could answer.
+  const double dt = t.scene["time"].at("dt").as_double(), first = std::abs(aside) * rate * rate * dt * dt;
   for (const std::string& q : {x, z}) {
-    expect_range(t, "largest(" + q + ")", 0, 1e-2 * size,
+    expect_range(t, "largest(" + q + ")", 0, 1e-2 * size + first,
                  "it stays where it is, but for how it settles and leans");
   }
 }
@@ -162,9 +158,9 @@ void drum_3d(Dice& d, Trial& t) {
   if (d.chance(0.3)) system_of(t)["precision"] = "f64";
   t.rules.gain.reset();
   probe(t, "rests", 1, {"position"});
-  const std::string turned = number(angle) + " + " + number(rate) + "*t", c = "cos(" + turned + ")",
+  const std::string turned = exact(angle) + " + " + exact(rate) + "*t", c = "cos(" + turned + ")",
                     s = "sin(" + turned + ")";
-  expect_range(t, "largest(rests.position.x*" + c + " + rests.position.y*" + s + " - " + number(own.x) + ")",
+  expect_range(t, "largest(rests.position.x*" + c + " + rests.position.y*" + s + " - " + exact(own.x) + ")",
                0, 0.02 * size, "it does not slide along");
   expect_range(t, "largest(rests.position.z)", 0, 0.02 * size, "nor aside");
 }
