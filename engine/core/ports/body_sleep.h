@@ -1,5 +1,6 @@
-// Bodies that fall asleep, as couplings see them: what the owner of a BodyPort may name (BodyOwner::sleep). Impulses
-// wake a body (BodyOwner::wake resets its timer); a coupling that merely rests on it restores the timer.
+// Bodies that fall asleep, as couplings see them: what the owner of a BodyPort may name (BodyOwner::sleep).
+// Impulses wake a body (BodyOwner::wake resets its timer); a coupling that merely rests on it restores the
+// timer.
 #pragma once
 #include "engine/core/state/state.h"
 

@@ -109,8 +109,8 @@ struct MediumPort {
   State::Column gravity = 0;  ///< three numbers, m/s^2, f64
 };
 
-/// What a system offers to couplings and file writers; corners of `solids` are rows of `points`. What it does not
-/// have is empty or null.
+/// What a system offers to couplings and file writers; corners of `solids` are rows of `points`. What it does
+/// not have is empty or null.
 struct Ports {
   std::optional<PointPort> points;
   PublishedSolids solids;  ///< with which points of other systems collide

@@ -1,7 +1,7 @@
 // RigPort: how couplings and file writers access a skeleton without knowing its system: its tree of joints,
 // the columns with their poses, its bones as bodies, its skin; and how it is led when something else (a
-// ragdoll) determines the poses of its bones. Few systems have one, so it is made by rig_of when it is asked for
-// (Ports::rig).
+// ragdoll) determines the poses of its bones. Few systems have one, so it is made by rig_of when it is asked
+// for (Ports::rig).
 #pragma once
 #include <array>
 #include <cstdint>

@@ -11,8 +11,8 @@
 #pragma once
 #include <memory>
 
-#include "engine/core/ports/changing_triangles.h"
 #include "engine/core/ports/body_sleep.h"
+#include "engine/core/ports/changing_triangles.h"
 #include "engine/couplings/contact/body_touch_solver.h"
 
 namespace truestep::contact {

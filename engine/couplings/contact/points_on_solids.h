@@ -3,8 +3,8 @@
 #pragma once
 #include <string>
 
-#include "engine/core/ports/changing_triangles.h"
 #include "engine/core/coupling.h"
+#include "engine/core/ports/changing_triangles.h"
 #include "engine/couplings/contact/contact_def.h"
 #include "engine/couplings/contact/contact_search.h"
 #include "engine/couplings/exchange.h"
