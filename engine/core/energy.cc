@@ -22,8 +22,9 @@ void EnergyWatch::command(const Energy& before, const Energy& after) {
 bool EnergyWatch::holds(const Energy& now) {
   if (phase != Phase::watching || now.exchange == Energy::Exchange::open) return begin(now), true;
   // For a closed system this is what the potential has given or taken so far.
-  available = std::max(available, reference - now.potential);
-  const double gain = now.kinetic + now.potential - reference;
+  const double potential = now.potential - now.residual;
+  available = std::max(available, reference - potential);
+  const double gain = now.kinetic + potential - reference;
   // For things at rest whose energy is all rounding.
   constexpr double kRounding = 1e-9;
   return gain <= std::max(kRounding, now.swing * std::max(available, now.slack));

@@ -17,6 +17,9 @@ struct Energy {
   /// Factor of the available energy that the method's own oscillation may reach: explicit methods with a
   /// limit omega h < 2 oscillate by (2 + omega h) / (2 - omega h), so up to 0.998 of the limit passes.
   double swing = kSwing;
+  /// J of the potential that motion may not have put in: stretch of stiff links that sweeps have left. By
+  /// itself a system is judged without it, joined to others with it.
+  double residual = 0;
 
   static constexpr double kSwing = 10, kSwingNearLimit = 1000;
 };

@@ -18,8 +18,4 @@ inline double swing_at(double share) {
   return std::clamp(2 * (1 + share) / (1 - share), Energy::kSwing, Energy::kSwingNearLimit);
 }
 
-/// Energy::swing of methods whose stored energy is not exactly what motion has put into it: by itself such a
-/// system is not judged by its energy, joined to others it is.
-inline constexpr double kSwingUnknown = 1e300;
-
 }  // namespace truestep

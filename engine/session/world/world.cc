@@ -108,7 +108,7 @@ void World::watch_energy(WorldState& state, size_t i, double t, Workspace& works
   // coupling ties to a system moves its limit.
   const bool joint = std::ranges::count(joined_to_, i) > 1;
   if (joint) {
-    all->swing = kJointGain;
+    all->swing = kJointGain, all->residual = 0;
     if (state.step < kParted && watch.phase == EnergyWatch::Phase::watching) {
       // What is pushed apart rises from the first steps on: later it rises no more than it has by then.
       const auto group = std::ranges::find(tied_, i, &Tied::first);
@@ -117,7 +117,7 @@ void World::watch_energy(WorldState& state, size_t i, double t, Workspace& works
       watch.reference += std::clamp(all->kinetic + all->potential - reference, 0.0, most);
     }
     all->slack = 0;
-  } else if (all->swing > Energy::kSwing && all->swing < kSwingUnknown && couplings_.empty()) {
+  } else if (all->swing > Energy::kSwing && couplings_.empty()) {
     Energy narrow = *all;
     narrow.swing = Energy::kSwing;
     EnergyWatch tried = watch;
@@ -171,7 +171,7 @@ std::optional<Energy> World::energy_together(const WorldState& state, size_t i, 
     const auto e = systems_[k]->energy(state.systems[k], t, workspace.object<Workspace>(id(k)), arena);
     if (!e) return std::nullopt;
     sum.kinetic += e->kinetic, sum.potential += e->potential, sum.slack += e->slack;
-    sum.swing = std::max(sum.swing, e->swing);
+    sum.swing = std::max(sum.swing, e->swing), sum.residual += e->residual;
     if (e->exchange == Energy::Exchange::open) sum.exchange = Energy::Exchange::open;
   }
   for (size_t k = 0; k < couplings_.size(); ++k) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/core/energy_swing.h"
 #include "engine/kernels/xpbd/dihedral.h"
 #include "engine/kernels/xpbd/membrane.h"
 #include "engine/kernels/xpbd/neo_hookean.h"
@@ -114,7 +113,8 @@ Energy Xpbd::energies(const State& s) const {
     if (w[i] > 0) e.kinetic += 0.5 * masses[i] * norm2(load3(v, i));
     e.potential -= masses[i] * dot(g, load3(x, i));
   }
-  if (options_.scheme == Scheme::xpbd) e.potential += elastic(s);
+  const double springs = options_.scheme == Scheme::xpbd ? elastic(s) : 0;
+  e.potential += springs;
   for (size_t r = 0; r < rods_.rods; ++r) {
     for (size_t j = 0; j < rods_.links; ++j) {
       const Vec3 o = load3(s.f64(rods_.spin).data(), rods_.first_frame(r) + j + 1);
@@ -130,7 +130,7 @@ Energy Xpbd::energies(const State& s) const {
   // stiff links are stretched by the residual, and that energy is not the motion's.
   const bool exact = !cosserat_ && !elastic_ && tethers_.empty() && body_.rods.empty() &&
                      schedule_.chains.colours.size() == 1;
-  if (!exact) e.swing = kSwingUnknown;
+  if (!exact) e.residual = springs;
   const bool stored = matches_.empty() && options_.scheme == Scheme::xpbd;
   const bool driven = Columns::kHands.any(s) || !colliders_.empty() || folds_ || air_ || !stored;
   e.exchange = driven ? Energy::Exchange::open : Energy::Exchange::closed;

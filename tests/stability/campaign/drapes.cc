@@ -75,7 +75,7 @@ std::span<const Family> drape_families() {
   static constexpr std::array kAll{
       Family{"drape_spring_cloth", drape<spring_cloth>}, Family{"drape_spring_rope", drape<spring_rope>},
       Family{"drape_spring_net", drape<spring_net>},     Family{"drape_xpbd_cloth", drape<xpbd_cloth>},
-      Family{"drape_xpbd_rope", drape<xpbd_rope>},       Family{"drape_xpbd_block", drape<xpbd_block>, true},
+      Family{"drape_xpbd_rope", drape<xpbd_rope>},       Family{"drape_xpbd_block", drape<xpbd_block>},
       Family{"drape_fem_block", drape<fem_block>},       Family{"drape_fem_sheet", drape<fem_sheet>},
   };
   return kAll;

@@ -66,6 +66,7 @@ std::span<const Family> families() {
         {"merging_bodies", merging_bodies},
         {"pulses", pulses},
         {"near_rest", near_rest},
+        {"stiff_elastic", stiff_elastic},
         {"closed_materials", closed_materials},
         {"fluid_layers", fluid_layers},
     };

@@ -120,6 +120,7 @@ void bouncing_bodies(Dice&, Trial&);
 void merging_bodies(Dice&, Trial&);
 void pulses(Dice&, Trial&);
 void near_rest(Dice&, Trial&);
+void stiff_elastic(Dice&, Trial&);
 void closed_materials(Dice&, Trial&);
 void fluid_layers(Dice&, Trial&);
 /// Soft things with rigid bodies, a family for each kind of both.
