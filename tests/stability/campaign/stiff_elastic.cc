@@ -47,8 +47,9 @@ void stiff_elastic(Dice& d, Trial& t) {
   system["type"] = "xpbd";
   system["poisson_ratio"] = d.of({-0.3, 0.0, 0.1, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45});
   system["velocity"] = vec(d.in_cube(1));
-  if (d.chance(0.3)) system["precision"] = "f64";
   set_scene(t, dt, 120 * dt, {}, {std::move(system)});
+  // Of motion: stretch that a substep has left is no energy that anything was given (drapes.cc).
+  t.rules.gain.reset();
   expect_range(t, "max(energy.kinetic) / start(energy.kinetic)", 0, 1.001, "nothing gives it energy");
 }
 
