@@ -19,17 +19,19 @@ double allocated() {
   return static_cast<double>(m.uordblks) + static_cast<double>(m.hblkhd);
 }
 
-// From the kernel, since `forget_peak`.
+// From the kernel, since `forget_peak`, without pages of the program's file: how many of those are in memory
+// depends on what else the machine has read.
 double peak_bytes() {
   std::FILE* status = std::fopen("/proc/self/status", "r");
   if (!status) return 0;
   char line[256];
-  double kilobytes = 0;
+  double kilobytes = 0, of_file = 0;
   while (std::fgets(line, sizeof line, status)) {
-    if (std::sscanf(line, "VmHWM: %lf", &kilobytes) == 1) break;
+    std::sscanf(line, "VmHWM: %lf", &kilobytes);
+    if (std::sscanf(line, "RssFile: %lf", &of_file) == 1) break;
   }
   std::fclose(status);
-  return 1024 * kilobytes;
+  return 1024 * (kilobytes - of_file);
 }
 
 double forget_peak() {
