@@ -58,7 +58,7 @@ std::span<const Family> families() {
         {"belt_2d", belt_2d},
         {"belt_3d", belt_3d, true},
         {"lift_2d", lift_2d},
-        {"lift_3d", lift_3d},
+        {"lift_3d", lift_3d, true},
         {"driven_lift_3d", driven_lift_3d, true},
         {"falls", falls},
         {"friction", friction},

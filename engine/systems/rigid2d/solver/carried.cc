@@ -64,16 +64,18 @@ void Solver<T>::carry(const ContactPack<T>& c, int lane, const Model& model, con
   // Where the load of the last step acts, or the middle of the points.
   double x = 0, y = 0, weight = 0;
   int points = 0;
+  bool loaded = false;
   for (const auto& p : c.point) {
     const double load = p.normal_mass[lane] > 0 ? double(p.normal[lane]) + 1e-12 : 0;
     x += load * p.ax[lane], y += load * p.ay[lane], weight += load;
-    points += p.normal_mass[lane] > 0;
+    points += p.normal_mass[lane] > 0, loaded = loaded || p.normal[lane] > 0;
   }
   if (!(weight > 0)) return;
   const Vec2 on_a{x / weight, y / weight};
   const Vec3 n{c.nx[lane], c.ny[lane], 0};
+  // What has only just been hit does not lie there.
   const carried::Found found{in_space(on_a), in_space(on_a - at.then), in_space(at.apart), at.ahead,
-                             points > 1 ? n : Vec3{}};
+                             loaded && points > 1 ? n : Vec3{}};
   const carried::Carried got = carried::velocity(side(at.a, at.b), side(at.b, at.a), found, h);
   const Vec3 along{-n.y, n.x, 0}, first = got.mean - got.rate * (0.5 * h);
   const auto t = [](double x) { return static_cast<T>(x); };
