@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "engine/base/errors.h"
 #include "engine/sinks/recording/export/vtkhdf.h"
@@ -62,8 +63,10 @@ void write_lattice(hid_t group, const Lattice& l) {
 RecordingFile::RecordingFile(const RecordingLayout& layout, const ChunkPlan& plan)
     : layout_(layout), plan_(plan), log_(layout, plan) {
   create_plainly(layout.path, empty_file(), "create the recording");
-  file_ = h5_open_own(layout.path, H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, file_access());
-  h5_ok(file_, "begin SWMR writing");
+  // Judged before the file that was open is closed, which forgets the library's reasons.
+  H5 opened = h5_open_own(layout.path, H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, file_access());
+  h5_ok(opened, "begin SWMR writing");
+  file_ = std::move(opened);
   for (const PlannedArray& a : plan_.arrays)
     sets_.push_back(h5_id(H5Dopen2(file_, set_path(a).c_str(), H5P_DEFAULT), "open a dataset"));
 }
@@ -239,8 +242,9 @@ void RecordingFile::finalize(std::string_view journal, const RecordedDrawing* dr
   sets_.clear();
   h5_ok(H5Fflush(file_, H5F_SCOPE_LOCAL), "flush the recording");
   file_.reset();
-  file_ = h5_open_own(layout_.path, H5F_ACC_RDWR, file_access());
-  h5_ok(file_, "open the recording again");
+  H5 opened = h5_open_own(layout_.path, H5F_ACC_RDWR, file_access());
+  h5_ok(opened, "open the recording again");
+  file_ = std::move(opened);
   h5_text(h5_id(H5Gopen2(file_, "/parameters", H5P_DEFAULT), "open the parameters"), "journal", journal);
   RecordingLayout reached = layout_;
   for (size_t s = 0; s < rows_.size(); ++s) reached.parts[s].max_rows = static_cast<uint32_t>(rows_[s]);
