@@ -63,8 +63,9 @@ void write_lattice(hid_t group, const Lattice& l) {
 RecordingFile::RecordingFile(const RecordingLayout& layout, const ChunkPlan& plan)
     : layout_(layout), plan_(plan), log_(layout, plan) {
   create_plainly(layout.path, empty_file(), "create the recording");
-  // Judged before the file that was open is closed, which forgets the library's reasons.
-  H5 opened = h5_open_own(layout.path, H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, file_access());
+  // Judged before anything else is closed, which forgets the library's reasons.
+  const H5 access = file_access();
+  H5 opened = h5_open_own(layout.path, H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, access);
   h5_ok(opened, "begin SWMR writing");
   file_ = std::move(opened);
   for (const PlannedArray& a : plan_.arrays)
@@ -242,7 +243,8 @@ void RecordingFile::finalize(std::string_view journal, const RecordedDrawing* dr
   sets_.clear();
   h5_ok(H5Fflush(file_, H5F_SCOPE_LOCAL), "flush the recording");
   file_.reset();
-  H5 opened = h5_open_own(layout_.path, H5F_ACC_RDWR, file_access());
+  const H5 access = file_access();
+  H5 opened = h5_open_own(layout_.path, H5F_ACC_RDWR, access);
   h5_ok(opened, "open the recording again");
   file_ = std::move(opened);
   h5_text(h5_id(H5Gopen2(file_, "/parameters", H5P_DEFAULT), "open the parameters"), "journal", journal);
