@@ -59,7 +59,7 @@ Place AssetStore::owners_place(const std::string& sha256) const {
 std::vector<std::string> AssetStore::owners(const std::string& sha256) const {
   constexpr size_t kMostOwners = size_t{1} << 20;  // bytes
   std::vector<std::string> names;
-  if (!owners_place(sha256).is_regular()) return names;
+  if (!owners_place(sha256).is_surely_regular()) return names;
   const std::string text(text_of(read_file(owners_place(sha256), kMostOwners)));
   for (size_t at = 0; at < text.size();) {
     const size_t end = std::min(text.find('\n', at), text.size());
@@ -90,7 +90,7 @@ bool AssetStore::put(const std::string& sha256, std::string_view bytes, Kind kin
   }
   const Place place = place_of(sha256, kind);
   const std::lock_guard lock(mutex_);
-  if (place.is_regular()) {
+  if (place.is_surely_regular()) {
     std::vector<std::string> names = owners(sha256);
     // One of an older server belongs to everybody, as it did.
     if (!names.empty() && std::find(names.begin(), names.end(), owner.name) == names.end()) {
@@ -111,7 +111,7 @@ AssetStore::Asset AssetStore::get(const std::string& sha256) const {
   const std::lock_guard lock(mutex_);
   for (const Kind kind : {Kind::json, Kind::file}) {
     const Place place = place_of(sha256, kind);
-    if (place.is_regular()) return {kind, std::string(text_of(read_file(place, kMostBytes)))};
+    if (place.is_surely_regular()) return {kind, std::string(text_of(read_file(place, kMostBytes)))};
   }
   throw no_asset();
 }
@@ -119,7 +119,7 @@ AssetStore::Asset AssetStore::get(const std::string& sha256) const {
 void AssetStore::remove(const std::string& sha256, const net::Caller& caller) {
   const std::lock_guard lock(mutex_);
   bool any = false;
-  for (const Kind kind : {Kind::json, Kind::file}) any = any || place_of(sha256, kind).is_regular();
+  for (const Kind kind : {Kind::json, Kind::file}) any = any || place_of(sha256, kind).is_surely_regular();
   if (!any) throw no_asset();
   if (std::vector<std::string> names = owners(sha256); !names.empty()) {
     const bool own = std::erase(names, caller.name) > 0;

@@ -147,6 +147,16 @@ bool Place::is_regular() const {
   return about && S_ISREG(about->st_mode);
 }
 
+bool Place::is_surely_regular() const {
+  const Way way = this->way();
+  struct stat about {};
+  int code = way.code;
+  if (!code && ::fstatat(way.folder, way.name, &about, AT_SYMLINK_NOFOLLOW) != 0) code = errno;
+  if (code == ENOENT || code == ENOTDIR || code == ELOOP) return false;
+  if (code) throw_file_error("look for " + name(), code);
+  return S_ISREG(about.st_mode);
+}
+
 std::vector<std::string> Place::names() const {
   const Way way = this->way();
   return way.code ? std::vector<std::string>() : names_in(::openat(way.folder, way.name, kAsFolder));

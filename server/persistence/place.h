@@ -52,6 +52,8 @@ class Place {
   std::optional<struct stat> status() const;
   /// Whether this is a file, and not a link to one.
   bool is_regular() const;
+  /// The same; throws what open does when that cannot be found out.
+  bool is_surely_regular() const;
   /// Names of what this folder holds; none when it is no folder.
   std::vector<std::string> names() const;
 
