@@ -287,7 +287,7 @@ std::span<const CatalogueRow> catalogue() {
        build_rigid3d_engine,
        rigid3d::rigid3d_cost,
        {"a free body conserves angular momentum and rotates with fourth order",
-        "no body passes another, however thin or fast",
+        "free bodies do not pass each other, however thin or fast",
         "the same bits on any number of threads and after a restore, in the middle of a collapse too"},
        "",
        &rigid3d::rigid3d_outputs()},
