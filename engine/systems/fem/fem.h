@@ -58,7 +58,12 @@ class Fem final : public ForceSystem, public AnswersImpulses {
   void prescribed(double t, Visit visit) const;
   void begin_holds(State& s, double t, double h) const;
   void end_holds(State& s, double t, double h) const;
+  struct Way;
+  double find_imbalance(const State& s, const StepInput& in, Way& way) const;
+  /// Whether a component of a position is not solved for.
+  bool holds(const State& s, size_t k) const;
   void equilibrium(State& s, const StepInput& in) const;
+  void solve_in_parts(State& s, const StepInput& in, Way& way) const;
   void resolve_contacts(State& s, const StepInput& in) const;
   /// Whether nodes are held to colliders within the solution of a step.
   bool solves_contacts() const;
