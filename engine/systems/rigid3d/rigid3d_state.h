@@ -73,7 +73,9 @@ void remove_body(State& s, size_t row);
 void wake_body(State& s, size_t row, std::span<const BodyKind> kinds);
 
 /// Whether what moves the body from outside leads it through this step; `rested`: column sleep_timer.
-inline bool is_led(const double* rested, size_t row) { return rested[row] < 0; }
+inline bool is_led(const double* rested, size_t row) {
+  return rested[row] < 0;
+}
 
 inline Quat load_quat(const double* p, size_t i) {
   return {p[4 * i], p[4 * i + 1], p[4 * i + 2], p[4 * i + 3]};

@@ -58,7 +58,9 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds,
   const double g = norm(gravity), substep = s.f64(columns::substep)[0];
   if (!(g > 0) || !(substep > 0)) return settings.substeps;
 
-  const auto moves = [&](uint32_t i) { return kinds[kind[i]].moved_by_forces() && !asleep[i] && !is_led(rested, i); };
+  const auto moves = [&](uint32_t i) {
+    return kinds[kind[i]].moved_by_forces() && !asleep[i] && !is_led(rested, i);
+  };
   const auto load = [&](const Contact& c) {
     return (c.impulse[0] + c.impulse[1] + c.impulse[2] + c.impulse[3]) / substep;
   };

@@ -1,7 +1,7 @@
-// The first step on lifts and turntables: what is held by one moving body alone is at rest where it moves with
-// that. Loads of a scene are found as if everything were at rest (solver_start.cc), here as if it were at rest
-// in the frame of its holder: without, a box on a lift began without loads and leaned before its contacts had
-// found them.
+// The first step on lifts and turntables: what is held by one moving body alone is at rest where it moves
+// with that. Loads of a scene are found as if everything were at rest (solver_start.cc), here as if it were
+// at rest in the frame of its holder: without, a box on a lift began without loads and leaned before its
+// contacts had found them.
 #include <algorithm>
 #include <cmath>
 
