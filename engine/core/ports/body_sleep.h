@@ -1,6 +1,6 @@
 // Bodies that fall asleep, as couplings see them: what the owner of a BodyPort may name (BodyOwner::sleep).
 // Impulses wake a body (BodyOwner::wake resets its timer); a coupling that merely rests on it restores the
-// timer.
+// timer. A coupling that leads a body through a step says so in the timer, until it wakes the body again.
 #pragma once
 #include "engine/core/state/state.h"
 
@@ -9,10 +9,12 @@ namespace truestep {
 class BodySleep {
  public:
   virtual ~BodySleep() = default;
+  /// s, a timer below 0: the body neither rests nor gives way. It moves by its velocities, whatever it meets.
+  static constexpr double kLed = -1;
   /// m/s, speed below which a body may rest.
   virtual double sleep_speed() const = 0;
   virtual bool asleep(const State& state, size_t row) const = 0;
-  /// s for which the body in that row has been at rest.
+  /// s for which the body in that row has been at rest, or kLed.
   virtual double sleep_timer(const State& state, size_t row) const = 0;
   virtual void set_sleep_timer(State& state, size_t row, double seconds) const = 0;
 };

@@ -1,8 +1,9 @@
 // A body moved by a path and a turn through its BodyPort: at the start of a substep it is placed at their
-// pose, with the velocities (x1 - x0) / h and rotation_vector(q1 q0*) / h, and at the end at their pose then,
-// whatever happened to it in between.
+// pose, with the velocities (x1 - x0) / h and rotation_vector(q1 q0*) / h, and at the end at their pose then.
+// A free body is led in between: what it strikes is moved by the path, not by the body's own mass.
 #include "engine/animation/driver.h"
 #include "engine/core/ports/body_carrier.h"
+#include "engine/core/ports/body_sleep.h"
 #include "engine/couplings/drive/drive.h"
 #include "engine/geometry/shape.h"
 #include "engine/kernels/animation/joint_tree.h"
@@ -36,7 +37,12 @@ class BodyDrive final : public Coupling {
       : guide_(guide), port_(port), body_(body), offset_(offset), what_(std::move(what)) {}
 
   State initial_state() const override { return {}; }
-  void begin(const CoupledStates& s, const StepInput& in) const override { put(s, in, in.t); }
+  void begin(const CoupledStates& s, const StepInput& in) const override {
+    const auto row = put(s, in, in.t);
+    const BodySleep* sleep = port_.owner ? port_.owner->sleep() : nullptr;
+    if (row && sleep) sleep->set_sleep_timer(s.b, *row, BodySleep::kLed);
+  }
+  // Wakes the body, which ends the lead.
   void end(const CoupledStates& s, const StepInput& in) const override { put(s, in, in.t + in.h); }
   void observe(const ConstCoupledStates& s, Observables& out) const override {
     const ConstBodies bodies(s.b, port_);
@@ -49,11 +55,11 @@ class BodyDrive final : public Coupling {
   std::vector<PlanRow> plan() const override { return {{PlanRow::Status::runs, "drive", what_}}; }
 
  private:
-  /// Places the body at its pose at t, with the velocities that take it through the next substep.
-  void put(const CoupledStates& s, const StepInput& in, double t) const {
+  /// Places the body at its pose at t, with the velocities that take it through the next substep; its row.
+  std::optional<size_t> put(const CoupledStates& s, const StepInput& in, double t) const {
     const ConstBodies bodies(s.b, port_);
     const auto row = bodies.row_of(body_);
-    if (!row) return;
+    if (!row) return row;
     const Pose now = guide_.at(t) * offset_, then = guide_.at(t + in.h) * offset_;
     const Quat on = animation::nearer({}, normalized(then.orientation * conjugate(now.orientation)));
     auto& wanted = in.workspace.object<CarriedBodies>("drive.wanted");
@@ -61,6 +67,7 @@ class BodyDrive final : public Coupling {
     wanted.want(*row, {now.position, normalized(now.orientation), (then.position - now.position) / in.h,
                        free_rotation::rotation_vector(on) / in.h});
     carry(s.b, port_, wanted, in.workspace);
+    return row;
   }
 
   Guide guide_;

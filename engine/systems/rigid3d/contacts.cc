@@ -49,6 +49,7 @@ void ContactList::update_bounds(const State& s, std::span<const BodyKind> kinds,
   const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
   const auto kind = s.span<uint32_t>(columns::kind);
   const auto asleep = s.span<uint32_t>(columns::asleep);
+  const double* rested = s.f64(columns::sleep_timer).data();
   const double fall = norm(load3(s.f64(columns::gravity).data(), 0)) * h * h;
   bodies_.resize(n), boxes_.resize(n), mobility_.resize(n);
   const double seen2 = ahead > 0 ? 0.25 * kSeenMotion * kSeenMotion / (ahead * ahead) : HUGE_VAL;
@@ -60,9 +61,9 @@ void ContactList::update_bounds(const State& s, std::span<const BodyKind> kinds,
     const Vec3 velocity = load3(v, i), turn = load3(w, i);
     // A belt keeps its load awake, as a moving body does.
     const bool moves = velocity != Vec3{} || turn != Vec3{} || k.conveys();
-    b.part = k.moved_by_forces() ? (asleep[i] ? Part::resting : Part::active)
-             : moves             ? Part::kinematic
-                                 : Part::fixed;
+    b.part = k.moved_by_forces() && !is_led(rested, i) ? (asleep[i] ? Part::resting : Part::active)
+             : moves                                   ? Part::kinematic
+                                                       : Part::fixed;
     b.margin = std::min(kMarginShare * k.reach, kMostMargin) + std::abs(k.gravity_scale) * fall;
     // The reach of a plane is infinite.
     b.turn_speed = turn == Vec3{} ? 0 : std::min(norm(turn) * k.reach, k.reach / h);
@@ -116,16 +117,16 @@ void ContactList::narrow_phase(const State& s, std::span<const BodyKind> kinds, 
       later.ahead = 0;
       if (!bears_.empty() && bears_[p]) look_ahead(s, kinds, pairs_[p], ahead, later);
       const Transform &at_a = later.ahead > 0 ? later.a : na.at, &at_b = later.ahead > 0 ? later.b : nb.at;
-      double margin = ka.moved_by_forces() ? na.margin : nb.margin;
-      if (kb.moved_by_forces()) margin = std::min(margin, nb.margin);
+      double margin = na.gives_way() ? na.margin : nb.margin;
+      if (nb.gives_way()) margin = std::min(margin, nb.margin);
       // With a margin larger than its own size, a body would touch planes next to those that it meets.
       const double size =
-          ka.moved_by_forces() ? (kb.moved_by_forces() ? std::min(ka.reach, kb.reach) : ka.reach) : kb.reach;
+          na.gives_way() ? (nb.gives_way() ? std::min(ka.reach, kb.reach) : ka.reach) : kb.reach;
       margin += std::min(in.h * (norm(load3(v, b) - load3(v, a)) + na.turn_speed + nb.turn_speed), size);
       if (ka.sensor || kb.sensor) margin = 0;
       const bool far = na.far || nb.far;
       const double still =
-          std::min(ka.moved_by_forces() ? na.margin : HUGE_VAL, kb.moved_by_forces() ? nb.margin : HUGE_VAL);
+          std::min(na.gives_way() ? na.margin : HUGE_VAL, nb.gives_way() ? nb.margin : HUGE_VAL);
       if (is_convex_or_plane(ka.solid.kind) && is_convex_or_plane(kb.solid.kind)) {
         Contact& c = out.emplace_back();
         c.a = a, c.b = b;

@@ -34,7 +34,9 @@ struct BodyNow {
   double turn_speed = 0;  ///< m/s of its outermost point due to rotation
   bool moves = false;     ///< by more than single precision leaves of rest
   bool far = false;       ///< farther in the step than half of the thinnest body
+  /// Led bodies are fixed or kinematic, as they move.
   enum class Part : uint8_t { fixed, kinematic, resting, active } part = Part::fixed;
+  bool gives_way() const { return part == Part::resting || part == Part::active; }
 };
 
 class ContactList {

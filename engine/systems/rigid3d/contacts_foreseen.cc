@@ -48,8 +48,8 @@ void ContactList::look_ahead(const State& s, std::span<const BodyKind> kinds, co
   const auto kind = s.span<uint32_t>(columns::kind);
   const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
   const BodyKind &a = kinds[kind[pair.a]], &b = kinds[kind[pair.b]];
-  const double size =
-      a.moved_by_forces() ? (b.moved_by_forces() ? std::min(a.reach, b.reach) : a.reach) : b.reach;
+  const bool gives_a = bodies_[pair.a].gives_way(), gives_b = bodies_[pair.b].gives_way();
+  const double size = gives_a ? (gives_b ? std::min(a.reach, b.reach) : a.reach) : b.reach;
   const auto motion = [&](const BodyKind& k, uint32_t i) {
     return SpaceMotion{load3(v, i), seen_spin(k, bodies_[i].at.rotation, load3(w, i))};
   };

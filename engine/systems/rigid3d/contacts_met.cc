@@ -1,7 +1,7 @@
 // Contacts of bodies that are apart at the start of a step and that a body moved from outside (kinematic,
-// keyframed) would pass within it. The time of impact on the motion without contacts gives the poses at which
-// the contact is found; brought back from there (foreseen_manifold.h), it is one that the solver closes
-// within the step. Fast bodies that forces move are stopped after the step (rigid3d_stages.cc).
+// or led by a path) would pass within it. The time of impact on the motion without contacts gives the poses
+// at which the contact is found; brought back from there (foreseen_manifold.h), it is one that the solver
+// closes within the step. Fast bodies that forces move are stopped after the step (rigid3d_stages.cc).
 #include "engine/rigid/toi_clamp.h"
 #include "engine/systems/rigid3d/contacts.h"
 #include "engine/systems/rigid3d/turned_surface.h"
@@ -31,8 +31,8 @@ bool ContactList::meet(const State& s, std::span<const BodyKind> kinds, const Bo
   const uint32_t drives = a_drives ? pair.a : pair.b, driven = a_drives ? pair.b : pair.a;
   const auto kind = s.span<uint32_t>(columns::kind);
   const BodyKind &a = kinds[kind[pair.a]], &b = kinds[kind[pair.b]], &hit = kinds[kind[driven]];
-  if (bodies_[drives].part != BodyNow::Part::kinematic || !hit.moved_by_forces() || a.sensor || b.sensor)
-    return false;
+  if (bodies_[drives].part != BodyNow::Part::kinematic || !bodies_[driven].gives_way()) return false;
+  if (a.sensor || b.sensor) return false;
   // Nothing comes out on the other side of a half-space.
   if (a.solid.kind == SolidKind::plane || b.solid.kind == SolidKind::plane) return false;
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();

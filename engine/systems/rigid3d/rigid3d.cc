@@ -87,11 +87,13 @@ Rigid3d::Scratch& Rigid3d::scratch(const StepInput& in) {
 bool Rigid3d::all_asleep(const State& s) const {
   const auto asleep = s.span<uint32_t>(columns::asleep);
   const auto kind = s.span<uint32_t>(columns::kind);
-  const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
+  const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data(),
+               *rested = s.f64(columns::sleep_timer).data();
   for (size_t i = 0; i < kind.size(); ++i) {
     const BodyKind& k = bodies_.kinds[kind[i]];
-    if (k.moved_by_forces() && !asleep[i]) return false;
-    if (k.motion == BodyDef::Motion::kinematic && (load3(v, i) != Vec3{} || load3(w, i) != Vec3{}))
+    const bool given = !k.moved_by_forces() || is_led(rested, i);
+    if (!given && !asleep[i]) return false;
+    if (given && k.motion != BodyDef::Motion::fixed && (load3(v, i) != Vec3{} || load3(w, i) != Vec3{}))
       return false;
   }
   return true;

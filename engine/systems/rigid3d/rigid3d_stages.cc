@@ -58,11 +58,12 @@ void Rigid3d::find_contacts(State& s, const StepInput& in) const {
   const auto held = s.span<uint32_t>(columns::joint_bodies);
   const auto asleep = s.span<uint32_t>(columns::asleep), kind = s.span<uint32_t>(columns::kind),
              broken = s.span<uint32_t>(columns::joint_broken);
-  const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
+  const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data(),
+               *rested = s.f64(columns::sleep_timer).data();
   const auto moves = [&](uint32_t i) {
     const BodyKind& k = bodies_.kinds[kind[i]];
-    if (k.moved_by_forces()) return asleep[i] == 0;
-    return k.motion == BodyDef::Motion::kinematic && (load3(v, i) != Vec3{} || load3(w, i) != Vec3{});
+    if (k.moved_by_forces() && !is_led(rested, i)) return asleep[i] == 0;
+    return k.motion != BodyDef::Motion::fixed && (load3(v, i) != Vec3{} || load3(w, i) != Vec3{});
   };
   for (size_t k = 0; k < held.size(); k += 2) {
     const uint32_t a = held[k], b = held[k + 1];
@@ -205,7 +206,7 @@ void Rigid3d::stop_fast_bodies(State& s, const StepInput& in) const {
       // by the wall while its centre is in front of it: pressed that deep, it would otherwise be held there
       // for ever. A centre inside a wall has no side to return to.
       const bool parting = c && dot(c->manifold.normal, moved(c->b) - moved(c->a)) > 0;
-      if (hit && hit->t == 0 && o.moved_by_forces() && parting) continue;
+      if (hit && hit->t == 0 && now[j].gives_way() && parting) continue;
       const double in_front = is_convex_or_plane(o.solid.kind) ? -kCentreInFront * kToiCore * k.inner : 0;
       if (hit && hit->t == 0 && hit->gap > in_front && dot(hit->normal, own.move - other.move) < 0) continue;
       if (hit && hit->t < first) first = hit->t;

@@ -18,7 +18,7 @@ enum : State::Column {
   angular_velocity,   ///< f64 x 3, in the world
   kind,               ///< u32, which BodyKind
   id,                 ///< u64, ascending, never reused
-  sleep_timer,        ///< f64, s for which the body has rested
+  sleep_timer,        ///< f64, s for which the body has rested; below 0: it is led (BodySleep::kLed)
   sleep_position,     ///< f64 x 3, position when that began
   sleep_orientation,  ///< f64 x 4
   sleep_middle,       ///< f64 x 6, m rad: shift and rotation vector from there after half of sleep_time
@@ -71,6 +71,11 @@ void remove_body(State& s, size_t row);
 
 /// Wakes a body and everything that it rests on, carries or is joined to.
 void wake_body(State& s, size_t row, std::span<const BodyKind> kinds);
+
+/// Whether what moves the body from outside leads it through this step; `rested`: column sleep_timer.
+inline bool is_led(const double* rested, size_t row) {
+  return rested[row] < 0;
+}
 
 inline Quat load_quat(const double* p, size_t i) {
   return {p[4 * i], p[4 * i + 1], p[4 * i + 2], p[4 * i + 3]};

@@ -40,7 +40,9 @@ bool Rigid3d::contacts_turn_fast(const State& s, double h) const {
   if (turning == 0) return false;
   const auto &kind = turns.kind, &asleep = turns.asleep;
   size_t awake = 0;
-  for (size_t i = 0; i < kind.size(); ++i) awake += !asleep[i] && bodies_.kinds[kind[i]].moved_by_forces();
+  const double* rested = s.f64(columns::sleep_timer).data();
+  for (size_t i = 0; i < kind.size(); ++i)
+    awake += !asleep[i] && bodies_.kinds[kind[i]].moved_by_forces() && !is_led(rested, i);
   return static_cast<double>(turning) >= kMost * static_cast<double>(awake);
 }
 

@@ -53,12 +53,14 @@ int BucklingWatch::substeps(const State& s, std::span<const BodyKind> kinds,
   const auto kind = s.span<uint32_t>(columns::kind);
   const auto asleep = s.span<uint32_t>(columns::asleep);
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data(),
-               *v = s.f64(columns::velocity).data();
+               *v = s.f64(columns::velocity).data(), *rested = s.f64(columns::sleep_timer).data();
   const Vec3 gravity = load3(s.f64(columns::gravity).data(), 0);
   const double g = norm(gravity), substep = s.f64(columns::substep)[0];
   if (!(g > 0) || !(substep > 0)) return settings.substeps;
 
-  const auto moves = [&](uint32_t i) { return kinds[kind[i]].moved_by_forces() && !asleep[i]; };
+  const auto moves = [&](uint32_t i) {
+    return kinds[kind[i]].moved_by_forces() && !asleep[i] && !is_led(rested, i);
+  };
   const auto load = [&](const Contact& c) {
     return (c.impulse[0] + c.impulse[1] + c.impulse[2] + c.impulse[3]) / substep;
   };

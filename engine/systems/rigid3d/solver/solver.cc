@@ -67,6 +67,8 @@ void ContactSolver<T>::choose_bodies(const State& s, std::span<const BodyKind> k
                  moves_b = now[b].part == BodyNow::Part::active;
       if (moves_a) slot_[a] = 0;
       if (moves_b) slot_[b] = 0;
+      // What is led meets what is fixed.
+      if (!moves_a && !moves_b) continue;
       if ((moves_a && moves_b) == (ends == Ends::both_move)) listed_.push_back(k);
     }
   };

@@ -64,6 +64,10 @@ class ContactSolver {
   /// Bodies on which only springs act begin and end a step with half of the spring impulse of a substep.
   void choose_sprung(const State& s, const JointList& joints, std::span<Contact* const> contacts);
   void kick(T times);
+  /// In a first step: the motion that bodies on something that moves have where they rest on it.
+  void find_lifted(const State& s, std::span<Contact* const> contacts, std::span<const BodyNow> now);
+  /// Adds that motion to start_.
+  void lift(T times);
   /// Marks in parts_ the bodies of islands in which all bodies rest on one another under the impulses found:
   /// only their springs may start under load, because loaded springs would throw up what topples.
   void find_resting();
@@ -126,6 +130,7 @@ class ContactSolver {
   std::vector<Vec3> twist_;  ///< change of spin per substep by torques, about principal axes; empty: none
   Aligned<Record8<T>> velocity_, displacement_, moved_, cross_, change_, warm_, start_, toi_correction_,
       damping_;
+  Aligned<Record8<T>> lifted_;  // in a first step, empty where nothing that moves holds anything
   std::vector<T> last_hit_;     // s
   Aligned<Record8<T>> flight_;  // velocities before forces act, where something may bounce
   Aligned<ContactGroup<T>> groups_;

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "engine/kernels/rigid/bearing.h"
+#include "engine/kernels/rigid/record_math.h"
 #include "engine/rigid/islands.h"
 #include "engine/systems/rigid3d/solver/solver.h"
 
@@ -123,7 +124,9 @@ void ContactSolver<T>::find_resting() {
   }
   for (size_t i = 0; i < body_.size(); ++i) {
     const double pull = size2(change_[i]);
-    parts_[i] = size2(start_[i]) <= kHeld * kHeld * pull && size2(velocity_[i]) <= kStill * kStill * pull;
+    Record8<T> v = velocity_[i];
+    if (!lifted_.empty()) records::add_times(v, T(-1), lifted_[i]);
+    parts_[i] = size2(start_[i]) <= kHeld * kHeld * pull && size2(v) <= kStill * kStill * pull;
   }
   spread_minimum<uint8_t>(island_, {parts_.data(), island_.size()});
 }
@@ -163,6 +166,7 @@ void ContactSolver<T>::find_loads(const State& s, std::span<const BodyKind> kind
   pass.inverse_h = T(1 / h);
   // As if everything were at rest: velocities are what gravity adds in a substep and contacts remove.
   start_.assign(change_.begin(), change_.end());
+  find_lifted(s, contacts, now), lift(T(1));
   hand_down_loads(contacts, now);
   each_colour(contact_lanes_, groups_, team_,
               [&](ContactGroup<T>& g) { apply_contacts(g, start_.data(), end); });
@@ -173,6 +177,7 @@ void ContactSolver<T>::find_loads(const State& s, std::span<const BodyKind> kind
                   solve_contacts<ContactSolve::relax>(g, start_.data(), displacement_.data(), end, pass);
                 });
   }
+  lift(T(-1));
   find_resting();
   drop_loads_that_drive();
   const auto kind = s.span<uint32_t>(columns::kind);
