@@ -18,7 +18,7 @@ HeldSteps held_steps(const ForceSystem& system, const State& state, double) {
   if (!system.integrator().observe) return {};
   Observables counted;
   system.integrator().observe(state, counted);
-  return {counted.find(kHeldSteps.begin()->name)};
+  return {counted.find(kHeldStepsRows[0].name)};
 }
 
 }  // namespace truestep

@@ -1,6 +1,6 @@
 // Passes over a state that every system of forces may list in its table of outputs (core/outputs/).
 #pragma once
-#include <initializer_list>
+#include <array>
 #include <optional>
 
 #include "engine/core/equations/force_system.h"
@@ -22,12 +22,12 @@ struct HeldSteps {
 HeldSteps held_steps(const ForceSystem& system, const State& state, double t);
 
 /// The rows of these passes where a system has nothing more to say of them.
-inline constexpr std::initializer_list<Measured<ForceEnergies>> kForceEnergies = {
-    {"energy.kinetic", "J", &ForceEnergies::kinetic, "of motion"},
-    {"energy.potential", "J", &ForceEnergies::potential, "of all conservative forces"},
-    {"energy.total", "J", &ForceEnergies::total, "their sum"}};
-inline constexpr std::initializer_list<Measured<HeldSteps>> kHeldSteps = {
-    {"integrator.held_steps", "1", &HeldSteps::count,
-     "implicit_euler: steps that used the damping of the step's start"}};
+inline constexpr auto kForceEnergyRows = std::to_array<Measured<ForceEnergies>>(
+    {{"energy.kinetic", "J", &ForceEnergies::kinetic, "of motion"},
+     {"energy.potential", "J", &ForceEnergies::potential, "of all conservative forces"},
+     {"energy.total", "J", &ForceEnergies::total, "their sum"}});
+inline constexpr auto kHeldStepsRows =
+    std::to_array<Measured<HeldSteps>>({{"integrator.held_steps", "1", &HeldSteps::count,
+                                         "implicit_euler: steps that used the damping of the step's start"}});
 
 }  // namespace truestep

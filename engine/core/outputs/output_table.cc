@@ -38,8 +38,7 @@ void OutputTable::observe(const System& system, const State& state, double t, Ob
 Outputs OutputTable::described() const {
   Outputs out{.rows = rows, .fields = {}, .observables = {}};
   const auto add = [&](std::string_view name, const Field& f, std::string_view sentence) {
-    out.fields.push_back(
-        {.name = name, .unit = f.info.unit, .width = f.info.width, .sentence = sentence});
+    out.fields.push_back({.name = name, .unit = f.info.unit, .width = f.info.width, .sentence = sentence});
   };
   for (const Part& p : parts) {
     for (const Field& f : p.fields) add(f.info.name, f, f.sentence);
@@ -89,7 +88,7 @@ FieldView ShownFields::field(const System& system, const State& state, size_t pa
   const Shown& shown = shown_[part];
   const OutputTable::Field& f = *shown.fields[field];
   const ShownRows rows = shown.part->rows ? shown.part->rows(system, state, shown.member)
-                                         : ShownRows{0, system.parts()[part].max_rows};
+                                          : ShownRows{0, system.parts()[part].max_rows};
   return {f.get(system, state, {f.info, rows, scratch}), f.info.type, rows.count, f.info.width};
 }
 

@@ -11,9 +11,11 @@
 // rows. A row whose value is a Vec3 stands for name.x, name.y and name.z; one whose optional is empty is left
 // out.
 #pragma once
+#include <array>
 #include <functional>
 #include <initializer_list>
 #include <optional>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -81,8 +83,8 @@ class OutputsOf {
   /// present(system): a PartInfo without fields, an optional one, or a list of them, which "group<k>" names.
   template <class Present>
   OutputsOf& part(const char* name, Present present) {
-    table_.parts.push_back({.name = name,
-                            .present = [present](const System& s) { return listed(present(of(s))); }});
+    table_.parts.push_back(
+        {.name = name, .present = [present](const System& s) { return listed(present(of(s))); }});
     return *this;
   }
   /// Rows of the columns that the last part shows: rows(system, state, number of the part in its list).
@@ -125,7 +127,16 @@ class OutputsOf {
   template <class Pass>
   OutputsOf& measured(Pass pass, std::initializer_list<Measured<Result<Pass>>> rows) {
     using M = Result<Pass>;
-    add_pass<M>(rows, [pass](const System& s, const State& state, double t, size_t) {
+    add_pass<M>({rows.begin(), rows.size()}, [pass](const System& s, const State& state, double t, size_t) {
+      return std::invoke(pass, of(s), state, t);
+    });
+    return *this;
+  }
+  /// The same rows as those of other systems.
+  template <class Pass, size_t N>
+  OutputsOf& measured(Pass pass, const std::array<Measured<Result<Pass>>, N>& rows) {
+    using M = Result<Pass>;
+    add_pass<M>({rows.begin(), rows.size()}, [pass](const System& s, const State& state, double t, size_t) {
       return std::invoke(pass, of(s), state, t);
     });
     return *this;
@@ -134,9 +145,10 @@ class OutputsOf {
   template <class Family, class Pass>
   OutputsOf& measured_each(Family family, Pass pass, std::initializer_list<Measured<ResultEach<Pass>>> rows) {
     using M = ResultEach<Pass>;
-    add_pass<M>(rows, [pass](const System& s, const State& state, double t, size_t member) {
-      return std::invoke(pass, of(s), state, t, member);
-    });
+    add_pass<M>({rows.begin(), rows.size()},
+                [pass](const System& s, const State& state, double t, size_t member) {
+                  return std::invoke(pass, of(s), state, t, member);
+                });
     table_.passes.back().family = [family](const System& s) { return std::invoke(family, of(s)); };
     return *this;
   }
@@ -167,7 +179,7 @@ class OutputsOf {
   };
 
   template <class M, class Run>
-  void add_pass(std::initializer_list<Measured<M>> rows, Run run) {
+  void add_pass(std::span<const Measured<M>> rows, Run run) {
     OutputTable::Pass pass;
     for (const Measured<M>& row : rows) {
       const bool vector = std::holds_alternative<Vec3 M::*>(row.value);

@@ -57,12 +57,12 @@ const OutputTable& Crowd::outputs() {
                       "largest radial force on a person over circumference"},
                      {"lanes.order", "1", &Whole::order,
                       "mean of ((same - other) / (same + other))^2 within lane_width"}})
-          .measured_each(&Crowd::doors, &Crowd::passages,
-                         {{"door.<id>.forward", "1", &Passages::forward,
-                           "crossings from right to left, seen from its first point"},
-                          {"door.<id>.backward", "1", &Passages::backward},
-                          {"door.<id>.flow", "1/s", &Passages::flow,
-                           "from the first forward crossing to the last"}})
+          .measured_each(
+              &Crowd::doors, &Crowd::passages,
+              {{"door.<id>.forward", "1", &Passages::forward,
+                "crossings from right to left, seen from its first point"},
+               {"door.<id>.backward", "1", &Passages::backward},
+               {"door.<id>.flow", "1/s", &Passages::flow, "from the first forward crossing to the last"}})
           .build();
   return kTable;
 }

@@ -39,7 +39,9 @@ const OutputTable& Flocking::outputs() {
                   const size_t predators = f.rows_ - f.boids_;
                   return predators > 0 ? std::optional(points_part(predators)) : std::nullopt;
                 })
-          .rows([](const F& f, const State&, size_t) { return ShownRows{f.boids_, f.rows_ - f.boids_}; })
+          .rows([](const F& f, const State&, size_t) {
+            return ShownRows{f.boids_, f.rows_ - f.boids_};
+          })
           .like_main("of part predators, where there are any; velocity and speed too")
           .measured(&F::motion,
                     {{"polarisation", "1", &Motion::polarisation,
@@ -48,11 +50,10 @@ const OutputTable& Flocking::outputs() {
                      {"velocity.mean", "m/s", &Motion::mean},
                      {"velocity.spread", "m/s", &Motion::spread,
                       "root mean square of the differences to the mean velocity"}})
-          .measured(&F::groups,
-                    {{"distance.nearest", "m", &Groups::nearest,
-                      "between the nearest two, or the largest radius if nobody is within it"},
-                     {"groups", "1", &Groups::groups,
-                      "groups connected by distances of at most the largest radius"}})
+          .measured(&F::groups, {{"distance.nearest", "m", &Groups::nearest,
+                                  "between the nearest two, or the largest radius if nobody is within it"},
+                                 {"groups", "1", &Groups::groups,
+                                  "groups connected by distances of at most the largest radius"}})
           .build();
   return kTable;
 }

@@ -18,14 +18,14 @@ const OutputTable& Heat::outputs() {
       OutputsOf<Heat>("a node of the lattice, x fastest")
           .part("", [](const Heat& h) { return lattice::grid_part(h.model_.lattice(), {}); })
           .field({"value", "K"}, column(kValue), "temperature")
-          .measured(&Heat::whole,
-                    {{"energy.thermal", "J", &Whole::energy,
-                      "heat capacity times the integral of the temperature"},
-                     {"value.min", "K", &Whole::lowest, "lowest temperature"},
-                     {"value.max", "K", &Whole::highest, "highest temperature"},
-                     {"error.exact", "K", &Whole::error,
-                      "difference from the scene's exact solution, root mean square over the box"}})
-          .measured(stepper_counts, kStepperCounts)
+          .measured(
+              &Heat::whole,
+              {{"energy.thermal", "J", &Whole::energy, "heat capacity times the integral of the temperature"},
+               {"value.min", "K", &Whole::lowest, "lowest temperature"},
+               {"value.max", "K", &Whole::highest, "highest temperature"},
+               {"error.exact", "K", &Whole::error,
+                "difference from the scene's exact solution, root mean square over the box"}})
+          .measured(stepper_counts, kStepperRows)
           .build();
   return kTable;
 }

@@ -43,24 +43,26 @@ const OutputTable& Nbody::outputs() {
           "a body, first those of positions, then those of groups; rows of bodies that merged into others "
           "are closed up (id identifies them)")
           .part("", [](const Nbody& n) { return points_part(n.parts()[0].max_rows); })
-          .rows([](const Nbody&, const State& s, size_t) { return ShownRows{0, s.rows(C::position)}; })
+          .rows([](const Nbody&, const State& s, size_t) {
+            return ShownRows{0, s.rows(C::position)};
+          })
           .field({"position", "m", Scalar::f64, 3, Meaning::position}, column(C::position), "")
           .field({"velocity", "m/s", Scalar::f64, 3, Meaning::velocity}, column(C::velocity), "")
           .field({"speed", "m/s"}, length_of(C::velocity), "magnitude of the velocity")
           .field({"mass", "kg"}, column(C::mass), "")
           .field({"id", "1", Scalar::u64}, column(C::id), "row at t = 0")
-          .measured(&Nbody::whole,
-                    {{"energy.kinetic", "J", &Whole::kinetic, "of motion"},
-                     {"energy.potential", "J", &Whole::potential, "of the bodies' attraction, negative"},
-                     {"energy.total", "J", &Whole::total, "their sum"},
-                     {"momentum", "kg m/s", &Whole::momentum},
-                     {"angular_momentum", "kg m^2/s", &Whole::angular_momentum, "about the origin"},
-                     {"center", "m", &Whole::center, "centre of mass"},
-                     {"virial_ratio", "1", &Whole::virial_ratio,
-                      "2 K / |W|: 1 in balance, 0 without attraction"},
-                     {"half_mass_radius", "m", &Whole::half_mass_radius, "around the centre of mass"},
-                     {"count", "1", &Whole::count, "present bodies"},
-                     {"collisions", "1", &Whole::collisions, "collisions so far"}})
+          .measured(
+              &Nbody::whole,
+              {{"energy.kinetic", "J", &Whole::kinetic, "of motion"},
+               {"energy.potential", "J", &Whole::potential, "of the bodies' attraction, negative"},
+               {"energy.total", "J", &Whole::total, "their sum"},
+               {"momentum", "kg m/s", &Whole::momentum},
+               {"angular_momentum", "kg m^2/s", &Whole::angular_momentum, "about the origin"},
+               {"center", "m", &Whole::center, "centre of mass"},
+               {"virial_ratio", "1", &Whole::virial_ratio, "2 K / |W|: 1 in balance, 0 without attraction"},
+               {"half_mass_radius", "m", &Whole::half_mass_radius, "around the centre of mass"},
+               {"count", "1", &Whole::count, "present bodies"},
+               {"collisions", "1", &Whole::collisions, "collisions so far"}})
           .measured([](const Nbody&, const State& s, double) { return touches(s); },
                     {{"collisions.left_over", "1", &Touches::left_over,
                       "with collisions: touches for which a step had no room, so far"},

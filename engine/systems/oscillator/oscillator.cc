@@ -127,8 +127,8 @@ const OutputTable& Oscillator::outputs() {
           .part("", [](const Oscillator&) { return points_part(1); })
           .field({"position", "m", Scalar::f64, 3, Meaning::position}, column(C::kPosition), "only x changes")
           .field({"velocity", "m/s", Scalar::f64, 3, Meaning::velocity}, column(C::kVelocity), "")
-          .measured(force_energies, kForceEnergies)
-          .measured(held_steps, kHeldSteps)
+          .measured(force_energies, kForceEnergyRows)
+          .measured(held_steps, kHeldStepsRows)
           .measured(&Oscillator::error,
                     {{"error.exact", "m", &Error::exact,
                       "difference from the exact solution, until a command disturbs it and while it is not "

@@ -147,8 +147,8 @@ const OutputTable& Pendulum::outputs() {
           .field({"angle", "rad", Scalar::f64, 1, Meaning::angle}, column(C::kAngle),
                  "of a link from the downward vertical")
           .field({"angular_velocity", "rad/s"}, column(C::kAngularVelocity), "")
-          .measured(force_energies, kForceEnergies)
-          .measured(held_steps, kHeldSteps)
+          .measured(force_energies, kForceEnergyRows)
+          .measured(held_steps, kHeldStepsRows)
           .build();
   return kTable;
 }

@@ -30,7 +30,7 @@ const OutputTable& Wave::outputs() {
                      {"value.max", "m", &Whole::highest, "highest displacement"},
                      {"error.exact", "m", &Whole::error,
                       "difference from the scene's exact solution, root mean square over the box"}})
-          .measured(stepper_counts, kStepperCounts)
+          .measured(stepper_counts, kStepperRows)
           .build();
   return kTable;
 }
