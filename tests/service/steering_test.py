@@ -67,6 +67,9 @@ class Steering(Case):
             self.step(s, 300)
             self.assertAlmostEqual(self.observed(s, "joint.hinge_a.angle"), -1, delta=1e-3)
             self.assertAlmostEqual(self.observed(s, "joint.hinge_b.angle"), 0.5, delta=1e-3)
+            # A hinge turns about one axis.
+            told = self.fault(s, "motor_target", index="hinge_b", vector=[0, 0, 2])
+            self.assertEqual((told["pointer"], told["code"]), ("/vector", "wrong_type"))
 
     def test_a_bodys_velocity_by_row_and_by_id(self):
         for kind in BALL:

@@ -22,6 +22,13 @@ void refuse_place(const Command& c, const std::string& noun) {
   if (c.at) refuse_command("at", "not_a_body", "a " + noun + " has no extent to act on", "absent");
 }
 
+void check_command_form(const Command& c, bool vector) {
+  if (vector && c.value != 0)
+    refuse_command("value", "wrong_type", c.name + " is a vector here", "three numbers in \"vector\"");
+  if (!vector && (c.vector.x != 0 || c.vector.y != 0 || c.vector.z != 0))
+    refuse_command("vector", "wrong_type", c.name + " is a number here", "a number in \"value\"");
+}
+
 size_t checked_command_row(const Command& c, size_t rows, const std::string& noun) {
   if (c.index < 0 || static_cast<size_t>(c.index) >= rows) {
     refuse_command("index", "out_of_range", "there is no " + noun + " " + std::to_string(c.index),

@@ -22,6 +22,10 @@ void check_command_numbers(const Command& c);
 /// Refuses `at` where rows have no extent: a point, a particle.
 void refuse_place(const Command& c, const std::string& noun);
 
+/// Refuses a number where the parameter is a vector in this place, and a vector where it is a number. (What is
+/// absent is 0: a 0 of the wrong form means the same.)
+void check_command_form(const Command& c, bool vector);
+
 /// The command's row; refused unless it is below `rows`. `noun` is what a row is called ("point",
 /// "particle").
 size_t checked_command_row(const Command& c, size_t rows, const std::string& noun);

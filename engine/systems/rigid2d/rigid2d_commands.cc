@@ -149,6 +149,7 @@ void Rigid2d::set_motor(State& s, const Command& c) const {
     refuse_command("index", "no_motor", "joint " + std::to_string(k) + " has no motor that takes " + c.name,
                    "a joint with motor_speed or motor_target in the scene, or of type motor or mouse");
   }
+  check_command_form(c, (pose || mouse) && !turns && !strength);
   double* motor = s.f64(columns::joint_motor).data() + 3 * static_cast<size_t>(j.motor_row);
   if (turns || torque) {
     s.f64(columns::joint_turn_motor)[2 * static_cast<size_t>(j.motor_row) + (torque ? 1 : 0)] = c.value;

@@ -160,10 +160,12 @@ void Rigid3d::set_motor(State& s, const Command& c, std::string_view parameter) 
                    "joint " + std::to_string(k) + " has several motors that take " + c.name,
                    "slide., turn., x., y., z., turn_x., turn_y. or turn_z. before " + std::string(parameter));
   }
+  const bool vector = pose && !bound;
+  check_command_form(c, vector);
   for (const uint32_t d : chosen) {
     const double axes[3] = {c.vector.x, c.vector.y, c.vector.z};
     s.f64(columns::drive_motor)[2 * static_cast<size_t>(d) + (strength ? 1 : 0)] =
-        pose && !bound ? axes[joints_.drives[d].row % 3] : c.value;
+        vector ? axes[joints_.drives[d].row % 3] : c.value;
   }
   for (const uint32_t body :
        {s.span<uint32_t>(columns::joint_bodies)[2 * k], s.span<uint32_t>(columns::joint_bodies)[2 * k + 1]}) {
