@@ -14,20 +14,21 @@ std::string member_name(std::string_view pattern, std::string_view member) {
 }
 
 void OutputTable::observe(const System& system, const State& state, double t, Observables& out) const {
-  const auto wanted = [&](const Pass& p, const std::string* member) {
-    return std::any_of(p.rows.begin(), p.rows.end(), [&](const Observable& row) {
-      return member ? out.wants(member_name(row.name, *member)) : out.wants(row.name);
-    });
+  const auto wanted = [&](const Pass& p, std::string_view member) {
+    return p.runs == Pass::Runs::always ||
+           std::any_of(p.rows.begin(), p.rows.end(), [&](const Observable& row) {
+             return out.wants(p.family ? member_name(row.name, member) : row.name);
+           });
   };
   for (const Pass& p : passes) {
     if (p.when && !p.when(system)) continue;
     if (!p.family) {
-      if (wanted(p, nullptr)) p.run(system, state, t, 0, out);
+      if (wanted(p, "")) p.run(system, state, t, 0, out);
       continue;
     }
     const std::vector<std::string> members = p.family(system);
     for (size_t k = 0; k < members.size(); ++k) {
-      if (!wanted(p, &members[k])) continue;
+      if (!wanted(p, members[k])) continue;
       Observables of_member;
       p.run(system, state, t, k, of_member);
       for (const Observation& o : of_member.rows()) out.add(member_name(o.name, members[k]), o.value, o.unit);

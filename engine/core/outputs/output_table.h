@@ -53,8 +53,10 @@ struct OutputTable {
     std::string name, unit, sentence;  ///< a member of a family is named by what stands in <...>
   };
 
-  /// Observables that are computed together: a pass over the state that runs when one of them is wanted.
+  /// Observables that are computed together, by a pass over the state.
   struct Pass {
+    /// A costly one runs only when one of its rows is wanted.
+    enum class Runs : uint8_t { always, when_wanted } runs = Runs::always;
     std::vector<Observable> rows;
     std::function<bool(const System&)> when;                        ///< null: in every scene
     std::function<std::vector<std::string>(const System&)> family;  ///< null: one of each

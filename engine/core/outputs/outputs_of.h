@@ -159,6 +159,12 @@ class OutputsOf {
     return *this;
   }
 
+  /// The last pass is costly: it runs only when one of its rows is wanted.
+  OutputsOf& when_wanted() {
+    table_.passes.back().runs = OutputTable::Pass::Runs::when_wanted;
+    return *this;
+  }
+
   OutputTable build() { return std::move(table_); }
 
  private:

@@ -293,11 +293,7 @@ Observables observe_parts(const BuiltScene& parts, std::span<const State> system
   Observables total, own;
   const auto of = [&wanted](const std::string& id) {
     if (!wanted) return Observables{};
-    return Observables([&wanted, id](std::string_view name) {
-      // A sum over the scene wants its summands.
-      const bool summand = std::ranges::find(kSums, name) != std::end(kSums);
-      return wanted(id + "." + std::string(name)) || (summand && wanted(name));
-    });
+    return Observables([&wanted, id](std::string_view name) { return wanted(id + "." + std::string(name)); });
   };
   double sums[3] = {};
   bool known[3] = {true, true, true};

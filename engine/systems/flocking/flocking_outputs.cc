@@ -54,6 +54,7 @@ const OutputTable& Flocking::outputs() {
                                   "between the nearest two, or the largest radius if nobody is within it"},
                                  {"groups", "1", &Groups::groups,
                                   "groups connected by distances of at most the largest radius"}})
+          .when_wanted()
           .build();
   return kTable;
 }
