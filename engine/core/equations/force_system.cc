@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "engine/base/errors.h"
+#include "engine/core/equations/force_outputs.h"
 
 namespace truestep {
 
@@ -58,16 +59,10 @@ State ForceSystem::initial_state() const {
 }
 
 void ForceSystem::observe(const State& state, double t, Observables& out) const {
-  Workspace workspace;
-  static const ThreadArena kSerial(1);
-  Evaluation e{workspace, kSerial};
-  const Phase at{t, state.f64(state.at("position")), state.f64(state.at("velocity")), state};
-  const double kinetic = field_->kinetic(at, e);
-  out.add("energy.kinetic", kinetic, "J");
-  if (const auto potential = field_->potential(at, e)) {
-    out.add("energy.potential", *potential, "J");
-    out.add("energy.total", kinetic + *potential, "J");
-  }
+  const ForceEnergies e = force_energies(*this, state, t);
+  out.add("energy.kinetic", e.kinetic, "J");
+  if (e.potential) out.add("energy.potential", *e.potential, "J");
+  if (e.total) out.add("energy.total", *e.total, "J");
   if (method_.observe) method_.observe(state, out);
 }
 

@@ -64,19 +64,7 @@ Crowd::Crowd(const CrowdDef& def, const BuildContext& context)
     skip_stage("arrive", "nobody leaves and there are no doors");
   }
   if (def.walls.empty()) skip_stage("walls", "there are none");
-  PartInfo p;
-  p.fields = {{"position", "m", Scalar::f64, 3, Meaning::position},
-              {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity},
-              {"speed", "m/s"},
-              {"radius", "m"},
-              {"pressure", "N/m"}};
-  std::vector<PartInfo> parts;
-  for (const GroupDef& g : def.groups) {
-    if (!parts.empty()) p.name = "group" + std::to_string(parts.size());
-    p.max_rows = people_of(g);
-    parts.push_back(p);
-  }
-  set_parts(std::move(parts));
+  show();
   set_remedies({"a shorter step", "more max_substeps", "softer bodies (body_stiffness, sliding_friction)"});
 }
 

@@ -10,7 +10,7 @@
 #include <memory>
 #include <optional>
 
-#include "engine/core/system.h"
+#include "engine/core/outputs/tabled.h"
 #include "engine/kernels/crowd/social_force.h"
 #include "engine/neighbours/point_grid.h"
 #include "engine/systems/crowd/navigation.h"
@@ -27,13 +27,12 @@ struct Columns {
   static constexpr State::Column tally = 9;
 };
 
-class Crowd final : public StagedSystem {
+class Crowd final : public Tabled<Crowd, StagedSystem> {
  public:
   Crowd(const CrowdDef& def, const BuildContext& context);
 
+  static const OutputTable& outputs();
   State initial_state() const override;
-  void observe(const State& state, double t, Observables& out) const override;
-  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   std::optional<double> limit(Limit which, const State& state, double h) const override;
@@ -45,6 +44,15 @@ class Crowd final : public StagedSystem {
  private:
   struct Sorted;
   struct Load;
+  struct Whole;
+  struct Passages;
+  Whole whole(const State& state, double t) const;
+  Passages passages(const State& state, double t, size_t door) const;
+  std::vector<std::string> doors() const;
+  /// Where in the rows of all people those of a group are.
+  static ShownRows rows_of(const State& state, size_t group);
+  /// N/m, radial forces over the circumference of the people in these rows.
+  void fill_pressure(const State& state, ShownRows rows, double* out) const;
   void set_out(State& state, const StepInput& in) const;
   void push_and_press(State& state, const StepInput& in) const;
   void choose(State& state, const StepInput& in) const;

@@ -246,31 +246,6 @@ const DefTable& crowd_table() {
   return t;
 }
 
-const Outputs& crowd_outputs() {
-  static const Outputs kOutputs{
-      .rows = "a present person of the first group; in part group<k> one of group k",
-      .fields = {{"position", "m", 3, ""},
-                 {"velocity", "m/s", 3, ""},
-                 {"speed", "m/s", 1, "magnitude of the velocity"},
-                 {"radius", "m", 1, ""},
-                 {"pressure", "N/m", 1, "radial forces over circumference; of orca 0"},
-                 {"group<k>.position", "m", 3, "of part group<k>: those of group k, from 1; and so on"}},
-      .observables = {{"people", "1", "still there"},
-                      {"left", "1", "people who have arrived and left"},
-                      {"arrived", "1", "people who are at their goals or have left"},
-                      {"speed.mean", "m/s", "0 when nobody is left, like the next"},
-                      {"density.mean", "1/m^2", "of people within density_radius, mean over people"},
-                      {"energy.kinetic", "J", ""},
-                      {"separation.smallest", "m",
-                       "smallest between two rims; negative: in contact; the reach if nobody is within it"},
-                      {"pressure.largest", "N/m", "largest radial force on a person over circumference"},
-                      {"lanes.order", "1", "mean of ((same - other) / (same + other))^2 within lane_width"},
-                      {"door.<id>.forward", "1", "crossings from right to left, seen from its first point"},
-                      {"door.<id>.backward", "1", ""},
-                      {"door.<id>.flow", "1/s", "from the first forward crossing to the last"}}};
-  return kOutputs;
-}
-
 Cost crowd_cost(const void* def) {
   const auto& d = *static_cast<const CrowdDef*>(def);
   const double n = static_cast<double>(people_of(d)), nodes = way_nodes(d);

@@ -80,17 +80,7 @@ Flocking::Flocking(const FlockingDef& def, const BuildContext& context)
               [this](State& s, const StepInput& in) { touch(s, in); });
   }
   if (def.sides == Sides::open) skip_stage("sides", "they are open");
-  PartInfo members;
-  members.fields = {{"position", "m", Scalar::f64, 3, Meaning::position},
-                    {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity},
-                    {"speed", "m/s"}};
-  members.max_rows = boids_;
-  std::vector<PartInfo> parts{members};
-  if (def.predators > 0) {
-    parts.push_back(members);
-    parts.back().name = "predators", parts.back().max_rows = rows_ - boids_;
-  }
-  set_parts(std::move(parts));
+  show();
 }
 
 State Flocking::initial_state() const {

@@ -9,7 +9,7 @@
 #pragma once
 #include <memory>
 
-#include "engine/core/system.h"
+#include "engine/core/outputs/tabled.h"
 #include "engine/math/trig.h"
 #include "engine/neighbours/point_grid.h"
 #include "engine/systems/flocking/flocking_def.h"
@@ -35,13 +35,12 @@ struct Box {
   Vec3 wrapped(Vec3 x) const;
 };
 
-class Flocking final : public StagedSystem {
+class Flocking final : public Tabled<Flocking, StagedSystem> {
  public:
   Flocking(const FlockingDef& def, const BuildContext& context);
 
+  static const OutputTable& outputs();
   State initial_state() const override;
-  void observe(const State& state, double t, Observables& out) const override;
-  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   std::optional<double> limit(Limit which, const State& state, double h) const override;
@@ -53,7 +52,10 @@ class Flocking final : public StagedSystem {
   void chase(State& state, const StepInput& in) const;
   void remember(State& state, const StepInput& in) const;
   void touch(State& state, const StepInput& in) const;
-  void observe_groups(const double* x, Observables& out) const;
+  struct Motion;
+  Motion motion(const State& state, double t) const;
+  struct Groups;
+  Groups groups(const State& state, double t) const;
   Vec3 avoidance(const State& state, const Vec3& x, const Vec3& heading, double t) const;
   void hold(double* x, double* v, size_t row) const;
 

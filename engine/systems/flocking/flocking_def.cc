@@ -122,26 +122,6 @@ const DefTable& flocking_table() {
   return t;
 }
 
-const Outputs& flocking_outputs() {
-  static const Outputs kOutputs{
-      .rows = "a member; in part predators, a predator",
-      .fields = {{"position", "m", 3, ""},
-                 {"velocity", "m/s", 3, ""},
-                 {"speed", "m/s", 1, "magnitude of the velocity"},
-                 {"predators.position", "m", 3,
-                  "of part predators, where there are any; velocity and speed too"}},
-      .observables = {
-          {"polarisation", "1", "|mean of the unit headings|: 1 all aligned, 0 none"},
-          {"speed.mean", "m/s", "without predators, like all of these"},
-          {"velocity.mean.x", "m/s", ""},
-          {"velocity.mean.y", "m/s", ""},
-          {"velocity.mean.z", "m/s", ""},
-          {"velocity.spread", "m/s", "root mean square of the differences to the mean velocity"},
-          {"distance.nearest", "m", "between the nearest two, or the largest radius if nobody is within it"},
-          {"groups", "1", "groups connected by distances of at most the largest radius"}}};
-  return kOutputs;
-}
-
 Cost flocking_cost(const void* def) {
   const auto& d = *static_cast<const FlockingDef*>(def);
   const double n = static_cast<double>(boid_count(d)), all = n + static_cast<double>(d.predators);

@@ -15,8 +15,6 @@ using lattice::LatticeWork;
 
 namespace {
 
-enum Column : State::Column { kValue, kConstants };
-
 lattice::Texts texts(const HeatDef& d) {
   return {.initial = {{"/initial", d.initial}},
           .coefficient = {"/diffusivity", d.diffusivity},
@@ -45,7 +43,7 @@ LinearSolver* HeatEquations::linear_solver() const {
 
 Heat::Heat(const HeatDef& def, const BuildContext& context)
     : def_(def), model_(def, lattice::SideKind::neumann, texts(def)) {
-  set_parts({lattice::grid_part(model_.lattice(), {{"value", "K"}})});
+  show();
   set_remedies({"a shorter dt", "the integrator rkc2, whose number of stages follows dt",
                 "an implicit integrator such as sdirk4"});
   static const ThreadArena kSerial(1);
@@ -83,16 +81,6 @@ void Heat::integrate(State& s, const StepInput& in) const {
     e.quantity = "value";
     throw;
   }
-}
-
-void Heat::observe(const State& s, double t, Observables& out) const {
-  const auto u = s.f64(kValue);
-  out.add("energy.thermal", def_.heat_capacity * lattice::integral(model_.lattice(), u), "J");
-  const auto [low, high] = std::ranges::minmax_element(u);
-  out.add("value.min", *low, "K");
-  out.add("value.max", *high, "K");
-  if (const auto off = model_.distance_from_exact(u, t)) out.add("error.exact", *off, "K");
-  EquationStepper::observe(s, out);
 }
 
 std::optional<double> Heat::limit(Limit which, const State& s, double) const {

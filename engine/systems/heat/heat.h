@@ -6,7 +6,7 @@
 // diffusivity (where it is a number); impulse adds heat at a node.
 #pragma once
 #include "engine/core/equations/linear_solver.h"
-#include "engine/core/system.h"
+#include "engine/core/outputs/tabled.h"
 #include "engine/integrators/equation_stepper.h"
 #include "engine/lattice/lattice_work.h"
 #include "engine/systems/heat/heat_def.h"
@@ -44,13 +44,15 @@ class HeatEquations final : public RightHandSide, public LinearSolver {
   const ThreadArena& arena_;
 };
 
-class Heat final : public StagedSystem {
+/// Columns of the state.
+enum Column : State::Column { kValue, kConstants };
+
+class Heat final : public Tabled<Heat, StagedSystem> {
  public:
   Heat(const HeatDef& def, const BuildContext& context);
 
+  static const OutputTable& outputs();
   State initial_state() const override;
-  void observe(const State& state, double t, Observables& out) const override;
-  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void apply(State& state, const Command& command) const override;
   std::optional<double> limit(Limit which, const State& state, double h) const override;
   /// Half the integral of the squared temperature: not an energy in joules, but conduction alone can only
@@ -63,6 +65,8 @@ class Heat final : public StagedSystem {
   const Integrator& method() const { return stepper_->method(); }
 
  private:
+  struct Whole;
+  Whole whole(const State& state, double t) const;
   void integrate(State& state, const StepInput& in) const;
 
   HeatDef def_;

@@ -18,22 +18,6 @@ const DefTable& heat_table() {
   return kTable;
 }
 
-const Outputs& heat_outputs() {
-  static const Outputs kOutputs{
-      .rows = "a node of the lattice, x fastest",
-      .fields = {{"value", "K", 1, "temperature"}},
-      .observables = {
-          {"energy.thermal", "J", "heat capacity times the integral of the temperature"},
-          {"value.min", "K", "lowest temperature"},
-          {"value.max", "K", "highest temperature"},
-          {"error.exact", "K", "difference from the scene's exact solution, root mean square over the box"},
-          {"integrator.steps", "1", "internal steps taken since the start"},
-          {"integrator.rejected", "1", "rejected internal steps"},
-          {"integrator.rates", "1", "evaluations of the right-hand side"},
-          {"integrator.jacobians", "1", "evaluations of its derivatives"}}};
-  return kOutputs;
-}
-
 Cost heat_cost(const void* def) {
   const auto& d = *static_cast<const HeatDef*>(def);
   const double n = lattice::lattice_nodes(d);

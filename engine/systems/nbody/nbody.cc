@@ -99,13 +99,10 @@ IntegratorOptions options_of(const NbodyDef& def, const ChosenMethod& method) {
 }  // namespace
 
 Nbody::Nbody(std::unique_ptr<const NbodyField> field, const ChosenMethod& method, const NbodyDef& def)
-    : ForceSystem(std::move(field), method.row, options_of(def, method)),
+    : Tabled(std::move(field), method.row, options_of(def, method)),
       bodies_(static_cast<const NbodyField&>(force_field())),
       draw_radius_(def.draw_radius.value_or(dot_radius(bodies_.initial_state()))) {
-  auto& fields = main_part().fields;
-  fields.push_back({"speed", "m/s"});
-  fields.push_back({"mass", "kg"});
-  fields.push_back({"id", "1", Scalar::u64});
+  show();
   std::vector<std::string> remedies{"a shorter step, or ias15, which adapts its own"};
   if (def.softening == 0) remedies.push_back("softening, if each body represents many");
   set_remedies(std::move(remedies));
@@ -137,17 +134,6 @@ void Nbody::plan_stages(const std::string& why_this_method) {
   add_stage("hands", "ends pushes whose duration is over", [](State& s, const StepInput& in) {
     Columns::kHands.count_down(s, in.h, [&](uint64_t id) { return row_of(s, id).has_value(); });
   });
-}
-
-FieldView Nbody::field(const State& s, size_t part, size_t which, std::vector<double>& scratch) const {
-  if (which < 2) return ForceSystem::field(s, part, which, scratch);
-  const size_t n = s.rows(Columns::position);
-  if (which == 3) return {s.bytes(Columns::mass).data(), Scalar::f64, n, 1};
-  if (which == 4) return {s.bytes(Columns::id).data(), Scalar::u64, n, 1};
-  scratch.resize(n);
-  const double* v = s.f64(Columns::velocity).data();
-  for (size_t i = 0; i < n; ++i) scratch[i] = norm(load3(v, i));
-  return {scratch.data(), Scalar::f64, n, 1};
 }
 
 void Nbody::check(StateCheck& check, double) const {

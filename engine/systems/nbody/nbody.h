@@ -3,23 +3,20 @@
 // (gravitational_constant, softening).
 #pragma once
 #include "engine/core/equations/force_system.h"
+#include "engine/core/outputs/tabled.h"
 #include "engine/integrators/table/default_method.h"
 #include "engine/systems/nbody/nbody_field.h"
 
 namespace truestep::nbody {
 
-class Nbody final : public ForceSystem {
+class Nbody final : public Tabled<Nbody, ForceSystem> {
  public:
+  static const OutputTable& outputs();
   /// Error "scene_invalid" when the integrator is unknown or unsuitable.
   static std::unique_ptr<const Nbody> make(const NbodyDef& def, const BuildContext& context);
 
   /// Of touches that a step had no room for, and of bodies that touch faster than fixed steps resolve.
   void warn(const State& state, double h, std::vector<Warning>& out) const override;
-  /// Besides the energies: momentum and angular_momentum .x/y/z, center .x/y/z, virial_ratio,
-  /// half_mass_radius, count, collisions and what is left of them.
-  void observe(const State& state, double t, Observables& out) const override;
-  /// position, velocity, speed (m/s), mass (kg), id.
-  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
@@ -27,6 +24,10 @@ class Nbody final : public ForceSystem {
   Energy::Exchange exchange(const State& state) const override;
 
  private:
+  struct Whole;
+  Whole whole(const State& state, double t) const;
+  struct Touches;
+  static Touches touches(const State& state);
   Nbody(std::unique_ptr<const NbodyField> field, const ChosenMethod& method, const NbodyDef& def);
   void plan_stages(const std::string& why_this_method);
 

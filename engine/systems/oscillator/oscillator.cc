@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "engine/base/errors.h"
+#include "engine/core/equations/force_outputs.h"
+#include "engine/core/outputs/tabled.h"
 #include "engine/integrators/table/default_method.h"
 
 namespace truestep::oscillator {
@@ -32,12 +34,13 @@ namespace {
   throw Error("bad_command", message, {pointer, "bad_command", message, "", allowed, "", ""});
 }
 
-class Oscillator : public ForceSystem {
+class Oscillator final : public Tabled<Oscillator, ForceSystem> {
  public:
   using C = OscillatorColumns;
 
   Oscillator(const OscillatorDef& def, std::unique_ptr<const ForceField> field, const ChosenMethod& method)
-      : ForceSystem(std::move(field), method.row, def.choice().options), def_(def) {
+      : Tabled(std::move(field), method.row, def.choice().options), def_(def) {
+    show();
     add_integration_stage(method.why);
     bound_speed();
     add_stage("hands", "ends pushes whose duration is over",
@@ -46,13 +49,7 @@ class Oscillator : public ForceSystem {
     if (def.damping == 0) skip_stage("damping", "the damping is zero");
   }
 
-  void observe(const State& state, double t, Observables& out) const override {
-    ForceSystem::observe(state, t, out);
-    if (def_.drive_force == 0 && state.f64(C::kDisturbed)[0] == 0) {
-      const auto exact = oscillator_exact(def_, t);
-      out.add("error.exact", std::abs(state.f64(C::kPosition)[0] - exact.x), "m");
-    }
-  }
+  static const OutputTable& outputs();
 
   Energy::Exchange exchange(const State& s) const override {
     const bool driven = s.f64(C::kDriveForce)[0] != 0 || C::kHands.any(s);
@@ -89,6 +86,13 @@ class Oscillator : public ForceSystem {
   }
 
  private:
+  struct Error {
+    std::optional<double> exact;
+  };
+  Error error(const State& state, double t) const {
+    if (def_.drive_force != 0 || state.f64(C::kDisturbed)[0] != 0) return {};
+    return {std::abs(state.f64(C::kPosition)[0] - oscillator_exact(def_, t).x)};
+  }
   void set_parameter(State& s, const Command& c) const {
     static constexpr std::pair<std::string_view, C::Index> kSettable[] = {
         {"stiffness", C::kStiffness},
@@ -117,7 +121,28 @@ class Oscillator : public ForceSystem {
   OscillatorDef def_;
 };
 
+const OutputTable& Oscillator::outputs() {
+  static const OutputTable kTable =
+      OutputsOf<Oscillator>("the mass: only row 0")
+          .part("", [](const Oscillator&) { return points_part(1); })
+          .field({"position", "m", Scalar::f64, 3, Meaning::position}, column(C::kPosition), "only x changes")
+          .field({"velocity", "m/s", Scalar::f64, 3, Meaning::velocity}, column(C::kVelocity), "")
+          .measured(force_energies, kForceEnergyRows)
+          .measured(held_steps, kHeldStepsRows)
+          .measured(&Oscillator::error,
+                    {{"error.exact", "m", &Error::exact,
+                      "difference from the exact solution, until a command disturbs it and while it is not "
+                      "driven"}})
+          .build();
+  return kTable;
+}
+
 }  // namespace
+
+const Outputs& oscillator_outputs() {
+  static const Outputs kDescribed = Oscillator::outputs().described();
+  return kDescribed;
+}
 
 std::unique_ptr<const System> make_oscillator(const void* def, const BuildContext& context) {
   const auto& d = *static_cast<const OscillatorDef*>(def);

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "engine/base/errors.h"
+#include "engine/core/equations/force_outputs.h"
+#include "engine/core/outputs/tabled.h"
 #include "engine/integrators/table/default_method.h"
 
 namespace truestep::pendulum {
@@ -50,28 +52,19 @@ namespace {
   throw Error("bad_command", message, {pointer, "bad_command", message, "", allowed, "", ""});
 }
 
-class Pendulum final : public ForceSystem {
+class Pendulum final : public Tabled<Pendulum, ForceSystem> {
  public:
+  static const OutputTable& outputs();
+
   Pendulum(std::unique_ptr<const PendulumField> field, const ChosenMethod& method, const PendulumDef& def)
-      : ForceSystem(std::move(field), method.row, def.choice().options),
+      : Tabled(std::move(field), method.row, def.choice().options),
         chain_(static_cast<const PendulumField&>(force_field())) {
     add_integration_stage(method.why);
     bound_speed();
     add_stage("hands", "ends pushes whose duration is over",
               [](State& s, const StepInput& in) { C::kHands.count_down(s, in.h); });
     if (def.damping == 0) skip_stage("damping", "the damping is zero");
-    const size_t n = chain_.links();
-    set_parts({{PartInfo::Kind::points,
-                "",
-                {{"position", "m", Scalar::f64, 3, Meaning::position},
-                 {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity}},
-                n + 1,
-                {}},
-               {PartInfo::Kind::values,
-                "joints",
-                {{"angle", "rad", Scalar::f64, 1, Meaning::angle}, {"angular_velocity", "rad/s"}},
-                n,
-                {}}});
+    show();
   }
 
   Energy::Exchange exchange(const State& s) const override {
@@ -79,18 +72,6 @@ class Pendulum final : public ForceSystem {
   }
 
   void check(StateCheck& check, double) const override { C::kHands.check_pushes(check, chain_.links()); }
-
-  FieldView field(const State& s, size_t part, size_t which, std::vector<double>& scratch) const override {
-    const auto angles = s.f64(C::kAngle), rates = s.f64(C::kAngularVelocity);
-    if (part == 1) return {which == 0 ? angles.data() : rates.data(), Scalar::f64, angles.size(), 1};
-    scratch.resize(3 * (angles.size() + 1));
-    if (which == 0) {
-      chain_.positions(angles, scratch.data());
-    } else {
-      chain_.velocities(angles, rates, scratch.data());
-    }
-    return {scratch.data(), Scalar::f64, angles.size() + 1, 3};
-  }
 
   void apply(State& s, const Command& c) const override {
     check_command_numbers(c);
@@ -147,7 +128,37 @@ class Pendulum final : public ForceSystem {
   const PendulumField& chain_;
 };
 
+const OutputTable& Pendulum::outputs() {
+  using P = Pendulum;
+  static const OutputTable kTable =
+      OutputsOf<P>("the pivot (0) and the masses (1 ...); in part joints the links (0 ...)")
+          .part("", [](const P& p) { return points_part(p.chain_.links() + 1); })
+          .field({"position", "m", Scalar::f64, 3, Meaning::position},
+                 computed_by<P>([](const P& p, const State& s, ShownRows, double* out) {
+                   p.chain_.positions(s.f64(C::kAngle), out);
+                 }),
+                 "of pivot and masses")
+          .field({"velocity", "m/s", Scalar::f64, 3, Meaning::velocity},
+                 computed_by<P>([](const P& p, const State& s, ShownRows, double* out) {
+                   p.chain_.velocities(s.f64(C::kAngle), s.f64(C::kAngularVelocity), out);
+                 }),
+                 "")
+          .part("joints", [](const P& p) { return values_part(p.chain_.links()); })
+          .field({"angle", "rad", Scalar::f64, 1, Meaning::angle}, column(C::kAngle),
+                 "of a link from the downward vertical")
+          .field({"angular_velocity", "rad/s"}, column(C::kAngularVelocity), "")
+          .measured(force_energies, kForceEnergyRows)
+          .measured(held_steps, kHeldStepsRows)
+          .build();
+  return kTable;
+}
+
 }  // namespace
+
+const Outputs& pendulum_outputs() {
+  static const Outputs kDescribed = Pendulum::outputs().described();
+  return kDescribed;
+}
 
 std::unique_ptr<const System> make_pendulum(const void* def, const BuildContext& context) {
   const auto& d = *static_cast<const PendulumDef*>(def);

@@ -7,6 +7,8 @@
 #include "engine/base/errors.h"
 #include "engine/core/commands/command_checks.h"
 #include "engine/core/commands/user_forces.h"
+#include "engine/core/outputs/outputs_of.h"
+#include "engine/core/outputs/tabled.h"
 #include "engine/integrators/advance.h"
 #include "engine/integrators/table/integrators.h"
 #include "engine/systems/rod_chain/treatments.h"
@@ -41,7 +43,7 @@ constexpr double kDragDampingRatio = 0.7;  // of a drag on the mass of a rod
 constexpr std::string_view kScratch = "rod_chain";
 constexpr int kMostHalvings = 12;  // of a step of projection
 
-class RodChain final : public StagedSystem {
+class RodChain final : public Tabled<RodChain, StagedSystem> {
  public:
   RodChain(const RodChainDef& def, const BuildContext& context) : def_(def), gravity_(context.gravity) {
     chain_.half = 0.5 * def.length, chain_.mass = def.mass, chain_.anchor = def.anchor;
@@ -66,21 +68,10 @@ class RodChain final : public StagedSystem {
     }
     add_stage("hands", "ends pushes whose duration is over",
               [](State& s, const StepInput& in) { kHands.count_down(s, in.h); });
-    set_parts({{PartInfo::Kind::points,
-                "",
-                {{"position", "m", Scalar::f64, 3, Meaning::position},
-                 {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity},
-                 {"direction", "1", Scalar::f64, 3},
-                 {"angular_velocity", "rad/s", Scalar::f64, 3},
-                 {"orientation", "1", Scalar::f64, 4, Meaning::orientation}},
-                static_cast<size_t>(def.links),
-                {}},
-               {PartInfo::Kind::values,
-                "ends",
-                {{"end", "m", Scalar::f64, 3}, {"end_velocity", "m/s", Scalar::f64, 3}},
-                static_cast<size_t>(def.links),
-                {}}});
+    show();
   }
+
+  static const OutputTable& outputs();
 
   State initial_state() const override {
     const auto n = static_cast<size_t>(def_.links);
@@ -108,16 +99,6 @@ class RodChain final : public StagedSystem {
     return s;
   }
 
-  void observe(const State& s, double, Observables& out) const override {
-    const auto all = load(s);
-    const Chain c = chain(s);
-    const Energy e = energy_of(c, all);
-    out.add("energy.kinetic", e.kinetic, "J");
-    out.add("energy.potential", e.potential, "J");
-    out.add("energy.total", e.kinetic + e.potential, "J");
-    out.add("joints.gap", rod_chain::largest_gap(c, all), "m");
-  }
-
   std::optional<Energy> energy(const State& s, double, Workspace& workspace,
                                const ThreadArena&) const override {
     auto& scratch = workspace.object<rod_chain::Scratch>(kScratch);
@@ -133,13 +114,6 @@ class RodChain final : public StagedSystem {
     check.together({kDragRod, kDragTarget, kDragStiffness, kDragAt});
     for (const uint32_t rod : check.state().span<uint32_t>(kDragRod))
       check.require(rod < n, "the rod of a drag");
-  }
-
-  FieldView field(const State& s, size_t part, size_t field, std::vector<double>& scratch) const override {
-    if (part == 1) return ends(s, field == 1, scratch);
-    if (field > kSpin) return orientations(s, scratch);
-    const auto c = static_cast<State::Column>(field);
-    return {s.f64(c).data(), Scalar::f64, s.rows(c), 3};
   }
 
   void apply(State& s, const Command& c) const override {
@@ -203,27 +177,31 @@ class RodChain final : public StagedSystem {
     if (def_.constraints != RodChainDef::Treatment::penalty) close_rates(chain_, rods, scratch);
     store(s, rods);
   }
-  // That turn the y axis, a capsule's own, along the rods.
-  FieldView orientations(const State& s, std::vector<double>& scratch) const {
-    const size_t n = s.rows(kPosition);
-    scratch.resize(4 * n);
-    for (size_t j = 0; j < n; ++j) {
-      const Quat q = rotation_between({0, 1, 0}, load3(s.f64(kDirection).data(), j));
-      std::copy_n(std::array{q.w, q.x, q.y, q.z}.data(), 4, &scratch[4 * j]);
-    }
-    return {scratch.data(), Scalar::f64, n, 4};
+  struct Whole {
+    double kinetic, potential, total, gap;
+  };
+  Whole whole(const State& s, double) const {
+    const auto all = load(s);
+    const Chain c = chain(s);
+    const Energy e = energy_of(c, all);
+    return {e.kinetic, e.potential, e.kinetic + e.potential, rod_chain::largest_gap(c, all)};
   }
-  // Of every rod's end that is farther from the anchor: position, or velocity.
-  FieldView ends(const State& s, bool velocities, std::vector<double>& scratch) const {
-    const size_t n = s.rows(kPosition);
-    const double *x = s.f64(velocities ? kVelocity : kPosition).data(), *u = s.f64(kDirection).data();
-    const double* w = s.f64(kSpin).data();
-    scratch.resize(3 * n);
-    for (size_t j = 0; j < n; ++j) {
-      const Vec3 along = velocities ? cross(load3(w, j), load3(u, j)) : load3(u, j);
-      store3(scratch.data(), j, load3(x, j) + along * chain_.half);
+  // That turn the y axis, a capsule's own, along the rods.
+  static void orientations(const State& s, ShownRows rows, double* out) {
+    for (size_t j = 0; j < rows.count; ++j) {
+      const Quat q = rotation_between({0, 1, 0}, load3(s.f64(kDirection).data(), j));
+      std::copy_n(std::array{q.w, q.x, q.y, q.z}.data(), 4, out + 4 * j);
     }
-    return {scratch.data(), Scalar::f64, n, 3};
+  }
+  // Of every rod, the end that is farther from the anchor.
+  void ends(const State& s, ShownRows rows, double* out) const {
+    const double *x = s.f64(kPosition).data(), *u = s.f64(kDirection).data();
+    for (size_t j = 0; j < rows.count; ++j) store3(out, j, load3(x, j) + load3(u, j) * chain_.half);
+  }
+  void end_velocities(const State& s, ShownRows rows, double* out) const {
+    const double *v = s.f64(kVelocity).data(), *u = s.f64(kDirection).data(), *w = s.f64(kSpin).data();
+    for (size_t j = 0; j < rows.count; ++j)
+      store3(out, j, load3(v, j) + cross(load3(w, j), load3(u, j)) * chain_.half);
   }
   bool adaptive() const { return def_.constraints == RodChainDef::Treatment::lagrange && !def_.substeps; }
   Energy energy_of(const Chain& c, std::span<const Rod> all) const {
@@ -342,7 +320,35 @@ class RodChain final : public StagedSystem {
   Vec3 gravity_;
 };
 
+const OutputTable& RodChain::outputs() {
+  using R = RodChain;
+  static const OutputTable kTable =
+      OutputsOf<R>("a rod, starting at the anchor")
+          .part("", [](const R& r) { return points_part(static_cast<size_t>(r.def_.links)); })
+          .field({"position", "m", Scalar::f64, 3, Meaning::position}, column(kPosition), "centre")
+          .field({"velocity", "m/s", Scalar::f64, 3, Meaning::velocity}, column(kVelocity), "of the centre")
+          .field({"direction", "1", Scalar::f64, 3}, column(kDirection), "unit vector along the rod")
+          .field({"angular_velocity", "rad/s", Scalar::f64, 3}, column(kSpin), "")
+          .field({"orientation", "1", Scalar::f64, 4, Meaning::orientation}, computed(&R::orientations),
+                 "quaternion (w, x, y, z) that turns the y axis along the rod")
+          .part("ends", [](const R& r) { return values_part(static_cast<size_t>(r.def_.links)); })
+          .field({"end", "m", Scalar::f64, 3}, computed_by<R>(&R::ends),
+                 "part ends: of the rod, away from the anchor")
+          .field({"end_velocity", "m/s", Scalar::f64, 3}, computed_by<R>(&R::end_velocities), "part ends")
+          .measured(&R::whole, {{"energy.kinetic", "J", &Whole::kinetic, "of motion"},
+                                {"energy.potential", "J", &Whole::potential, "of all conservative forces"},
+                                {"energy.total", "J", &Whole::total, "their sum"},
+                                {"joints.gap", "m", &Whole::gap, "largest gap between the ends at a joint"}})
+          .build();
+  return kTable;
+}
+
 }  // namespace
+
+const Outputs& rod_chain_outputs() {
+  static const Outputs kDescribed = RodChain::outputs().described();
+  return kDescribed;
+}
 
 const DefTable& rod_chain_table() {
   using D = RodChainDef;

@@ -15,8 +15,6 @@ using lattice::LatticeWork;
 
 namespace {
 
-enum Column : State::Column { kValue, kRate, kConstants };
-
 lattice::Texts texts(const WaveDef& d) {
   return {.initial = {{"/initial", d.initial}, {"/initial_rate", d.initial_rate}},
           .coefficient = {"/speed", d.speed},
@@ -37,9 +35,7 @@ Rates rates(LatticeWork& work, double damping) {
 
 Wave::Wave(const WaveDef& def, const BuildContext& context)
     : def_(def), model_(def, lattice::SideKind::dirichlet, texts(def)) {
-  set_parts({lattice::grid_part(
-      model_.lattice(), {{"value", "m", Scalar::f64, 1, Meaning::value, FieldInfo::Scale::deviation},
-                         {"rate", "m/s", Scalar::f64, 1, Meaning::value, FieldInfo::Scale::deviation}})});
+  show();
   set_remedies({"a shorter dt", "the integrator implicit_midpoint, which is stable for any dt"});
   static const ThreadArena kSerial(1);
   LatticeWork work;
@@ -115,20 +111,6 @@ std::optional<Energy> Wave::energy(const State& s, double t, Workspace& workspac
   const bool limited = m.kind == Integrator::Kind::explicit_ && m.stepping == Integrator::Stepping::fixed;
   e.swing = limited ? Energy::kSwingNearLimit : Energy::kSwing;
   return e;
-}
-
-void Wave::observe(const State& s, double t, Observables& out) const {
-  static const ThreadArena kSerial(1);
-  Workspace workspace;
-  const Energy e = *energy(s, t, workspace, kSerial);
-  out.add("energy.kinetic", e.kinetic, "J");
-  out.add("energy.potential", e.potential, "J");
-  out.add("energy.total", e.kinetic + e.potential, "J");
-  const auto [low, high] = std::ranges::minmax_element(s.f64(kValue));
-  out.add("value.min", *low, "m");
-  out.add("value.max", *high, "m");
-  if (const auto off = model_.distance_from_exact(s.f64(kValue), t)) out.add("error.exact", *off, "m");
-  EquationStepper::observe(s, out);
 }
 
 std::optional<double> Wave::limit(Limit which, const State& s, double) const {

@@ -7,7 +7,7 @@
 // set_parameter speed (where it is a number), damping (where there is some); impulse adds velocity.
 #pragma once
 #include "engine/core/equations/linear_solver.h"
-#include "engine/core/system.h"
+#include "engine/core/outputs/tabled.h"
 #include "engine/integrators/equation_stepper.h"
 #include "engine/lattice/lattice_work.h"
 #include "engine/systems/wave/wave_def.h"
@@ -57,13 +57,15 @@ class WaveEquations final : public RightHandSide, public SecondOrder, public Lin
   Complex complex_z_;
 };
 
-class Wave final : public StagedSystem {
+/// Columns of the state.
+enum Column : State::Column { kValue, kRate, kConstants };
+
+class Wave final : public Tabled<Wave, StagedSystem> {
  public:
   Wave(const WaveDef& def, const BuildContext& context);
 
+  static const OutputTable& outputs();
   State initial_state() const override;
-  void observe(const State& state, double t, Observables& out) const override;
-  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void apply(State& state, const Command& command) const override;
   std::optional<double> limit(Limit which, const State& state, double h) const override;
   std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
@@ -74,6 +76,8 @@ class Wave final : public StagedSystem {
   const Integrator& method() const { return stepper_->method(); }
 
  private:
+  struct Whole;
+  Whole whole(const State& state, double t) const;
   void integrate(State& state, const StepInput& in) const;
 
   WaveDef def_;

@@ -18,24 +18,6 @@ const DefTable& wave_table() {
   return kTable;
 }
 
-const Outputs& wave_outputs() {
-  static const Outputs kOutputs{
-      .rows = "a node of the lattice, x fastest",
-      .fields = {{"value", "m", 1, "displacement"}, {"rate", "m/s", 1, "its rate of change"}},
-      .observables = {
-          {"energy.kinetic", "J", "half the integral of the squared rate"},
-          {"energy.potential", "J", "half the integral of the squared speed times slope"},
-          {"energy.total", "J", "their sum"},
-          {"value.min", "m", "lowest displacement"},
-          {"value.max", "m", "highest displacement"},
-          {"error.exact", "m", "difference from the scene's exact solution, root mean square over the box"},
-          {"integrator.steps", "1", "internal steps taken since the start"},
-          {"integrator.rejected", "1", "rejected internal steps"},
-          {"integrator.rates", "1", "evaluations of the right-hand side"},
-          {"integrator.jacobians", "1", "evaluations of its derivatives"}}};
-  return kOutputs;
-}
-
 Cost wave_cost(const void* def) {
   const auto& d = *static_cast<const WaveDef*>(def);
   const double n = lattice::lattice_nodes(d);

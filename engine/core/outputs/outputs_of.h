@@ -1,0 +1,211 @@
+// Builds the table of outputs of the systems of class S: one line a field, one line an observable.
+//
+//   OutputsOf<Flocking>("a member")
+//       .part("", [](const Flocking& f) { return points_part(f.members()); })
+//       .field({"position", "m", Scalar::f64, 3, Meaning::position}, column(Columns::position), "")
+//       .field({"speed", "m/s"}, length_of(Columns::velocity), "magnitude of the velocity")
+//       .measured(&Flocking::motion, {{"speed.mean", "m/s", &Motion::speed, "of all members"}})
+//       .build();
+//
+// `motion` is a pass, a const member that makes a Motion of a state and a time; it runs once for all its
+// rows. A row whose value is a Vec3 stands for name.x, name.y and name.z; one whose optional is empty is left
+// out.
+#pragma once
+#include <array>
+#include <functional>
+#include <initializer_list>
+#include <optional>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "engine/core/outputs/output_table.h"
+
+namespace truestep {
+
+/// Where the value of a row lies in what its pass measured.
+template <class M>
+using MeasuredValue = std::variant<double M::*, std::optional<double> M::*, Vec3 M::*, double (*)(const M&)>;
+
+template <class M>
+struct Measured {
+  const char* name;
+  const char* unit;
+  MeasuredValue<M> value;
+  const char* sentence = "";
+};
+
+/// The rows of a column that the part shows; of the type and width of the field.
+inline auto column(State::Column c) {
+  return [c](const State& s, const FieldAt& at) -> const void* {
+    return s.bytes(c).data() + at.rows.first * at.info.width * scalar_size(at.info.type);
+  };
+}
+/// One number, or as many as the field is wide, per row: fill(state, rows, out).
+template <class Fill>
+auto computed(Fill fill) {
+  return [fill](const State& s, const FieldAt& at) -> const void* {
+    at.scratch.resize(at.rows.count * at.info.width);
+    fill(s, at.rows, at.scratch.data());
+    return at.scratch.data();
+  };
+}
+/// The same of a system: fill(system, state, rows, out).
+template <class S, class Fill>
+auto computed_by(Fill fill) {
+  return [fill](const S& system, const State& s, const FieldAt& at) -> const void* {
+    at.scratch.resize(at.rows.count * at.info.width);
+    std::invoke(fill, system, s, at.rows, at.scratch.data());
+    return at.scratch.data();
+  };
+}
+/// The magnitude of the vectors of a column of doubles.
+inline auto length_of(State::Column c) {
+  return computed([c](const State& s, ShownRows rows, double* out) {
+    const double* v = s.f64(c).data() + 3 * rows.first;
+    for (size_t i = 0; i < rows.count; ++i) out[i] = norm(load3(v, i));
+  });
+}
+
+template <class S>
+class OutputsOf {
+  template <class Pass>
+  using Result = std::remove_cvref_t<std::invoke_result_t<Pass, const S&, const State&, double>>;
+  template <class Pass>
+  using ResultEach = std::remove_cvref_t<std::invoke_result_t<Pass, const S&, const State&, double, size_t>>;
+
+ public:
+  explicit OutputsOf(const char* rows) { table_.rows = rows; }
+
+  /// present(system): a PartInfo without fields, an optional one, or a list of them, which "group<k>" names.
+  template <class Present>
+  OutputsOf& part(const char* name, Present present) {
+    table_.parts.push_back(
+        {.name = name, .present = [present](const System& s) { return listed(present(of(s))); }});
+    return *this;
+  }
+  /// Rows of the columns that the last part shows: rows(system, state, number of the part in its list).
+  template <class Rows>
+  OutputsOf& rows(Rows rows) {
+    table_.parts.back().rows = [rows](const System& s, const State& state, size_t k) {
+      return rows(of(s), state, k);
+    };
+    return *this;
+  }
+  /// The last part has the fields of the main part, of the rows that the sentence names.
+  OutputsOf& like_main(const char* sentence) {
+    OutputTable::Part& part = table_.parts.back();
+    part.like_main = {part.name + '.' + table_.parts.front().fields.front().info.name, sentence};
+    return *this;
+  }
+
+  /// get(state, FieldAt) or get(system, state, FieldAt): column(...), length_of(...), computed(...).
+  template <class Get>
+  OutputsOf& field(FieldInfo info, Get get, const char* sentence) {
+    OutputTable::Field f{.info = std::move(info), .sentence = sentence};
+    f.get = [get](const System& s, const State& state, const FieldAt& at) {
+      if constexpr (std::is_invocable_v<Get, const State&, const FieldAt&>) {
+        return get(state, at);
+      } else {
+        return get(of(s), state, at);
+      }
+    };
+    table_.parts.back().fields.push_back(std::move(f));
+    return *this;
+  }
+  /// The last field is there only in scenes for which this is true.
+  template <class When>
+  OutputsOf& field_when(When when) {
+    table_.parts.back().fields.back().when = [when](const System& s) { return std::invoke(when, of(s)); };
+    return *this;
+  }
+
+  /// Observables of one pass, (system.*pass)(state, t) or pass(system, state, t).
+  template <class Pass>
+  OutputsOf& measured(Pass pass, std::initializer_list<Measured<Result<Pass>>> rows) {
+    using M = Result<Pass>;
+    add_pass<M>({rows.begin(), rows.size()}, [pass](const System& s, const State& state, double t, size_t) {
+      return std::invoke(pass, of(s), state, t);
+    });
+    return *this;
+  }
+  /// The same rows as those of other systems.
+  template <class Pass, size_t N>
+  OutputsOf& measured(Pass pass, const std::array<Measured<Result<Pass>>, N>& rows) {
+    using M = Result<Pass>;
+    add_pass<M>({rows.begin(), rows.size()}, [pass](const System& s, const State& state, double t, size_t) {
+      return std::invoke(pass, of(s), state, t);
+    });
+    return *this;
+  }
+  /// Observables of each member of a family, whose names stand for <...>: pass(system, state, t, member).
+  template <class Family, class Pass>
+  OutputsOf& measured_each(Family family, Pass pass, std::initializer_list<Measured<ResultEach<Pass>>> rows) {
+    using M = ResultEach<Pass>;
+    add_pass<M>({rows.begin(), rows.size()},
+                [pass](const System& s, const State& state, double t, size_t member) {
+                  return std::invoke(pass, of(s), state, t, member);
+                });
+    table_.passes.back().family = [family](const System& s) { return std::invoke(family, of(s)); };
+    return *this;
+  }
+  /// The last pass belongs only to scenes for which this is true.
+  template <class When>
+  OutputsOf& when(When when) {
+    table_.passes.back().when = [when](const System& s) { return std::invoke(when, of(s)); };
+    return *this;
+  }
+
+  /// The last pass is costly: it runs only when one of its rows is wanted.
+  OutputsOf& when_wanted() {
+    table_.passes.back().runs = OutputTable::Pass::Runs::when_wanted;
+    return *this;
+  }
+
+  OutputTable build() { return std::move(table_); }
+
+ private:
+  static const S& of(const System& s) { return static_cast<const S&>(s); }
+  static std::vector<PartInfo> listed(std::vector<PartInfo> parts) { return parts; }
+  static std::vector<PartInfo> listed(PartInfo part) { return {std::move(part)}; }
+  static std::vector<PartInfo> listed(std::optional<PartInfo> part) {
+    return part ? listed(std::move(*part)) : std::vector<PartInfo>();
+  }
+
+  /// Adds one row after the other.
+  struct Writer {
+    const OutputTable::Observable* row;
+    Observables& out;
+    void operator()(double value) { out.add(row->name, value, row->unit), ++row; }
+    void operator()(const std::optional<double>& value) { value ? (*this)(*value) : void(++row); }
+    void operator()(const Vec3& v) { (*this)(v.x), (*this)(v.y), (*this)(v.z); }
+  };
+
+  template <class M, class Run>
+  void add_pass(std::span<const Measured<M>> rows, Run run) {
+    OutputTable::Pass pass;
+    for (const Measured<M>& row : rows) {
+      const bool vector = std::holds_alternative<Vec3 M::*>(row.value);
+      if (!vector) pass.rows.push_back({row.name, row.unit, row.sentence});
+      for (size_t k = 0; vector && k < 3; ++k)
+        pass.rows.push_back({row.name + std::string{'.', "xyz"[k]}, row.unit, k == 0 ? row.sentence : ""});
+    }
+    std::vector<MeasuredValue<M>> values;
+    for (const Measured<M>& row : rows) values.push_back(row.value);
+    pass.run = [run, values = std::move(values), names = pass.rows](
+                   const System& s, const State& state, double t, size_t member, Observables& out) {
+      const M measured = run(s, state, t, member);
+      Writer write{names.data(), out};
+      for (const MeasuredValue<M>& value : values)
+        std::visit([&](auto at) { write(std::invoke(at, measured)); }, value);
+    };
+    table_.passes.push_back(std::move(pass));
+  }
+
+  OutputTable table_;
+};
+
+}  // namespace truestep
