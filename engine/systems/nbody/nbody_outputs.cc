@@ -29,7 +29,7 @@ double half_mass_radius(const State& s, const Vec3& center, double all) {
 }  // namespace
 
 struct Nbody::Whole : ForceEnergies {
-  Vec3 momentum, angular_momentum, center;
+  Vec3 momentum{}, angular_momentum{}, center{};
   double virial_ratio = 0, half_mass_radius = 0, count = 0, collisions = 0;
 };
 struct Nbody::Touches {
