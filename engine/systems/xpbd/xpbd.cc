@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "engine/base/hash.h"
+#include "engine/base/text/short_number.h"
 #include "engine/systems/xpbd/tearing/division.h"
 
 namespace truestep::xpbd {
@@ -84,6 +85,7 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
       .radius = 0.5 * def.thickness,
       .shortest_link = shortest_link(body_),
       .self = {.thickness = def.thickness, .friction = def.self_friction}};
+  if (def.substeps) longest_substep_ = longest_substep(def, body_);
   if (elastic_) options_.poisson_ratio = def.poisson_ratio.value_or(0.3);
   if (membrane_) options_.membrane = def.membrane, options_.sheet_ratio = def.poisson_ratio.value_or(0.3);
   if (def.self_collision) folds_.emplace(body_);
@@ -343,6 +345,15 @@ std::span<const std::array<uint32_t, 3>> Xpbd::triangles(const State& s) const {
   if (!tears_) return body_.triangles;
   const auto corners = s.span<uint32_t>(tears_->columns.corner);
   return {reinterpret_cast<const std::array<uint32_t, 3>*>(corners.data()), corners.size() / 3};
+}
+
+void Xpbd::warn(const State&, double h, std::vector<Warning>& out) const {
+  const double needed = std::ceil(h / longest_substep_ * (1 - 1e-9));
+  if (!(options_.substeps < needed)) return;
+  out.push_back({"few_substeps", static_cast<double>(options_.substeps), needed,
+                 "an elastic material of this stiffness and mesh is unstable in fewer than " +
+                     short_number(needed) + " substeps a step: give those, or no number (the default holds)",
+                 options_.substeps * longest_substep_});
 }
 
 void Xpbd::check(StateCheck& check, double) const {

@@ -28,6 +28,7 @@ class Xpbd final : public StagedSystem, public ChangingTriangles, public Pressed
   /// position, velocity, strain (1, largest at a point); part "links": strain.
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
+  void warn(const State& state, double h, std::vector<Warning>& out) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   Ports ports() const override;
@@ -78,6 +79,7 @@ class Xpbd final : public StagedSystem, public ChangingTriangles, public Pressed
   TearLimits tear_limits_;
   Schedule schedule_;
   SolverOptions options_;
+  double longest_substep_ = HUGE_VAL;  // s, of elastic materials whose substeps the scene names
   ColliderSet colliders_;
   std::vector<Surface> surfaces_;  // one per collider
   std::optional<FoldSurface> folds_;

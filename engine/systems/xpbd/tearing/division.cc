@@ -16,10 +16,10 @@ bool stiff_at_rest(const XpbdDef& def) {
 
 constexpr double kLongestSubstep = 1.0 / 600;  // s
 
-/// s: the longest stable substep for elastic blocks and sheets. Sweeps neglect the geometric stiffness (the
+// Sweeps neglect the geometric stiffness (the
 /// rotation of the gradients), which is as large as the material's, so h^2 V (mu + l) sum w |grad|^2 has to
 /// stay below kMostGeometric (kernels/xpbd/neo_hookean.h).
-double longest_elastic(const XpbdDef& def, const Body& body) {
+double longest_stable(const XpbdDef& def, const Body& body) {
   const double nu = def.poisson_ratio.value_or(0.3);
   double most = 0;
   constexpr double kMostGeometric = 4;
@@ -53,6 +53,10 @@ double longest_elastic(const XpbdDef& def, const Body& body) {
 
 }  // namespace
 
+double longest_substep(const XpbdDef& def, const Body& body) {
+  return def.scheme == Scheme::pbd ? HUGE_VAL : longest_stable(def, body);
+}
+
 bool is_elastic(const XpbdDef& def) {
   return def.block && def.youngs_modulus;
 }
@@ -62,7 +66,7 @@ Division divide(const XpbdDef& def, const BuildContext& context, const Body& bod
   if (def.substeps) return {*def.substeps, fixed, "named by the scene"};
   if (def.scheme == Scheme::pbd) return {1, fixed, "textbook PBD does not divide the step"};
   constexpr double kMost = 1000;
-  const double longest = std::min(kLongestSubstep, longest_elastic(def, body));
+  const double longest = std::min(kLongestSubstep, longest_stable(def, body));
   const double n = std::max(1.0, std::ceil(context.dt / longest * (1 - 1e-9)));
   if (n > kMost && stiff_at_rest(def)) {
     const std::string message = "this stiffness needs " + std::to_string(static_cast<int64_t>(n)) +

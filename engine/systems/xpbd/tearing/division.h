@@ -19,6 +19,9 @@ struct Division {
 /// Error "scene_invalid" if a material needs more than a thousand.
 Division divide(const XpbdDef& def, const BuildContext& context, const Body& body);
 
+/// s: the longest stable substep of elastic blocks and sheets; infinite for others.
+double longest_substep(const XpbdDef& def, const Body& body);
+
 /// Whether tetrahedra have an elastic material instead of edge and volume constraints.
 bool is_elastic(const XpbdDef& def);
 
