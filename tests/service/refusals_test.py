@@ -89,7 +89,7 @@ class Descriptors(Case):
         # What is open for a moment does not count: the fewest of several looks.
         in_use = min(len(list(pathlib.Path("/proc/%d/fd" % process).iterdir())) for _ in range(20))
         # Three are kept (both files of a recording and one of the session); others are open for a moment, on other threads too. So the
-        # number with which it goes is not told beforehand: what is told is that it does not go with fewer than are kept, and how it is said.
+        # number with which it goes is not told beforehand; without any it does not go, and each refusal says so in the same way.
         refused = 0
         for left in range(17):
             resource.prlimit(process, resource.RLIMIT_NOFILE, (in_use + left, before[1]))
