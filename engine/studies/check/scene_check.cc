@@ -21,9 +21,9 @@ constexpr double kNoBound = -1e300;  // every measured number meets it
   throw Error("scene_invalid", what, {{"/test", "bad_change", what, value, "", "", ""}});
 }
 
-// Sets a parameter of every system that has it.
-void set_everywhere(json::value& scene, const char* name, const json::value& value) {
-  bool any = false;
+// Pointers to the systems of a scene that have a parameter.
+std::vector<std::string> systems_with(const json::value& scene, std::string_view name) {
+  std::vector<std::string> out;
   const json::value* systems = scene.is_object() ? scene.as_object().if_contains("systems") : nullptr;
   for (size_t i = 0; systems && systems->is_array() && i < systems->as_array().size(); ++i) {
     const json::object* system = systems->as_array()[i].if_object();
@@ -31,11 +31,15 @@ void set_everywhere(json::value& scene, const char* name, const json::value& val
     if (!type || !type->is_string()) continue;
     const auto of = [&](const CatalogueRow& row) { return row.type == std::string_view(type->as_string()); };
     const auto row = std::find_if(catalogue().begin(), catalogue().end(), of);
-    if (row == catalogue().end() || !row->table->find(name)) continue;
-    set_at(scene, "/systems/" + std::to_string(i) + '/' + name, value);
-    any = true;
+    if (row != catalogue().end() && row->table->find(name)) out.push_back("/systems/" + std::to_string(i));
   }
-  if (!any) refuse(std::string("no system of the scene has a parameter ") + name, write_json(value));
+  return out;
+}
+
+void set_everywhere(json::value& scene, const std::string& name, const json::value& value) {
+  const std::vector<std::string> systems = systems_with(scene, name);
+  if (systems.empty()) refuse("no system of the scene has a parameter " + name, write_json(value));
+  for (const std::string& system : systems) set_at(scene, system + '/' + name, value);
 }
 
 void apply(const SceneChange& change, Trial& trial) {
@@ -56,7 +60,7 @@ void apply(const SceneChange& change, Trial& trial) {
   } else if (change.where.starts_with('/')) {
     set_at(trial.document, change.where, v);
   } else {
-    set_everywhere(trial.document, change.where.c_str(), v);
+    set_everywhere(trial.document, change.where, v);
   }
 }
 
