@@ -2,7 +2,10 @@
 
 #include "engine/base/log.h"
 #include "engine/scene/json/json.h"
+#include "engine/session/command_list.h"
 #include "engine/session/commands.h"
+#include "engine/sinks/stream/wire_format.h"
+#include "server/sessions/step_request.h"
 
 namespace truestep {
 
@@ -114,6 +117,8 @@ void StreamClient::handle(const v1::ClientMessage& message) {
       break;
     case v1::ClientMessage::kCommand:
       return command(message);
+    case v1::ClientMessage::kStep:
+      return step(message.request_id(), message.step().json());
     case v1::ClientMessage::kRequestKeyframe:
       base_.reset();
       send_current_frame();
@@ -163,7 +168,10 @@ void StreamClient::between_steps(const std::string& request_id, std::function<vo
 void StreamClient::command(const v1::ClientMessage& message) {
   between_steps(message.request_id(), [this, document = parse_json(message.command().json())] {
     Session& session = entry_->session;
-    session.command(read_command_for(session.world(), session.state(), document));
+    if (const boost::json::array* all = document.if_array())
+      carry_out(session, read_command_list(session, *all, ""));
+    else
+      session.command(read_command_for(session.world(), session.state(), document));
     if (!entry_->session.playing()) send_current_frame();
   });
 }
@@ -202,6 +210,42 @@ void StreamClient::run(Job::Kind kind, Aim aim) {
     if (ended.end == Job::End::threw) self->report(ended.error, "");
   };
   runner_.queue(entry_, job);
+}
+
+// Nobody reads of a step that somebody else's reset or pause ended early, or that failed: the sender is told.
+void StreamClient::step(const std::string& request_id, const std::string& body) {
+  const boost::json::value document = parse_json(body);
+  if (!document.is_object()) throw Error("bad_request", "a step must be a JSON object");
+  using Form = StepRequest::Form;
+  const auto request = std::make_shared<StepRequest>(
+      document.as_object(), form_ == WireForm::protobuf ? Form::protobuf : Form::json);
+  const JobPtr job = Job::run(Job::Kind::step, [request](SessionEntry& e) { return request->begin(e); });
+  job->reached = [request](SessionEntry& e) { request->reached(e); };
+  job->after = [self = shared_from_this(), request, request_id](const Job& ended) {
+    if (ended.end == Job::End::threw) return self->report(ended.error, request_id);
+    if (ended.end == Job::End::reached) return self->answer(*request, request_id);
+    const auto& failure = self->entry_->session.failure();
+    self->send(
+        failure ? problem_message("instability", failure->detail, request_id, "")
+                : problem_message("interrupted", "interrupted by pause, reset or restore", request_id, ""));
+  };
+  runner_.queue(entry_, job);
+}
+
+void StreamClient::answer(const StepRequest& request, const std::string& request_id) {
+  if (closed_) return;
+  entry_->acknowledge();
+  if (form_ == WireForm::protobuf) {
+    constexpr uint32_t kAnswer = 12;  // of ServerMessage
+    auto bytes = std::make_shared<std::string>();
+    wire::put_bytes(*bytes, kAnswer, request.answer_bytes(request_id));
+    socket_->send_binary(std::move(bytes));
+    return;
+  }
+  v1::ServerMessage message;
+  message.mutable_answer()->set_request_id(request_id);
+  message.mutable_answer()->set_json(request.json());
+  send(message);
 }
 
 void StreamClient::reset(const std::string& request_id) {
