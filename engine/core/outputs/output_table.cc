@@ -6,8 +6,8 @@
 namespace truestep {
 
 std::string member_name(std::string_view pattern, std::string_view member) {
-  const size_t open = pattern.find('<'), close = pattern.find('>', open);
-  if (close == pattern.npos) return std::string(pattern);
+  const size_t open = pattern.find('<'), close = pattern.rfind('>');
+  if (open == pattern.npos) return std::string(pattern);
   std::string out(pattern.substr(0, open));
   out += member;
   return out += pattern.substr(close + 1);

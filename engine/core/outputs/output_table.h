@@ -68,7 +68,7 @@ struct OutputTable {
   Outputs described() const;
 };
 
-/// "door.<id>.flow" of the member "exit": "door.exit.flow".
+/// "door.<id>.flow" of the member "exit": "door.exit.flow"; "joint.<id>.<axis>" of "hip.x": "joint.hip.x".
 std::string member_name(std::string_view pattern, std::string_view member);
 
 /// A part of that kind with at most so many rows.
