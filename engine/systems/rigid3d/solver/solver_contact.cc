@@ -38,7 +38,8 @@ template <class T>
 void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, const State& s,
                             std::span<const BodyKind> kinds, std::span<const BodyNow> now, double h) {
   const auto kind = s.span<uint32_t>(columns::kind);
-  const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
+  const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data(),
+               *rested = s.f64(columns::sleep_timer).data();
   const auto end = static_cast<uint32_t>(body_.size());
   ContactGroup<T>& g = groups_[group];
   ContactLanes<T> in{};
@@ -118,6 +119,16 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
           in.separation[p].set(lane, T(double(in.separation[p][lane]) - missed));
       }
       set3(in.slide, lane, rotation(free_rotation::turn(carried.turns * h)).apply(c.slide));
+    }
+    if (is_led(rested, c.a) || is_led(rested, c.b)) {
+      g.flags |= ContactGroup<T>::kDrifts | ContactGroup<T>::kTurns;
+      const Vec3 center = pressed_center(c),
+                 rate = led_rate(s, c.b, center - xb) - led_rate(s, c.a, center - xa),
+                 first = rate * (-0.5 * h);  // the velocities are the means of the step
+      set3(in.carried, lane, get3(in.carried, lane) + first);
+      set3(in.carried_rate, lane, get3(in.carried_rate, lane) + rate);
+      in.lift.set(lane, T(in.lift[lane] + dot(first, n)));
+      in.lift_rate.set(lane, T(in.lift_rate[lane] + dot(rate, n)));
     }
     if (surface != Vec3{} || turn != Vec3{}) {
       g.flags |= ContactGroup<T>::kDrifts;
