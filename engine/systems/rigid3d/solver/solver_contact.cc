@@ -120,7 +120,7 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
       }
       set3(in.slide, lane, rotation(free_rotation::turn(carried.turns * h)).apply(c.slide));
     }
-    if (is_led(rested, c.a) || is_led(rested, c.b)) {
+    if ((slot_[c.a] == kNoBody || slot_[c.b] == kNoBody) && (is_led(rested, c.a) || is_led(rested, c.b))) {
       g.flags |= ContactGroup<T>::kDrifts | ContactGroup<T>::kTurns;
       const Vec3 center = pressed_center(c),
                  rate = led_rate(s, c.b, center - xb) - led_rate(s, c.a, center - xa),

@@ -1,5 +1,5 @@
-// What bodies carry that a drive leads along paths and turns: lifts, tables that turn to and fro, swings. With
-// enough friction a load stays where it is, however often its carrier speeds up and slows down.
+// What bodies carry that a drive leads along paths and turns: lifts, tables that turn to and fro, swings.
+// With enough friction a load stays where it is, however often its carrier speeds up and slows down.
 #include <algorithm>
 #include <functional>
 
@@ -8,7 +8,7 @@
 namespace truestep::campaign {
 namespace {
 
-constexpr double kWeight = 9.81;
+constexpr double kPull = 9.81;
 
 /// Where a carrier is at a time: its path and, as an angle about an axis, its turn.
 struct Guide {
@@ -24,7 +24,7 @@ void set_led_scene(Trial& t, Dice& d, const Guide& guide, json::object floor, js
   const double spacing = seconds / 400;
   floor["motion"] = d.of({"kinematic", "kinematic", "dynamic"});
   floor["friction"] = 1, load["friction"] = 1;
-  set_scene(t, usual_dt(d), seconds, {0, -kWeight, 0},
+  set_scene(t, usual_dt(d), seconds, {0, -kPull, 0},
             {{{"type", "rigid3d"}, {"bodies", json::array{floor, load}}}});
   if (d.chance(0.3)) system_of(t)["precision"] = "f64";
   t.rules.gain.reset();
@@ -82,7 +82,7 @@ json::object plate(double size) {
 /// A platform that keys drive up and down and to and fro, with up to 0.4 g. It starts at a turning point.
 void driven_lift_3d(Dice& d, Trial& t) {
   const double size = d.between(0.05, 0.3), half = size * d.between(0.2, 0.6), rate = d.spread(0.5, 6);
-  const double most = d.between(0.05, 0.4) * kWeight / (rate * rate);
+  const double most = d.between(0.05, 0.4) * kPull / (rate * rate);
   const double up = most * d.unit(), aside = most * d.between(-0.5, 0.5), phase = d.between(0, 6.28);
   json::object load = low_load(d, size, half);
   load["position"] = vec(0, half, 0);
@@ -103,15 +103,14 @@ void driven_table_3d(Dice& d, Trial& t) {
   const double size = d.between(0.05, 0.2), half = size * d.between(0.3, 0.6), from = d.between(0.05, 2),
                rate = d.spread(0.5, 6);
   // Both pulls, outwards and along, are at most 0.3 g.
-  const double along = 0.3 * kWeight / (rate * rate * from),
-               out = std::sqrt(0.3 * kWeight / from) / rate;
+  const double along = 0.3 * kPull / (rate * rate * from), out = std::sqrt(0.3 * kPull / from) / rate;
   const double swing = d.sign() * std::min({along, out, 3.0}) * d.between(0.1, 1);
   json::object load = low_load(d, size, half);
   load["position"] = vec(from, half, 0);
   const auto angle = [=](double at) { return swing * (std::cos(rate * at) - 1); };
   set_led_scene(t, d, {{}, angle, {0, 1, 0}}, plate(4), load, 10);
-  const std::string turned = "(" + exact(swing) + "*(cos(" + exact(rate) + "*t) - 1))",
-                    c = "cos" + turned, s = "sin" + turned;
+  const std::string turned = "(" + exact(swing) + "*(cos(" + exact(rate) + "*t) - 1))", c = "cos" + turned,
+                    s = "sin" + turned;
   const std::string outwards = "load.position.x*" + c + " - load.position.z*" + s + " - " + exact(from),
                     aside = "load.position.x*" + s + " + load.position.z*" + c;
   for (const std::string& q : {outwards, aside})
@@ -123,14 +122,14 @@ void driven_swing_3d(Dice& d, Trial& t) {
   const double size = d.between(0.05, 0.2), half = size * d.between(0.3, 0.6), arm = d.between(1, 4),
                rate = d.spread(0.5, 5);
   // It tilts by 0.4 at most; the pull along the seat is at most 0.3 g beside, the one towards it 0.5 g.
-  const double most = std::min({0.2, 0.3 * kWeight / (rate * rate * arm), std::sqrt(0.5 * kWeight / arm) / rate});
+  const double most = std::min({0.2, 0.3 * kPull / (rate * rate * arm), std::sqrt(0.5 * kPull / arm) / rate});
   const double swing = d.sign() * most * d.between(0.1, 1);
   json::object floor = plate(1), load = low_load(d, size, half);
   floor["position"] = vec(0, -arm - 0.1, 0), load["position"] = vec(0, half - arm, 0);
   const auto angle = [=](double at) { return swing * (std::cos(rate * at) - 1); };
   set_led_scene(t, d, {{}, angle, {0, 0, 1}}, floor, load, 5);
-  const std::string turned = "(" + exact(swing) + "*(cos(" + exact(rate) + "*t) - 1))",
-                    c = "cos" + turned, s = "sin" + turned;
+  const std::string turned = "(" + exact(swing) + "*(cos(" + exact(rate) + "*t) - 1))", c = "cos" + turned,
+                    s = "sin" + turned;
   expect_range(t, "largest(load.position.x*" + c + " + load.position.y*" + s + ")", 0, 1e-2 * size,
                "it stays where it is, but for how it leans");
   expect_range(t, "largest(load.position.z)", 0, 2e-3 * size, "nor does it go aside");
