@@ -46,8 +46,9 @@ void set_led_scene(Trial& t, Dice& d, const Guide& guide, json::object floor, js
     drive["path"] = "way";
   }
   if (guide.angle) {
-    keys["turns"] =
-        json::array{json::object{{"name", "turn"}, {"times", times}, {"quaternions", quaternions}}};
+    // With slerp the spin would jump at every key, as far as friction does not reach in a short step.
+    keys["turns"] = json::array{json::object{
+        {"name", "turn"}, {"times", times}, {"quaternions", quaternions}, {"interpolation", "squad"}}};
     drive["turn"] = "turn";
   }
   t.scene["systems"].as_array().push_back(keys);
