@@ -111,6 +111,7 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
       const Vec3 first = carried.mean - carried.rate * (0.5 * h);
       set3(in.carried, lane, first), set3(in.carried_rate, lane, carried.rate);
       if (carried.lies) {
+        in.lies.set(lane, 1);
         const double lift = dot(first, n), rate = dot(carried.rate, n);
         in.lift.set(lane, T(lift)), in.lift_rate.set(lane, T(rate));
         // What was found ahead was brought back without it.
