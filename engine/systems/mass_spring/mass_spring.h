@@ -34,6 +34,8 @@ class MassSpring final : public ForceSystem, public AnswersImpulses {
               std::span<double> dv) const override;
   /// Open in wind, while something is pushed, and where obstacles may do work on points.
   Energy::Exchange exchange(const State& state) const override;
+  std::optional<double> limit(Limit which, const State& state, double h) const override;
+  Seconds answer_seconds() const override { return answer_seconds_; }
 
   const MassSpringField& springs() const { return springs_; }
 
@@ -59,6 +61,8 @@ class MassSpring final : public ForceSystem, public AnswersImpulses {
   std::vector<Surface> surfaces_;  // one per collider
   double radius_;                  // m, distance kept from colliders
   double shortest_;                // m, of the springs' lengths
+  double step_seconds_;            // estimated
+  Seconds answer_seconds_;
   bool idle_;                      // colliders do no work
   bool looks_;                     // at the energy of steps
   bool divides_;                   // steps that have no solution or gain energy
@@ -73,5 +77,9 @@ class MassSpring final : public ForceSystem, public AnswersImpulses {
 
 std::unique_ptr<const System> build_mass_spring(const void* def, const BuildContext& context);
 Cost mass_spring_cost(const void* def);
+/// s on one core of a step by `method` (null: the default).
+double step_seconds(const MassSpringDef& def, const Integrator* method);
+/// Of the default methods.
+AnswersImpulses::Seconds answer_seconds(const MassSpringDef& def);
 
 }  // namespace truestep::mass_spring
