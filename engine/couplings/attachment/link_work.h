@@ -1,5 +1,5 @@
-// What links and stiff springs between two systems cost: Newton's method solves for their impulses by conjugate
-// gradients, and every iteration asks both sides how they respond.
+// What links and stiff springs between two systems cost: Newton's method solves for their impulses by
+// conjugate gradients, and every iteration asks both sides how they respond.
 #pragma once
 #include <algorithm>
 

@@ -1,5 +1,5 @@
-// What contacts between points and bodies cost: the search looks at every point, triangle and edge, and what it
-// finds is solved in sweeps, as often as answers lead to more.
+// What contacts between points and bodies cost: the search looks at every point, triangle and edge, and what
+// it finds is solved in sweeps, as often as answers lead to more.
 #include <algorithm>
 #include <cmath>
 
@@ -49,8 +49,8 @@ std::optional<double> BodyContact::step_seconds(const ConstCoupledStates& s, dou
     touches += wide || covered == 0 ? kCarried * n : 1 + 0.5 * hugged * 1.5 * triangles;
   }
   touches = std::min(touches, n + hulls);
-  return kPointSeconds * n + kLookSeconds * (n + hulls + edges) + kBodySeconds * static_cast<double>(bodies.count()) +
-         kTouching * kRounds * touches * kTouchSeconds;
+  return kPointSeconds * n + kLookSeconds * (n + hulls + edges) +
+         kBodySeconds * static_cast<double>(bodies.count()) + kTouching * kRounds * touches * kTouchSeconds;
 }
 
 }  // namespace truestep::contact

@@ -80,7 +80,7 @@ class Fem final : public ForceSystem, public AnswersImpulses {
   std::vector<Surface> surfaces_;  // one per collider
   double radius_;                  // m, distance kept from colliders
   bool idle_;                      // colliders do no work
-  double step_seconds_;  // on one core, estimated
+  double step_seconds_;            // on one core, estimated
   Seconds answer_seconds_;
   std::vector<Warning> locking_;
   SurfaceContacts on_surfaces_{

@@ -17,9 +17,8 @@ struct Work {
     const auto bodies = static_cast<double>(std::max<size_t>(d.copies.size(), 1));
     const auto narrow = d.quad ? static_cast<double>(std::min(d.quad->cells_x, d.quad->cells_y)) : HUGE_VAL;
     const double across = nodes() > 4 ? 2 * narrow + 1 : narrow + 1;
-    fill = kind.dimension == 2
-               ? 0.35 * std::log2(std::clamp(across * across, 2.0, std::max(n.nodes, 2.0)))
-               : 0.12 * std::cbrt(n.nodes / bodies) + 0.5;
+    fill = kind.dimension == 2 ? 0.35 * std::log2(std::clamp(across * across, 2.0, std::max(n.nodes, 2.0)))
+                               : 0.12 * std::cbrt(n.nodes / bodies) + 0.5;
     // Incompatible modes need a solve of their own with every force and stiffness.
     const double dear = d.incompatible_modes == Incompatible::wilson ? 5 : 1;
     // Measured with linear_implicit_euler, which solves once a step, at 2 to 10,000 elements of every kind:

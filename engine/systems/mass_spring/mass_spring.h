@@ -63,9 +63,9 @@ class MassSpring final : public ForceSystem, public AnswersImpulses {
   double shortest_;                // m, of the springs' lengths
   double step_seconds_;            // estimated
   Seconds answer_seconds_;
-  bool idle_;                      // colliders do no work
-  bool looks_;                     // at the energy of steps
-  bool divides_;                   // steps that have no solution or gain energy
+  bool idle_;     // colliders do no work
+  bool looks_;    // at the energy of steps
+  bool divides_;  // steps that have no solution or gain energy
   RisingStep rising_;
   SurfaceContacts on_surfaces_{colliders_,
                                surfaces_,
