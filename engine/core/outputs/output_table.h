@@ -29,6 +29,7 @@ struct OutputTable {
   struct Field {
     FieldInfo info;
     std::string sentence;
+    std::string listed;  ///< its name in descriptions; empty: the main part's field of this name is described
     std::function<bool(const System&)> when = {};  ///< null: in every scene
     /// The first element: rows.count x info.width of them, of type info.type.
     std::function<const void*(const System&, const State&, const FieldAt&)> get = {};
@@ -42,11 +43,6 @@ struct OutputTable {
     /// Rows that the k-th of them shows; null: the first max_rows of the columns.
     std::function<ShownRows(const System&, const State&, size_t k)> rows = {};
     std::vector<Field> fields = {};
-    /// Of a part that has the fields of the main part: the first of them, "<part>.position", and whose they
-    /// are. Otherwise both are empty.
-    struct LikeMain {
-      std::string field, sentence;
-    } like_main = {};
   };
 
   struct Observable {
