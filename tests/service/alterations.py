@@ -30,6 +30,17 @@ def output(change):
     return "program", None, change
 
 
+def growing_estimates():
+    """Estimates of each scene a hundred times those of the one before."""
+    calls = itertools.count()
+
+    def apply(p):
+        report = json.loads(p.stdout)
+        report["estimate"]["seconds_per_step"] *= 100.0 ** next(calls)
+        p.stdout = json.dumps(report)
+    return output(apply)
+
+
 def put(key, value):
     return lambda o: o.update({key: value})
 
@@ -145,6 +156,12 @@ ALTERED = {
     "alike_test.Alike": {
         "test_what_is_valid_runs_and_what_is_not_does_not": [output(lambda p: "validate" in p.args and setattr(p, "returncode", 0))],
         "test_steps_much_shorter_than_the_grid_allows_are_valid": [output(lambda p: "validate" in p.args and setattr(p, "returncode", 3))],
+    },
+    "estimates_test.Estimates": {
+        "test_shorter_steps_of_constraints_have_fewer_substeps_of_their_own": [growing_estimates()],
+        "test_points_that_meet_bodies_are_not_factorised": [growing_estimates()],
+        "test_larger_bodies_touch_more_of_a_cloth": [growing_estimates()],
+        "test_a_stiff_attachment_asks_both_sides_and_a_soft_one_neither": [growing_estimates()],
     },
     "command_line_test.CommandLine": {
         "test_exit_codes": [output(lambda p: p.returncode == 6 and setattr(p, "returncode", 0))],

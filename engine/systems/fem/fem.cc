@@ -48,6 +48,8 @@ Fem::Fem(std::unique_ptr<const FemField> field, const ChosenMethod& method, cons
       colliders_(build_colliders(def.colliders)),
       radius_(def.contact == Meeting::barrier ? 0 : def.contact_distance.value_or(0)),
       idle_(idle(colliders_, body().mesh.x, radius_)),
+      step_seconds_(step_seconds(def, &method.row)),
+      answer_seconds_(fem::answer_seconds(def)),
       locking_(locking_of(def)) {
   for (const Collider& c : colliders_.colliders()) {
     surfaces_.push_back(c.surface);
@@ -216,6 +218,7 @@ void Fem::resolve_contacts(State& s, const StepInput& in) const {
 }
 
 std::optional<double> Fem::limit(Limit which, const State& s, double h) const {
+  if (which == Limit::step_seconds) return step_seconds_;
   return motion_ == Motion::quasi_static ? std::nullopt : ForceSystem::limit(which, s, h);
 }
 

@@ -33,6 +33,7 @@ class Fem final : public ForceSystem, public AnswersImpulses {
   Ports ports() const override;
   void answer(State& state, const StepInput& input, Answer which, std::span<const double> impulses,
               std::span<double> dv) const override;
+  Seconds answer_seconds() const override { return answer_seconds_; }
   std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;
   void warn(const State& state, double h, std::vector<Warning>& out) const override;
@@ -79,6 +80,8 @@ class Fem final : public ForceSystem, public AnswersImpulses {
   std::vector<Surface> surfaces_;  // one per collider
   double radius_;                  // m, distance kept from colliders
   bool idle_;                      // colliders do no work
+  double step_seconds_;            // on one core, estimated
+  Seconds answer_seconds_;
   std::vector<Warning> locking_;
   SurfaceContacts on_surfaces_{
       colliders_,
@@ -90,6 +93,10 @@ class Fem final : public ForceSystem, public AnswersImpulses {
   std::unique_ptr<const BarrierStep> barrier_;  // null: no barrier
 };
 
+/// s on one core of a step by `method` (null: the default).
+double step_seconds(const FemDef& def, const Integrator* method);
+/// Of the implicit methods.
+AnswersImpulses::Seconds answer_seconds(const FemDef& def);
 std::unique_ptr<const System> build_fem(const void* def, const BuildContext& context);
 
 /// Lowest natural frequencies (Hz) of the body at rest with its holds, ascending: K y = (2 pi f)^2 M y by

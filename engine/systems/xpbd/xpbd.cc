@@ -109,6 +109,7 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
     tear_limits_ = {def.tear->strain.value_or(HUGE_VAL), def.tear->force.value_or(HUGE_VAL)};
   }
   substep_ = context.dt / options_.substeps;
+  step_seconds_ = options_.substeps * substep_seconds(def);
   plan_stages(def, division.why);
   publish();
   name_parts();

@@ -87,7 +87,8 @@ class Xpbd final : public StagedSystem, public ChangingTriangles, public Pressed
   PartDrawing drawing_;
   std::vector<std::array<uint32_t, 2>> segments_;  // published if there are no triangles
   double speed_limit_ = 0;
-  double substep_;  // s, of its own
+  double substep_;       // s, of its own
+  double step_seconds_;  // on one core, estimated
 };
 
 std::unique_ptr<const System> build_xpbd(const void* def, const BuildContext& context);

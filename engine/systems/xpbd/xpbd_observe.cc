@@ -142,6 +142,7 @@ std::optional<Energy> Xpbd::energy(const State& s, double, Workspace&, const Thr
 }
 
 std::optional<double> Xpbd::limit(Limit which, const State&, double) const {
+  if (which == Limit::step_seconds) return step_seconds_;
   return which == Limit::speed ? std::optional(speed_limit_) : std::nullopt;
 }
 

@@ -53,14 +53,32 @@ double substeps_of(const XpbdDef& d, double points) {
   return std::clamp(kDt * std::sqrt(2 * tightness), kUsual, kMost);
 }
 
+/// Triangles with a material of their own.
+double membrane_triangles(const XpbdDef& d, const XpbdCounts& n) {
+  return !is_membrane(d) ? 0 : d.mesh ? n.links / 3 : 2 * n.points;
+}
+
 }  // namespace
 
-Cost xpbd_cost(const void* def) {
-  const auto& d = *static_cast<const XpbdDef*>(def);
+double substep_seconds(const XpbdDef& d) {
   const XpbdCounts n = xpbd_counts(d);
   const double iterations = d.iterations                                          ? *d.iterations
                             : d.scheme == Scheme::pbd || is_simultaneous(d.sweep) ? 20
                                                                                   : 1;
+  const bool single = d.precision == Precision::f32, elastic = d.block && d.youngs_modulus;
+  const double constraints = n.links + n.bends + n.volumes;
+  return 3e-9 * n.points + (d.colliders.empty() ? 0 : 2e-8 * n.points) +
+         (d.self_collision ? 1e-6 * n.points : 0) + (d.wind ? 6e-8 * n.points : 0) +
+         iterations * (d.rod ? 1.3e-7 : 0) * n.links +
+         iterations * (d.matching ? 3e-8 * n.points
+                       : elastic  ? 2e-8 * n.volumes
+                                  : 0) +
+         iterations * 1.5e-8 * membrane_triangles(d, n) + iterations * (single ? 4e-9 : 8e-9) * constraints;
+}
+
+Cost xpbd_cost(const void* def) {
+  const auto& d = *static_cast<const XpbdDef*>(def);
+  const XpbdCounts n = xpbd_counts(d);
   const bool single = d.precision == Precision::f32, collides = !d.colliders.empty();
   const double constraints = n.links + n.bends + n.volumes;
   // Per point: its positions and triangles; per constraint: what the body, the schedule and the solver keep
@@ -77,7 +95,7 @@ Cost xpbd_cost(const void* def) {
   const bool elastic = d.block && d.youngs_modulus;
   const double soft = (d.matching ? 90 * n.points : 0) + (elastic ? 90 * n.volumes : 0);
   // Per triangle of a membrane: what the body, the schedule and the solver keep of it.
-  const double sheet = !is_membrane(d) ? 0 : d.mesh ? n.links / 3 : 2 * n.points;
+  const double sheet = membrane_triangles(d, n);
   // Self-collision: a sheet folds onto both its sides, blocks meet with part of their surface.
   const double meets = !d.self_collision ? 0 : d.block ? 900 : 2100;
   const double tears = d.tear ? 250 * splits + (single ? 160 : 260) * 2 * n.links : 0;
@@ -89,14 +107,7 @@ Cost xpbd_cost(const void* def) {
                          (collides || d.self_collision ? 104 * n.points : 0) + meets * n.points +
                          (d.wind ? 48 * n.points : 0),
       .elements = n.points + constraints,
-      .seconds_per_step =
-          substeps_of(d, n.points) *
-          (3e-9 * n.points + (collides ? 2e-8 * n.points : 0) + (d.self_collision ? 1e-6 * n.points : 0) +
-           (d.wind ? 6e-8 * n.points : 0) + iterations * (d.rod ? 1.3e-7 : 0) * n.links +
-           iterations * (d.matching ? 3e-8 * n.points
-                         : elastic  ? 2e-8 * n.volumes
-                                    : 0) +
-           iterations * 1.5e-8 * sheet + iterations * (single ? 4e-9 : 8e-9) * constraints)};
+      .seconds_per_step = substeps_of(d, n.points) * substep_seconds(d)};
 }
 
 }  // namespace truestep::xpbd
