@@ -22,17 +22,15 @@ void OutputTable::observe(const System& system, const State& state, double t, Ob
   };
   for (const Pass& p : passes) {
     if (p.when && !p.when(system)) continue;
-    if (!p.family) {
-      if (wanted(p, "")) p.run(system, state, t, 0, out);
-      continue;
+    const auto names = p.family ? p.family(system) : std::vector<std::string>(1);
+    std::vector<size_t> members;
+    for (size_t k = 0; k < names.size(); ++k) {
+      if (wanted(p, names[k])) members.push_back(k);
     }
-    const std::vector<std::string> members = p.family(system);
-    for (size_t k = 0; k < members.size(); ++k) {
-      if (!wanted(p, members[k])) continue;
-      Observables of_member;
-      p.run(system, state, t, k, of_member);
-      for (const Observation& o : of_member.rows()) out.add(member_name(o.name, members[k]), o.value, o.unit);
-    }
+    if (members.empty()) continue;
+    p.run(system, state, t, members, [&](size_t member, const Observable& row, double value) {
+      out.add(p.family ? member_name(row.name, names[member]) : row.name, value, row.unit);
+    });
   }
 }
 
@@ -42,13 +40,28 @@ Outputs OutputTable::described() const {
     out.fields.push_back({.name = name, .unit = f.info.unit, .width = f.info.width, .sentence = sentence});
   };
   for (const Part& p : parts) {
-    for (const Field& f : p.fields) add(f.info.name, f, f.sentence);
+    for (const Field& f : p.fields) {
+      if (!f.listed.empty()) add(f.listed, f, f.sentence);
+    }
     if (!p.like_main.field.empty()) add(p.like_main.field, parts[0].fields[0], p.like_main.sentence);
   }
   for (const Pass& p : passes) {
     for (const Observable& o : p.rows)
       out.observables.push_back({.name = o.name, .unit = o.unit, .sentence = o.sentence});
   }
+  return out;
+}
+
+Outputs OutputTable::described_with(const OutputTable& other) const {
+  Outputs out = described();
+  const auto add = [](auto& to, const auto& from) {
+    for (const auto& row : from) {
+      if (std::ranges::find(to, row.name, [](const auto& r) { return r.name; }) == to.end())
+        to.push_back(row);
+    }
+  };
+  const Outputs theirs = other.described();
+  add(out.fields, theirs.fields), add(out.observables, theirs.observables);
   return out;
 }
 
@@ -77,6 +90,7 @@ std::vector<PartInfo> ShownFields::choose(const OutputTable& table, const System
         if (f.when && !f.when(system)) continue;
         shown.fields.push_back(&f);
         part.fields.push_back(f.info);
+        if (f.type) part.fields.back().type = f.type(system);
       }
       out.push_back(std::move(part));
     }
@@ -87,10 +101,10 @@ std::vector<PartInfo> ShownFields::choose(const OutputTable& table, const System
 FieldView ShownFields::field(const System& system, const State& state, size_t part, size_t field,
                              std::vector<double>& scratch) const {
   const Shown& shown = shown_[part];
-  const OutputTable::Field& f = *shown.fields[field];
+  const FieldInfo& info = system.parts()[part].fields[field];
   const ShownRows rows = shown.part->rows ? shown.part->rows(system, state, shown.member)
                                           : ShownRows{0, system.parts()[part].max_rows};
-  return {f.get(system, state, {f.info, rows, scratch}), f.info.type, rows.count, f.info.width};
+  return {shown.fields[field]->get(system, state, {info, rows, scratch}), info.type, rows.count, info.width};
 }
 
 }  // namespace truestep

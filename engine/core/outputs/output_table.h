@@ -4,6 +4,7 @@
 // system that answers from it. The functions of a row are given the system that the table was built for.
 #pragma once
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,7 +30,9 @@ struct OutputTable {
   struct Field {
     FieldInfo info;
     std::string sentence;
-    std::function<bool(const System&)> when = {};  ///< null: in every scene
+    std::string listed;  ///< its name in descriptions; empty: described with the main part's of this name
+    std::function<bool(const System&)> when = {};    ///< null: in every scene
+    std::function<Scalar(const System&)> type = {};  ///< null: info.type
     /// The first element: rows.count x info.width of them, of type info.type.
     std::function<const void*(const System&, const State&, const FieldAt&)> get = {};
   };
@@ -60,7 +63,9 @@ struct OutputTable {
     std::vector<Observable> rows;
     std::function<bool(const System&)> when;                        ///< null: in every scene
     std::function<std::vector<std::string>(const System&)> family;  ///< null: one of each
-    std::function<void(const System&, const State&, double t, size_t member, Observables&)> run;
+    /// Of these members, each row in order; {0} where there is one of each.
+    using Found = std::function<void(size_t member, const Observable&, double value)>;
+    std::function<void(const System&, const State&, double t, std::span<const size_t>, const Found&)> run;
   };
 
   std::string rows;  ///< what row k is
@@ -70,6 +75,8 @@ struct OutputTable {
   void observe(const System& system, const State& state, double t, Observables& out) const;
   /// For people and programs; valid while the table lives.
   Outputs described() const;
+  /// Of two classes of one type: what this one has, then what only the other has. Valid while both live.
+  Outputs described_with(const OutputTable& other) const;
 };
 
 /// "door.<id>.flow" of the member "exit": "door.exit.flow".
