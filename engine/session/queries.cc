@@ -117,7 +117,6 @@ class Things {
     FrameRequest request;
     request.wishes = Wish::constant;
     frame_ = session.frame(request);
-    for (const std::string& id : systems) require_system(id);
     for (size_t p = 0; p < world.parts().size(); ++p) {
       const auto& part = world.parts()[p];
       const bool asked = systems.empty() ||
@@ -145,15 +144,6 @@ class Things {
       own_.push_back(solid_of(s));
       items_.push_back({&own_.back(), {s.position, quaternion(s.orientation)}, "", s.id, std::nullopt});
     }
-  }
-
-  void require_system(const std::string& id) const {
-    std::vector<std::string> ids;
-    for (size_t i = 0; i < session_.world().size(); ++i) ids.push_back(session_.world().id(i));
-    if (std::find(ids.begin(), ids.end(), id) != ids.end()) return;
-    throw Error("bad_query", "no system has this id",
-                {"/systems", "unknown_system", "no system has this id", '"' + id.substr(0, 64) + '"',
-                 join_names(ids), nearest_name(id, ids), ""});
   }
 
   void add_part(size_t p) {
@@ -296,7 +286,22 @@ std::span<const QueryType> query_types() {
   return kTypes;
 }
 
-json::object answer_query(const Session& session, const json::value& document) {
+namespace {
+
+void require_systems(const World& world, const std::vector<std::string>& wanted) {
+  std::vector<std::string> ids;
+  for (size_t i = 0; i < world.size(); ++i) ids.push_back(world.id(i));
+  for (const std::string& id : wanted) {
+    if (std::find(ids.begin(), ids.end(), id) != ids.end()) continue;
+    throw Error("bad_query", "no system has this id",
+                {"/systems", "unknown_system", "no system has this id", '"' + id.substr(0, 64) + '"',
+                 join_names(ids), nearest_name(id, ids), ""});
+  }
+}
+
+}  // namespace
+
+PreparedQuery read_query(const World& world, const json::value& document) {
   using Answer = json::object (*)(const Session&, const Query&);
   constexpr Answer kAnswers[] = {ray, nearest, overlap, contacts};
   if (!document.is_object()) {
@@ -315,13 +320,20 @@ json::object answer_query(const Session& session, const json::value& document) {
     constexpr std::string_view kOwn[] = {"type"};
     read_params(*t.table, &query, document.as_object(), "", kOwn, issues);
     if (!issues.empty()) throw Error("bad_query", "the query has faults", std::move(issues));
-    json::object out{{"step", session.step_index()}, {"time", session.time()}};
-    for (auto& [key, value] : kAnswers[i](session, query)) out[key] = std::move(value);
-    return out;
+    require_systems(world, query.systems);
+    return [query = std::move(query), answer = kAnswers[i]](const Session& session) {
+      json::object out{{"step", session.step_index()}, {"time", session.time()}};
+      for (auto& [key, value] : answer(session, query)) out[key] = std::move(value);
+      return out;
+    };
   }
   throw Error("bad_query", "no query has this type",
               {"/type", type ? "unknown_choice" : "missing", "no query has this type",
                type ? shorten(*type) : "", join_names(names), nearest_name(name, names), ""});
+}
+
+json::object answer_query(const Session& session, const json::value& document) {
+  return read_query(session.world(), document)(session);
 }
 
 }  // namespace truestep

@@ -3,6 +3,7 @@
 // obstacles, and points as balls of their drawn radius. Lines and sheets between points are not included.
 #pragma once
 #include <boost/json.hpp>
+#include <functional>
 #include <span>
 #include <string_view>
 
@@ -17,9 +18,15 @@ struct QueryType {
 };
 std::span<const QueryType> query_types();
 
-/// The answer to {"type": ..., parameters} in the session's present state: "hits" (ray, nearest: sorted by
-/// distance in m, each with system, index, point and outward normal), "items" (overlap) or "contacts". Shapes
-/// that no row carries (obstacles) have no index. Error "bad_query" with every fault and its pointer.
+/// The answer to a query in the present state of a session.
+using PreparedQuery = std::function<boost::json::object(const Session&)>;
+/// Reads {"type": ..., parameters} for sessions of this world. Error "bad_query" with every fault and its
+/// pointer.
+PreparedQuery read_query(const World& world, const boost::json::value& query);
+
+/// The answer to a query in the session's present state: "hits" (ray, nearest: sorted by distance in m, each
+/// with system, index, point and outward normal), "items" (overlap) or "contacts". Shapes that no row carries
+/// (obstacles) have no index. Errors as of read_query.
 boost::json::object answer_query(const Session& session, const boost::json::value& query);
 
 }  // namespace truestep

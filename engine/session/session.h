@@ -133,6 +133,8 @@ class Session {
   uint64_t post(Command command);
   /// Carries out a command at this boundary, after those waiting; Error when it is invalid.
   uint64_t command(const Command& command);
+  /// The state that a command at this boundary meets: after those waiting and those journalled for this step.
+  const WorldState& state_for_commands();
   const std::vector<JournalEntry>& journal() const { return journal_; }
   /// The entries that have been carried out by the present step.
   std::span<const JournalEntry> journal_done() const { return {journal_.data(), journal_cursor_}; }

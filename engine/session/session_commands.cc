@@ -14,9 +14,14 @@ uint64_t Session::post(Command command) {
   return sequence;
 }
 
-uint64_t Session::command(const Command& command) {
+const WorldState& Session::state_for_commands() {
   drain_queue();
   replay_commands();
+  return state_;
+}
+
+uint64_t Session::command(const Command& command) {
+  state_for_commands();
   const uint64_t sequence = next_sequence_++;
   mark_journal();
   const JournalEntry entry{state_.step, sequence, command};

@@ -147,13 +147,15 @@ Task<net::Response> once(App& app, const net::Request& request,
   const uint64_t known = is_short(request) ? hash() : co_await offload(app.runner.pool(), hash);
   if (const auto before = app.idempotency.begin(key, known)) {
     net::Response r = net::Response::json(before->body, before->status);
+    r.content_type = before->media;
     if (!before->location.empty()) r.header("Location", before->location);
     if (before->status == 202) r.header("Retry-After", "1");
     co_return r;
   }
   try {
     net::Response made = co_await carry_out();
-    app.idempotency.remember(key, {known, made.status, std::string(made.body_bytes()), location_of(made)});
+    app.idempotency.remember(
+        key, {known, made.status, std::string(made.body_bytes()), location_of(made), made.content_type});
     co_return made;
   } catch (...) {
     app.idempotency.forget(key);
@@ -163,19 +165,7 @@ Task<net::Response> once(App& app, const net::Request& request,
 
 json::object object_body_of(const net::Request& request, std::initializer_list<std::string_view> members) {
   json::object body = json_object_body(request);
-  const std::vector<std::string> names(members.begin(), members.end());
-  std::string all;
-  for (const std::string& m : names) (all += all.empty() ? "" : ", ") += m;
-  std::vector<Issue> issues;
-  for (const auto& [key, value] : body) {
-    const std::string_view name(key.data(), key.size());
-    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
-    std::string pointer;
-    append_pointer(pointer, name);
-    issues.push_back({pointer, "unknown_key", "this request takes no such member", shorten(value),
-                      all.empty() ? "no members" : all, nearest_name(name, names), ""});
-  }
-  if (!issues.empty()) throw Error("bad_request", "the request has faults", std::move(issues));
+  require_members(body, {members.begin(), members.size()});
   return body;
 }
 
@@ -197,40 +187,6 @@ std::vector<std::string> query_list(const net::Request& request, std::string_vie
     text = comma == std::string_view::npos ? "" : text.substr(comma + 1);
   }
   return out;
-}
-
-double number_member(const json::object& o, const char* name, double min, double max) {
-  const json::value& v = o.at(name);
-  const double x = v.is_number() ? v.to_number<double>() : NAN;
-  if (!(x >= min && x <= max)) {
-    throw Error(
-        "bad_request", std::string(name) + " is out of range",
-        {{std::string("/") + name, v.is_number() ? "out_of_range" : "wrong_type",
-          "expected a number in the allowed range", v.is_structured() ? "" : write_json(v).substr(0, 80),
-          write_json(json::value(min)) + " to " + write_json(json::value(max)), "", ""}});
-  }
-  return x;
-}
-
-uint64_t integer_member(const json::object& o, const char* name, uint64_t max) {
-  const double x = number_member(o, name, 0, static_cast<double>(max));
-  if (x != std::floor(x)) {
-    throw Error("bad_request", std::string(name) + " must be a whole number",
-                {{std::string("/") + name, "wrong_type", "expected a whole number", write_json(o.at(name)),
-                  "0 to " + std::to_string(max), "", ""}});
-  }
-  return static_cast<uint64_t>(x);
-}
-
-bool boolean_member(const json::object& o, const char* name) {
-  const json::value* v = o.if_contains(name);
-  if (!v) return false;
-  if (!v->is_bool()) {
-    throw Error("bad_request", std::string(name) + " must be true or false",
-                {{std::string("/") + name, "wrong_type", "expected true or false", shorten(*v), "true, false",
-                  "", ""}});
-  }
-  return v->as_bool();
 }
 
 Task<net::Response> with_session(App& app, EntryPtr entry, AnswerOfSession f) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/api/app.h"
+#include "server/sessions/members.h"
 #include "server/tasks/offload.h"
 #include "server/tasks/signal.h"
 
@@ -64,14 +65,6 @@ uint64_t query_integer(const net::Request& request, std::string_view name, uint6
 double query_number(const net::Request& request, std::string_view name, double fallback, double max);
 /// "a,b,c" from the query; empty when absent.
 std::vector<std::string> query_list(const net::Request& request, std::string_view name);
-
-/// A finite number of an object in [min, max]; Error bad_request with its pointer otherwise.
-double number_member(const boost::json::object& o, const char* name, double min, double max);
-/// The same for an integer; 2.0 is accepted.
-uint64_t integer_member(const boost::json::object& o, const char* name, uint64_t max);
-
-/// True or false; false when it is absent.
-bool boolean_member(const boost::json::object& o, const char* name);
 
 net::Response json_response(const boost::json::value& value, int status = 200);
 

@@ -88,16 +88,6 @@ json::object describe_session(SessionEntry& e) {
   return o;
 }
 
-json::object describe_clock(const SessionEntry& e) {
-  const Session& s = e.session;
-  json::object o{
-      {"id", e.id},         {"step", s.step_index()},
-      {"time", s.time()},   {"status", s.failure() ? "unstable" : s.playing() ? "playing" : "paused"},
-      {"speed", s.speed()}, {"state_hash", hex64(s.hash())}};
-  if (const auto achieved = s.achieved_speed()) o["achieved_speed"] = *achieved;
-  return o;
-}
-
 Response cut_short(const App& app, const Request& request, const SessionEntry& e) {
   if (app.server && app.server->draining())
     return net::problem(request, "draining", "the service is shutting down");

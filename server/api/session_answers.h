@@ -5,7 +5,7 @@
 
 #include "server/api/app.h"
 #include "server/net/http/message.h"
-#include "server/sessions/entry.h"
+#include "server/sessions/step_request.h"
 
 namespace truestep {
 
@@ -14,9 +14,6 @@ boost::json::object links_of(const std::string& id);
 
 /// Clock, status, systems with their fields, what the viewer needs, links. Under the entry's lock.
 boost::json::object describe_session(SessionEntry& entry);
-
-/// Step, time, status, speed and hash. Under the entry's lock.
-boost::json::object describe_clock(const SessionEntry& entry);
 
 /// The problem for a request that another request, or shutdown, cut short. Under the entry's lock.
 net::Response cut_short(const App& app, const net::Request& request, const SessionEntry& entry);

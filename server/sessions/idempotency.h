@@ -14,6 +14,7 @@ struct RememberedAnswer {
   uint64_t request_hash = 0;
   int status = 0;
   std::string body, location;
+  std::string media{};  ///< type of the body
 };
 
 class IdempotencyKeys {

@@ -22,6 +22,8 @@ struct Job {
   // Under the entry's lock, with no step in progress; may throw.
   Aim aim;  ///< the step to reach, evaluated when the job's turn comes
   std::function<void(SessionEntry&)> call;
+  std::function<void(SessionEntry&)>
+      reached;                            ///< may be empty; at the step to reach, before anybody else's turn
   std::function<void(const Job&)> after;  ///< may be empty; called when the job has ended
 
   std::atomic<bool> cancelled{false};  ///< set by any thread; the job ends soon

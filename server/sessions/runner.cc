@@ -87,8 +87,11 @@ Task<JobPtr> Runner::end_of(EntryPtr entry, JobPtr job) {
   co_return job;
 }
 
-Task<JobPtr> Runner::run_to(EntryPtr entry, Job::Kind kind, Aim aim) {
-  return end_of(entry, start(entry, Job::run(kind, std::move(aim))));
+Task<JobPtr> Runner::run_to(EntryPtr entry, Job::Kind kind, Aim aim,
+                            std::function<void(SessionEntry&)> reached) {
+  JobPtr job = Job::run(kind, std::move(aim));
+  job->reached = std::move(reached);
+  return end_of(entry, start(entry, std::move(job)));
 }
 
 Task<JobPtr> Runner::call(EntryPtr entry, std::function<void(SessionEntry&)> f) {

@@ -38,8 +38,10 @@ class Runner {
 
   /// Steps (aloud, or silently for a seek) to the step that `aim` returns when the job's turn comes, in
   /// slices between which other sessions and readers of this one get their turn. Cancelled when the caller
-  /// stops waiting. Exceptions from `aim` are rethrown here.
-  Task<JobPtr> run_to(EntryPtr entry, Job::Kind kind, Aim aim);
+  /// stops waiting. `reached` is called at that step, before anybody else's turn. Exceptions from both are
+  /// rethrown here.
+  Task<JobPtr> run_to(EntryPtr entry, Job::Kind kind, Aim aim,
+                      std::function<void(SessionEntry&)> reached = nullptr);
   /// Runs f(entry) between two steps, under the lock; its exceptions are rethrown here.
   Task<JobPtr> call(EntryPtr entry, std::function<void(SessionEntry&)> f);
   /// Waits for the end of a job that was started.

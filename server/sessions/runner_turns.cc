@@ -150,6 +150,7 @@ Runner::Next Runner::next_of(SessionEntry& entry) {
         if (session.failure()) {
           end = Job::End::failed;
         } else if (session.step_index() >= job->target) {
+          if (job->reached) job->reached(entry);
           end = Job::End::reached;
         }
       }

@@ -14,6 +14,8 @@
 
 namespace truestep {
 
+class StepRequest;
+
 class StreamClient : public net::WebSocketHandler,
                      public Sink,
                      public std::enable_shared_from_this<StreamClient> {
@@ -40,6 +42,8 @@ class StreamClient : public net::WebSocketHandler,
   void handle(const v1::ClientMessage& message);
   void subscribe(const v1::Subscribe& wish);
   void control(const v1::Control& control);
+  void step(const std::string& request_id, const std::string& body);
+  void answer(const StepRequest& request, const std::string& request_id);
   void command(const v1::ClientMessage& message);
   void run(Job::Kind kind, Aim aim);
   void reset(const std::string& request_id);

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """The running program: GET of a small frame beside a bare Beast server, 100,000 particles streamed to one client, a
 client that reads one byte a second, 1,000 idle sessions, and the time from start to ready."""
+import http.client
 import json
 import os
 import re
@@ -118,6 +119,40 @@ def streaming(service):
     service.request("DELETE", session["links"]["self"])
 
 
+def round_trips(service):
+    """Command, step and observation of four bodies in one request, beside an empty step and beside three requests."""
+    bodies = [{"type": "plane", "motion": "fixed"}, *({"type": "sphere", "radius": 0.1, "position": [x, 0.5, 0]} for x in range(4))]
+    url = service.create({"time": {"dt": 0.01}, "systems": [{"type": "rigid3d", "id": "w", "bodies": bodies}]})["links"]["self"]
+    push = {"type": "impulse", "system": "w", "index": 1, "impulse": [1e-6, 0, 0]}
+    all_in_one = json.dumps({"commands": [push], "observe": ["w.energy"], "fields": ["position", "velocity"]})
+    connection = http.client.HTTPConnection(*service.address)
+
+    def ask(method, path, body=None):
+        connection.request(method, url + path, body, {"Content-Type": "application/json"} if body else {})
+        response = connection.getresponse()
+        if response.status >= 300:
+            sys.exit("%s %s: %s" % (method, path, response.read()))
+        response.read()
+
+    def one_by_one():
+        ask("POST", "/commands", json.dumps(push))
+        ask("POST", "/step", "{}")
+        ask("GET", "/observables?names=w.energy")
+
+    def seconds(f, times=300):
+        start = time.perf_counter()
+        for _ in range(times):
+            f()
+        return (time.perf_counter() - start) / times
+
+    ways = (lambda: ask("POST", "/step", all_in_one), lambda: ask("POST", "/step", "{}"), one_by_one)
+    rounds = [[seconds(f) for f in ways] for _ in range(9)]
+    whole, empty, three = (statistics.median(r[k] for r in rounds) for k in range(3))
+    connection.close()
+    report("round trips/s, command + step + observation (bar: 3,000)", 1 / whole, 1 / three, "three requests", three / whole)
+    report("s of that, beside an empty step (bar: 1.15 times)", whole, empty, "empty step", empty / whole)
+
+
 def idle_sessions():
     service = Service()
     try:
@@ -156,6 +191,7 @@ def main():
     try:
         small_frame(service)
         streaming(service)
+        round_trips(service)
     finally:
         service.stop()
     idle_sessions()

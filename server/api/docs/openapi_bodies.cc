@@ -97,7 +97,17 @@ constexpr std::string_view kRequests = R"json({
       "seconds": {"type": "number", "minimum": 0, "maximum": 1e9, "description": "simulated seconds to do"},
       "until": {"type": "number", "minimum": 0, "maximum": 1e9, "description": "time to reach, s"},
       "from_step": {"type": "integer", "minimum": 0, "maximum": 9000000000000000,
-        "description": "refused unless the session is at this step"}},
+        "description": "refused unless the session is at this step"},
+      "commands": {"type": "array", "maxItems": 1000, "items": {"$ref": "#/components/schemas/Command"},
+        "description": "carried out before the steps: all, or none"},
+      "observe": {"type": "array", "maxItems": 256, "items": {"type": "string"},
+        "description": "observables after the steps: names or their beginnings up to a dot; all if empty"},
+      "fields": {"type": "array", "maxItems": 256, "items": {"type": "string"},
+        "description": "fields after the steps; positions if empty"},
+      "systems": {"type": "array", "maxItems": 256, "items": {"type": "string"},
+        "description": "of whose parts the fields are; all if absent"},
+      "queries": {"type": "array", "maxItems": 100, "items": {"$ref": "#/components/schemas/Query"},
+        "description": "answered after the steps"}},
     "oneOf": [{"required": ["steps"]}, {"required": ["seconds"]}, {"required": ["until"]},
       {"not": {"anyOf": [{"required": ["steps"]}, {"required": ["seconds"]}, {"required": ["until"]}]}}]},
   "PlayRequest": {"type": "object", "additionalProperties": false,
@@ -160,6 +170,11 @@ json::object typed_schema(const Types& types) {
   return {{"oneOf", std::move(commands)}};
 }
 
+json::object one_or_more(std::string_view schema) {
+  return {{"oneOf", json::array{schema_reference(schema),
+                                json::object{{"type", "array"}, {"items", schema_reference(schema)}}}}};
+}
+
 }  // namespace
 
 std::span<const RouteParameter> route_parameters() {
@@ -188,13 +203,13 @@ json::object body_of(const net::Route& route) {
     return as_json({{"oneOf", json::array{scene, schema_reference("GalleryChoice")}}});
   if (p == "/v1/scenes/validate") return as_json(scene);
   if (p == "/v1/runs") return as_json(schema_reference("RunRequest"));
-  if (p.ends_with("/queries")) return as_json(schema_reference("Query"));
+  if (p.ends_with("/queries")) return as_json(one_or_more("Query"));
   if (p == "/v1/studies") return as_json(schema_reference("StudyRequest"));
   if (p.ends_with("/step")) return as_json(schema_reference("StepRequest"));
   if (p.ends_with("/play")) return as_json(schema_reference("PlayRequest"));
   if (p.ends_with("/seek")) return as_json(schema_reference("SeekRequest"));
   if (p == "/v1/sessions/{id}/recording") return as_json(schema_reference("RecordingRequest"));
-  if (p.ends_with("/commands")) return as_json(schema_reference("Command"));
+  if (p.ends_with("/commands")) return as_json(one_or_more("Command"));
   const bool asset = p == "/v1/assets/{sha256}";
   json::object media = as_json(schema_reference(asset ? "Value" : "Nothing"));
   if (asset || p.ends_with("/snapshots")) media["application/octet-stream"] = json::object{};

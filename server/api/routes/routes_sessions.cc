@@ -3,6 +3,7 @@
 #include "engine/scene/gallery.h"
 #include "engine/scene/json/json.h"
 #include "engine/scene/json/json_write.h"
+#include "engine/session/command_list.h"
 #include "engine/session/commands.h"
 #include "engine/session/describe.h"
 #include "server/api/recordings.h"
@@ -170,15 +171,26 @@ Task<Response> end(App& app, const Request& request) {
   co_return co_await offload(app.runner.pool(), std::move(finish));
 }
 
+// Of one command, or of an array of them: all or none.
+json::value carry_out_commands(Session& session, const json::value& body) {
+  if (body.is_array()) {
+    json::array out;
+    for (const uint64_t n : carry_out(session, read_command_list(session, body.as_array(), "")))
+      out.push_back(json::object{{"sequence", n}, {"step", session.step_index()}});
+    return out;
+  }
+  const Command c = read_command_for(session.world(), session.state(), body);
+  return json::object{{"sequence", session.command(c)}, {"step", session.step_index()}};
+}
+
 Task<Response> command(App& app, const Request& request) {
   EntryPtr entry = co_await session_of(app, request);
   const json::value body = co_await long_json_body(app, request);
-  json::object answer;
-  std::function<void(SessionEntry&)> carry_out = [&](SessionEntry& e) {
-    const Command c = read_command_for(e.session.world(), e.session.state(), body);
-    answer = {{"sequence", e.session.command(c)}, {"step", e.session.step_index()}};
+  json::value answer;
+  std::function<void(SessionEntry&)> act = [&](SessionEntry& e) {
+    answer = carry_out_commands(e.session, body);
   };
-  const JobPtr job = co_await app.runner.call(entry, std::move(carry_out));
+  const JobPtr job = co_await app.runner.call(entry, std::move(act));
   if (job->end == Job::End::reached) co_return json_response(answer, 202);
   co_return co_await with_session(app, entry, [&](SessionEntry& e) { return cut_short(app, request, e); });
 }
@@ -220,9 +232,10 @@ void add_session_routes(net::Router& router, App& app) {
              [&app](const Request& r) { return describe(app, r); });
   router.add(Method::delete_, session, "Ends a session; its recordings are completed and stay",
              [&app](const Request& r) { return end(app, r); });
-  router.add(Method::post, session + "/commands",
-             "Push, impulse, drag, release, pin, unpin, set_parameter, spawn, remove",
-             [&app](const Request& r) { return command(app, r); });
+  router.add(
+      Method::post, session + "/commands",
+      "Push, impulse, drag, release, pin, unpin, set_parameter, spawn, remove; an array: all of them or none",
+      [&app](const Request& r) { return command(app, r); });
   router.add(Method::get, session + "/scene",
              "The scene as it runs, with every default, in SI: as POST /v1/sessions and studies take it",
              [&app](const Request& r) {
