@@ -36,14 +36,12 @@ void OutputTable::observe(const System& system, const State& state, double t, Ob
 
 Outputs OutputTable::described() const {
   Outputs out{.rows = rows, .fields = {}, .observables = {}};
-  const auto add = [&](std::string_view name, const Field& f, std::string_view sentence) {
-    out.fields.push_back({.name = name, .unit = f.info.unit, .width = f.info.width, .sentence = sentence});
-  };
   for (const Part& p : parts) {
     for (const Field& f : p.fields) {
-      if (!f.listed.empty()) add(f.listed, f, f.sentence);
+      if (f.listed.empty()) continue;
+      out.fields.push_back(
+          {.name = f.listed, .unit = f.info.unit, .width = f.info.width, .sentence = f.sentence});
     }
-    if (!p.like_main.field.empty()) add(p.like_main.field, parts[0].fields[0], p.like_main.sentence);
   }
   for (const Pass& p : passes) {
     for (const Observable& o : p.rows)
@@ -82,11 +80,10 @@ std::vector<PartInfo> ShownFields::choose(const OutputTable& table, const System
   shown_.clear();
   for (const OutputTable::Part& row : table.parts) {
     size_t member = 0;
-    const auto& fields = row.like_main.field.empty() ? row.fields : table.parts[0].fields;
     for (PartInfo& part : row.present(system)) {
       if (part.name.empty()) part.name = row.name;
       Shown& shown = shown_.emplace_back(Shown{&row, member++, {}});
-      for (const OutputTable::Field& f : fields) {
+      for (const OutputTable::Field& f : row.fields) {
         if (f.when && !f.when(system)) continue;
         shown.fields.push_back(&f);
         part.fields.push_back(f.info);

@@ -30,7 +30,7 @@ struct OutputTable {
   struct Field {
     FieldInfo info;
     std::string sentence;
-    std::string listed;  ///< its name in descriptions; empty: described with the main part's of this name
+    std::string listed;  ///< its name in descriptions; empty: the main part's field of this name is described
     std::function<bool(const System&)> when = {};    ///< null: in every scene
     std::function<Scalar(const System&)> type = {};  ///< null: info.type
     /// The first element: rows.count x info.width of them, of type info.type.
@@ -45,11 +45,6 @@ struct OutputTable {
     /// Rows that the k-th of them shows; null: the first max_rows of the columns.
     std::function<ShownRows(const System&, const State&, size_t k)> rows = {};
     std::vector<Field> fields = {};
-    /// Of a part that has the fields of the main part: the first of them, "<part>.position", and whose they
-    /// are. Otherwise both are empty.
-    struct LikeMain {
-      std::string field, sentence;
-    } like_main = {};
   };
 
   struct Observable {

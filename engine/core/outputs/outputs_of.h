@@ -11,6 +11,7 @@
 // rows. A row whose value is a Vec3 stands for name.x, name.y and name.z; one whose optional is empty is left
 // out.
 #pragma once
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <initializer_list>
@@ -135,22 +136,19 @@ class OutputsOf {
   }
   /// The last part has the fields of the main part, of the rows that the sentence names.
   OutputsOf& like_main(const char* sentence) {
-    OutputTable::Part& part = table_.parts.back();
-    part.like_main = {part.name + '.' + table_.parts.front().fields.front().info.name, sentence};
+    for (OutputTable::Field f : table_.parts.front().fields) {
+      if (*sentence) f.info.name.insert(0, table_.parts.back().name + '.');
+      add_field(std::move(f), std::exchange(sentence, ""));
+    }
     return *this;
   }
 
   /// get(state, FieldAt) or get(system, state, FieldAt): column(...), length_of(...), computed(...). A field
-  /// of another part than the main one is described as <part>.<field>; without a sentence it is the main
-  /// part's.
+  /// of another part may be written <part>.<field>, as descriptions then list it; one without a sentence is
+  /// described by the main part's field of that name.
   template <class Get>
   OutputsOf& field(FieldInfo info, Get get, const char* sentence) {
-    const std::string& part = table_.parts.back().name;
-    OutputTable::Field f{.info = std::move(info), .sentence = sentence};
-    if (part.empty())
-      f.listed = f.info.name;
-    else if (!f.sentence.empty())
-      f.listed = part + '.' + f.info.name;
+    OutputTable::Field f{.info = std::move(info)};
     f.get = [get](const System& s, const State& state, const FieldAt& at) {
       if constexpr (std::is_invocable_v<Get, const State&, const FieldAt&>) {
         return get(state, at);
@@ -158,7 +156,7 @@ class OutputsOf {
         return get(of(s), state, at);
       }
     };
-    table_.parts.back().fields.push_back(std::move(f));
+    add_field(std::move(f), sentence);
     return *this;
   }
   /// The last field is there only in scenes for which this is true.
@@ -216,6 +214,19 @@ class OutputsOf {
   static std::vector<PartInfo> listed(PartInfo part) { return {std::move(part)}; }
   static std::vector<PartInfo> listed(std::optional<PartInfo> part) {
     return part ? listed(std::move(*part)) : std::vector<PartInfo>();
+  }
+
+  void add_field(OutputTable::Field field, const char* sentence) {
+    OutputTable::Part& part = table_.parts.back();
+    std::string& name = field.info.name;
+    field.sentence = sentence, field.listed = name;
+    if (!part.name.empty() && name.starts_with(part.name + '.')) name.erase(0, part.name.size() + 1);
+    const auto same = [&](const OutputTable::Field& f) { return f.info.name == name; };
+    // Not listed where the main part's row of that name says it.
+    if (field.sentence.empty() && &part != &table_.parts[0] &&
+        std::ranges::any_of(table_.parts[0].fields, same))
+      field.listed.clear();
+    part.fields.push_back(std::move(field));
   }
 
   template <class Pass, class M = Result<Pass>>

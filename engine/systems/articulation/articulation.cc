@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "engine/core/commands/command_checks.h"
-#include "engine/systems/articulation/frames.h"
 
 namespace truestep::articulation {
 
@@ -19,23 +18,15 @@ constexpr std::string_view kFirstOrder[] = {"implicit_euler", "linear_implicit_e
 constexpr double kTurns = 0.01;
 constexpr RisingStep::Bounds kRising{.rise = 1e-4, .most_parts = 8};
 
-enum Field : size_t { kPosition, kVelocity, kOrientation, kAngularVelocity, kJointForce, kJointMoment };
-
 bool all_have_shapes(const ArticulationDef& d) {
   return std::ranges::none_of(d.links, [](const LinkDef& l) { return l.shapes.empty(); });
-}
-
-std::vector<spatial::Frame> frames_of(const Tree& tree, const Work& work) {
-  std::vector<spatial::Frame> out(work.size());
-  world_frames(tree, work, out);
-  return out;
 }
 
 }  // namespace
 
 Articulation::Articulation(std::unique_ptr<const ArticulationField> field, const ChosenMethod& method,
                            const ArticulationDef& def)
-    : ForceSystem(std::move(field), method.row, def.choice().options),
+    : Tabled(std::move(field), method.row, def.choice().options),
       tree_(static_cast<const ArticulationField&>(force_field())),
       rising_(tree_, kRising),
       point_radius_(def.point_radius.value_or(all_have_shapes(def) ? 0 : 0.03)),
@@ -56,23 +47,7 @@ Articulation::Articulation(std::unique_ptr<const ArticulationField> field, const
   if (std::ranges::none_of(drives, [](const Drive& d) { return d.limited(); })) {
     skip_stage("limits", "no joint has limits");
   }
-  const size_t n = tree_.model().links.size();
-  set_parts({{PartInfo::Kind::points,
-              "",
-              {{"position", "m", Scalar::f64, 3, Meaning::position},
-               {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity},
-               {"orientation", "1", Scalar::f64, 4, Meaning::orientation},
-               {"angular_velocity", "rad/s", Scalar::f64, 3},
-               {"joint_force", "N", Scalar::f64, 3},
-               {"joint_moment", "N m", Scalar::f64, 3}},
-              n,
-              {}},
-             {PartInfo::Kind::points,
-              "skeleton",
-              {{"position", "m", Scalar::f64, 3, Meaning::position},
-               {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity}},
-              2 * n,
-              {}}});
+  show();
 }
 
 void Articulation::add_method_stage(const std::string& why) {
@@ -115,80 +90,6 @@ Energy::Exchange Articulation::exchange(const State& s) const {
   const bool driven = !tree_.model().loads.empty() || Columns::kHands.any(s) ||
                       std::ranges::any_of(torque, [](double t) { return t != 0; });
   return driven ? Energy::Exchange::open : Energy::Exchange::closed;
-}
-
-void Articulation::observe(const State& s, double t, Observables& out) const {
-  ForceSystem::observe(s, t, out);
-  const Model& m = tree_.model();
-  const Work work = tree_.placed(s);
-  const auto frames = frames_of(m.tree, work);
-  Vec3 momentum, spin;
-  for (size_t i = 0; i < work.size(); ++i) {
-    const spatial::Force h = frames[i].out(m.tree.nodes[i].inertia * work[i].v);
-    momentum += h.f, spin += h.n;
-  }
-  if (!m.loads.empty()) {
-    double power = 0;
-    for (const Push& p : m.loads) {
-      const NodeWork& w = work[size_t(p.node)];
-      const Rotation& R = frames[size_t(p.node)].R;
-      const Vec3 v = w.v.v + cross(w.v.w, p.at);
-      const bool turning = p.axes == Push::Axes::node;
-      if (turning) power += dot(p.force, v);
-      power += dot(turning ? p.torque : R.apply_inverse(p.torque), w.v.w);
-    }
-    out.add("power.applied", power, "W");
-  }
-  if (!m.closures.empty()) {
-    Work at_rest(m.tree.nodes.size());
-    out.add("loops.gap", gap(m.tree, m.closures, s.f64(Columns::kPosition), at_rest), "m");
-  }
-  out.add("momentum.x", momentum.x, "kg m/s");
-  out.add("momentum.y", momentum.y, "kg m/s");
-  out.add("momentum.z", momentum.z, "kg m/s");
-  out.add("angular_momentum.x", spin.x, "kg m^2/s");
-  out.add("angular_momentum.y", spin.y, "kg m^2/s");
-  out.add("angular_momentum.z", spin.z, "kg m^2/s");
-}
-
-FieldView Articulation::field(const State& s, size_t part, size_t which, std::vector<double>& scratch) const {
-  const Model& m = tree_.model();
-  const size_t n = m.links.size();
-  const Work work = which >= kJointForce ? tree_.accelerated(s) : tree_.placed(s);
-  const auto frames = frames_of(m.tree, work);
-  const uint32_t width = which == kOrientation ? 4 : 3;
-  const size_t rows = part == 1 ? 2 * n : n;
-  scratch.resize(rows * width);
-  for (size_t i = 0; i < n; ++i) {
-    const Link& l = m.links[i];
-    const spatial::Frame& f = frames[size_t(l.node)];
-    const NodeWork& w = work[size_t(l.node)];
-    switch (which) {
-      case kPosition:
-        store3(scratch.data(), i, f.R.apply(l.center) + f.p);
-        if (part == 1) store3(scratch.data(), n + i, f.p);
-        break;
-      case kVelocity:
-        store3(scratch.data(), i, f.R.apply(w.v.v + cross(w.v.w, l.center)));
-        if (part == 1) store3(scratch.data(), n + i, f.R.apply(w.v.v));
-        break;
-      case kOrientation: {
-        const Quat q = quaternion(f.R);
-        scratch[4 * i] = q.w, store3(scratch.data() + 4 * i + 1, 0, Vec3{q.x, q.y, q.z});
-        break;
-      }
-      case kAngularVelocity:
-        store3(scratch.data(), i, f.R.apply(w.v.w));
-        break;
-      case kJointForce:
-        store3(scratch.data(), i, f.R.apply(joint_force(w).f));
-        break;
-      default:
-        store3(scratch.data(), i, f.R.apply(joint_force(w).n));
-        break;
-    }
-  }
-  return {scratch.data(), Scalar::f64, rows, width};
 }
 
 void Articulation::check(StateCheck& check, double) const {

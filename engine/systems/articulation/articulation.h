@@ -4,20 +4,19 @@
 #include <mutex>
 
 #include "engine/core/equations/force_system.h"
+#include "engine/core/outputs/tabled.h"
 #include "engine/integrators/control/rising_step.h"
 #include "engine/integrators/table/default_method.h"
 #include "engine/systems/articulation/link_bodies.h"
 
 namespace truestep::articulation {
 
-class Articulation final : public ForceSystem {
+class Articulation final : public Tabled<Articulation, ForceSystem> {
  public:
   Articulation(std::unique_ptr<const ArticulationField> field, const ChosenMethod& method,
                const ArticulationDef& def);
 
-  void observe(const State& state, double t, Observables& out) const override;
-  /// Parts: the links at their centres of mass, and "skeleton": centres, then joints, connected by lines.
-  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
+  static const OutputTable& outputs();
   /// The links; their solids are built on first use.
   Ports ports() const override;
   void check(StateCheck& check, double t) const override;
@@ -31,6 +30,8 @@ class Articulation final : public ForceSystem {
   void integrate(State& s, const StepInput& in) const;
   void draw_lines(PartDrawing& out) const;
   void draw_links(PartDrawing& out) const;
+  struct Whole;
+  Whole whole(const State& state, double t) const;
   std::vector<JointMark> joint_marks(const State& state) const;
 
   const ArticulationField& tree_;

@@ -48,7 +48,8 @@ const OutputTable& Keyframes::outputs() {
                   const size_t n = k.driver_.controls();
                   return n > 0 ? std::optional(values_part(n)) : std::nullopt;
                 })
-          .field({"value", "1"}, column(C::kValue), "of part controls, one row per control: its value")
+          .field({"controls.value", "1"}, column(C::kValue),
+                 "of part controls, one row per control: its value")
           .measured_each(animation::control_names(&K::driver_),
                          animation::control_values(&K::driver_, C::kControl), animation::kControlRows)
           .measured_each(names, places, {{"shape.<id>", "m", &animation::Place::x, "position of a shape"}})

@@ -68,7 +68,7 @@ void remember(State& s, const StepInput& in) {
 
 MassSpring::MassSpring(std::unique_ptr<const MassSpringField> field, const ChosenMethod& method,
                        const MassSpringDef& def)
-    : ForceSystem(std::move(field), method.row, def.choice().options),
+    : Tabled(std::move(field), method.row, def.choice().options),
       springs_(static_cast<const MassSpringField&>(force_field())),
       colliders_(build_colliders(def.colliders)),
       radius_(0.5 * def.thickness),
@@ -124,23 +124,7 @@ MassSpring::MassSpring(std::unique_ptr<const MassSpringField> field, const Chose
   drawing_.triangles = springs_.network().triangles;
   if (def.color) drawing_.color = {def.color->x, def.color->y, def.color->z};
   if (drawing_.triangles.empty()) publish_segments();
-  name_parts();
-}
-
-void MassSpring::name_parts() {
-  PartInfo points = main_part();
-  points.fields.push_back({"force", "N", Scalar::f64, 3});
-  points.fields.push_back({"strain", "1"});
-  points.fields.push_back({"reaction", "N", Scalar::f64, 3});
-  PartInfo springs;
-  springs.kind = PartInfo::Kind::values;
-  springs.name = "springs";
-  springs.fields = {{"strain", "1"}};
-  springs.max_rows = springs_.schedule().a.size();
-  springs.elements = PartInfo::Elements::lines;
-  std::vector<PartInfo> parts{std::move(points)};
-  if (springs.max_rows > 0) parts.push_back(std::move(springs));
-  set_parts(std::move(parts));
+  show();
 }
 
 void MassSpring::draw(const State&, double t, Wish wishes, Drawing& out) const {
@@ -244,90 +228,6 @@ void MassSpring::add_contact_stage() {
                                   .surfaces = surfaces_},
                                  in.workspace, in.arena);
             });
-}
-
-void MassSpring::observe(const State& state, double t, Observables& out) const {
-  ForceSystem::observe(state, t, out);
-  const auto x = state.f64(Columns::position), v = state.f64(Columns::velocity);
-  const auto w = state.f64(Columns::inverse_mass);
-  Vec3 p, l;
-  size_t pins = 0;
-  for (size_t i = 0; i < w.size(); ++i) {
-    if (w[i] > 0) {
-      const Vec3 m = springs_.masses()[i] * load3(v.data(), i);
-      p += m, l += cross(load3(x.data(), i), m);
-    } else {
-      ++pins;
-    }
-  }
-  out.add("momentum.x", p.x, "kg m/s");
-  out.add("momentum.y", p.y, "kg m/s");
-  out.add("momentum.z", p.z, "kg m/s");
-  out.add("angular_momentum.x", l.x, "kg m^2/s");
-  out.add("angular_momentum.y", l.y, "kg m^2/s");
-  out.add("angular_momentum.z", l.z, "kg m^2/s");
-  double largest = 0, squares = 0;
-  size_t count = 0;
-  const SpringSchedule& schedule = springs_.schedule();
-  for (size_t s = 0; s < schedule.a.size(); ++s) {
-    if (schedule.family[s] != SpringFamily::structural && schedule.family[s] != SpringFamily::own) continue;
-    const double strain = std::abs(springs_.strain(x, s));
-    largest = std::max(largest, strain);
-    squares += strain * strain;
-    ++count;
-  }
-  out.add("strain.max", largest, "1");
-  out.add("strain.rms", count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0, "1");
-  out.add("pins", static_cast<double>(pins), "1");
-  Vec3 held;
-  if (pins > 0) {
-    std::vector<double> scratch;
-    reactions(state, t, scratch);
-    for (size_t i = 0; i < w.size(); ++i) held += load3(scratch.data(), i);
-  }
-  out.add("reaction.x", held.x, "N");
-  out.add("reaction.y", held.y, "N");
-  out.add("reaction.z", held.z, "N");
-}
-
-void MassSpring::reactions(const State& state, double t, std::vector<double>& out) const {
-  out.resize(3 * springs_.masses().size());
-  Workspace workspace;
-  static const ThreadArena kSerial(1);
-  Evaluation e{workspace, kSerial};
-  springs_.reactions({t, state.f64(Columns::position), state.f64(Columns::velocity), state}, out, e);
-}
-
-FieldView MassSpring::field(const State& state, size_t part, size_t which,
-                            std::vector<double>& scratch) const {
-  const auto x = state.f64(Columns::position);
-  if (part == 1) {
-    scratch.resize(springs_.schedule().a.size());
-    for (size_t s = 0; s < scratch.size(); ++s) scratch[s] = springs_.strain(x, s);
-    return {scratch.data(), Scalar::f64, scratch.size(), 1};
-  }
-  if (which < 2) return ForceSystem::field(state, part, which, scratch);
-  const size_t n = springs_.masses().size();
-  if (which == 2) {
-    scratch.resize(3 * n);
-    Workspace workspace;
-    static const ThreadArena kSerial(1);
-    Evaluation e{workspace, kSerial};
-    springs_.acceleration({0, x, state.f64(Columns::velocity), state}, scratch, e);
-    for (size_t i = 0; i < 3 * n; ++i) scratch[i] *= springs_.masses()[i / 3];
-    return {scratch.data(), Scalar::f64, n, 3};
-  }
-  if (which == 4) {
-    reactions(state, 0, scratch);
-    return {scratch.data(), Scalar::f64, n, 3};
-  }
-  scratch.assign(n, 0);
-  const SpringSchedule& schedule = springs_.schedule();
-  for (size_t s = 0; s < schedule.a.size(); ++s) {
-    const double strain = std::abs(springs_.strain(x, s));
-    for (const uint32_t p : {schedule.a[s], schedule.b[s]}) scratch[p] = std::max(scratch[p], strain);
-  }
-  return {scratch.data(), Scalar::f64, n, 1};
 }
 
 std::unique_ptr<const MassSpring> MassSpring::make(const MassSpringDef& def, const BuildContext& context) {

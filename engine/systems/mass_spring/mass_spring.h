@@ -5,24 +5,20 @@
 #include "engine/collision/points/surface_contacts.h"
 #include "engine/core/equations/force_system.h"
 #include "engine/core/equations/impulse_answer.h"
+#include "engine/core/outputs/tabled.h"
 #include "engine/integrators/control/rising_step.h"
 #include "engine/integrators/table/default_method.h"
 #include "engine/systems/mass_spring/mass_spring_field.h"
 
 namespace truestep::mass_spring {
 
-class MassSpring final : public ForceSystem, public AnswersImpulses {
+class MassSpring final : public Tabled<MassSpring, ForceSystem>, public AnswersImpulses {
  public:
   /// Error "scene_invalid" if the def's integrator is unknown or does not fit.
   static std::unique_ptr<const MassSpring> make(const MassSpringDef& def, const BuildContext& context);
 
+  static const OutputTable& outputs();
   State initial_state() const override;
-  /// Besides the energies: momentum.x/y/z (kg m/s), strain.max, strain.rms (1, structural springs), pins,
-  /// reaction.x/y/z (N, sum over the pins).
-  void observe(const State& state, double t, Observables& out) const override;
-  /// position, velocity, force (N, total on a point), strain (1, largest magnitude at a point), reaction (N,
-  /// force of a pin on its point; gusts as at t = 0). Parts: the points, and "springs" with their strain (1).
-  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
@@ -48,10 +44,15 @@ class MassSpring final : public ForceSystem, public AnswersImpulses {
   void advance(const Integrator& method, State& s, const StepInput& in) const;
   void integrate(State& s, const StepInput& in) const;
   void publish_segments();
-  void name_parts();
   double default_drag(const State& state, size_t row) const;
   void set_parameter(State& state, const Command& command) const;
-  void reactions(const State& state, double t, std::vector<double>& out) const;
+  struct Whole;
+  Whole whole(const State& state, double t) const;
+  /// N per point; of the field gusts are as at t = 0.
+  void forces(const State& state, ShownRows rows, double* out) const;
+  void reactions(const State& state, double t, std::span<double> out) const;
+  void largest_strains(const State& state, ShownRows rows, double* out) const;
+  void strains(const State& state, ShownRows rows, double* out) const;
 
   const MassSpringField& springs_;
   PartDrawing drawing_;

@@ -77,9 +77,9 @@ const OutputTable& Molecular::outputs() {
                   const auto bins = static_cast<size_t>(d.distribution_bins);
                   return periodic ? std::optional(values_part(bins)) : std::nullopt;
                 })
-          .field({"distance", "m"}, computed_by<M>(&M::distances),
+          .field({"distribution.distance", "m"}, computed_by<M>(&M::distances),
                  "of part distribution, in a periodic box: mean radius of a shell")
-          .field({"density", "1"}, computed_by<M>(&M::distribution),
+          .field({"distribution.density", "1"}, computed_by<M>(&M::distribution),
                  "g(r): density around an atom over the mean density")
           .measured(
               &M::whole,

@@ -43,9 +43,7 @@ const OutputTable& Nbody::outputs() {
           "a body, first those of positions, then those of groups; rows of bodies that merged into others "
           "are closed up (id identifies them)")
           .part("", [](const Nbody& n) { return points_part(n.parts()[0].max_rows); })
-          .rows([](const Nbody&, const State& s, size_t) {
-            return ShownRows{0, s.rows(C::position)};
-          })
+          .rows(present_rows(C::position))
           .field({"position", "m", Scalar::f64, 3, Meaning::position}, column(C::position), "")
           .field({"velocity", "m/s", Scalar::f64, 3, Meaning::velocity}, column(C::velocity), "")
           .field({"speed", "m/s"}, length_of(C::velocity), "magnitude of the velocity")

@@ -30,14 +30,10 @@ const Integrator& checked_boris(const ParticlesDef& def) {
 
 Particles::Particles(std::unique_ptr<const ParticlesField> field, const ChosenMethod& method,
                      const ParticlesDef& def, uint64_t seed)
-    : ForceSystem(std::move(field), method.row, def.choice().options),
+    : Tabled(std::move(field), method.row, def.choice().options),
       particles_(static_cast<const ParticlesField&>(force_field())),
       seed_(seed) {
-  auto& fields = main_part().fields;
-  fields.push_back({"speed", "m/s"});
-  fields.push_back({"age", "s"});
-  fields.push_back({"id", "1", Scalar::u64});
-  main_part().max_rows = particles_.capacity();
+  show();
   plan_stages(method.why);
 }
 
@@ -110,43 +106,6 @@ State Particles::initial_state() const {
     if (s.info(c).name.starts_with("integrator.") && s.rows(c) != 1) s.reserve(c, particles_.capacity());
   }
   return s;
-}
-
-void Particles::observe(const State& s, double t, Observables& out) const {
-  ForceSystem::observe(s, t, out);
-  const auto mass = s.f64(columns::mass);
-  const double *x = s.f64(columns::position).data(), *v = s.f64(columns::velocity).data();
-  Vec3 p, l;
-  for (size_t i = 0; i < mass.size(); ++i) {
-    const Vec3 m = load3(v, i) * mass[i];
-    p += m, l += cross(load3(x, i), m);
-  }
-  out.add("momentum.x", p.x, "kg m/s");
-  out.add("momentum.y", p.y, "kg m/s");
-  out.add("momentum.z", p.z, "kg m/s");
-  out.add("angular_momentum.x", l.x, "kg m^2/s");
-  out.add("angular_momentum.y", l.y, "kg m^2/s");
-  out.add("angular_momentum.z", l.z, "kg m^2/s");
-  out.add("count", static_cast<double>(mass.size()), "1");
-  out.add("emitted", static_cast<double>(counter(s, Counter::emitted)), "1");
-  out.add("killed", static_cast<double>(counter(s, Counter::killed)), "1");
-  out.add("refused", static_cast<double>(counter(s, Counter::refused)), "1");
-}
-
-FieldView Particles::field(const State& s, size_t part, size_t which, std::vector<double>& scratch) const {
-  if (which < 2) return ForceSystem::field(s, part, which, scratch);
-  const size_t n = s.rows(columns::position);
-  if (which == 4) return {s.bytes(columns::id).data(), Scalar::u64, n, 1};
-  scratch.resize(n);
-  if (which == 2) {
-    const double* v = s.f64(columns::velocity).data();
-    for (size_t i = 0; i < n; ++i) scratch[i] = norm(load3(v, i));
-  } else {
-    const double now = s.f64(columns::time)[0];
-    const auto birth = s.f64(columns::birth);
-    for (size_t i = 0; i < n; ++i) scratch[i] = now - birth[i];
-  }
-  return {scratch.data(), Scalar::f64, n, 1};
 }
 
 void Particles::draw(const State& s, double time, Wish wishes, Drawing& out) const {

@@ -2,21 +2,19 @@
 // colliders, removals and births. Commands: push, impulse, drag, release, spawn, remove, set_parameter.
 #pragma once
 #include "engine/core/equations/force_system.h"
+#include "engine/core/outputs/tabled.h"
 #include "engine/integrators/table/default_method.h"
 #include "engine/systems/particles/particles_field.h"
 
 namespace truestep::particles {
 
-class Particles final : public ForceSystem {
+class Particles final : public Tabled<Particles, ForceSystem> {
  public:
   /// Error "scene_invalid" when the integrator is unsuitable or an expression does not parse.
   static std::unique_ptr<const Particles> make(const ParticlesDef& def, const BuildContext& context);
 
+  static const OutputTable& outputs();
   State initial_state() const override;
-  /// Besides the energies: momentum.x/y/z (kg m/s), count, emitted, killed, refused (1).
-  void observe(const State& state, double t, Observables& out) const override;
-  /// position, velocity, speed (m/s), age (s), id; the last three are computed on demand.
-  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
@@ -36,6 +34,9 @@ class Particles final : public ForceSystem {
   void add_newborn(State& state, const StepInput& in, const EmitterDef& e, size_t emitter, uint64_t n,
                    double born) const;
   void set_parameter(State& state, const Command& command) const;
+  static void ages(const State& state, ShownRows rows, double* out);
+  struct Whole;
+  Whole whole(const State& state, double t) const;
 
   const ParticlesField& particles_;
   uint64_t seed_;

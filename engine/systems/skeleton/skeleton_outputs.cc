@@ -51,7 +51,7 @@ const OutputTable& Skeleton::outputs() {
           .field({"velocity", "m/s", Scalar::f64, 3, Meaning::velocity}, column(kShownBones.velocity), "")
           .field({"orientation", "1", Scalar::f64, 4, Meaning::orientation}, column(kShownBones.orientation),
                  "")
-          .field({"angular_velocity", "rad/s", Scalar::f64, 3}, column(kShownBones.angular_velocity),
+          .field({"bones.angular_velocity", "rad/s", Scalar::f64, 3}, column(kShownBones.angular_velocity),
                  "of part bones: mean over the last step")
           .part("skin",
                 [](const S& k) {
