@@ -1,4 +1,4 @@
-// Descriptions of the outputs of the system type "xpbd", and its cost estimate.
+// The cost estimate of the system type "xpbd".
 #include <algorithm>
 #include <cmath>
 
@@ -7,36 +7,6 @@
 #include "engine/systems/xpbd/xpbd_def.h"
 
 namespace truestep::xpbd {
-
-const Outputs& xpbd_outputs() {
-  static const Outputs kOutputs{
-      .rows =
-          "a point: along a rope from its first end, strand by strand in hair, j nx + i in a cloth grid, in "
-          "the given order in a mesh, x fastest in a block",
-      .fields = {{"position", "m", 3, ""},
-                 {"velocity", "m/s", 3, ""},
-                 {"strain", "1", 1, "largest |length / rest length - 1| of its links"},
-                 {"links.strain", "1", 1, "of part links, one row per link: length / rest length - 1"}},
-      .observables = {
-          {"energy.kinetic", "J", "of motion"},
-          {"energy.potential", "J", "of gravity, user forces and all constraints; scheme xpbd only"},
-          {"energy.total", "J", "their sum; scheme xpbd only"},
-          {"energy.stretch", "J", "of stretch and shear; rods only"},
-          {"energy.bending", "J", "rods only"},
-          {"energy.twist", "J", "rods only"},
-          {"momentum.x", "kg m/s", "of all free points"},
-          {"momentum.y", "kg m/s", ""},
-          {"momentum.z", "kg m/s", ""},
-          {"angular_momentum.x", "kg m^2/s", "about the origin, of all free points"},
-          {"angular_momentum.y", "kg m^2/s", ""},
-          {"angular_momentum.z", "kg m^2/s", ""},
-          {"strain.max", "1", "largest |length / rest length - 1| of links between neighbours"},
-          {"strain.rms", "1", "root mean square of the same"},
-          {"pins", "1", "points that are pinned"},
-          {"volume", "m^3", "of all tetrahedra of blocks"},
-          {"splits", "1", "points split off by tearing; only with tear"}}};
-  return kOutputs;
-}
 
 namespace {
 
