@@ -5,35 +5,6 @@
 
 namespace truestep {
 
-std::string member_name(std::string_view pattern, std::string_view member) {
-  const size_t open = pattern.find('<'), close = pattern.find('>', open);
-  if (close == pattern.npos) return std::string(pattern);
-  std::string out(pattern.substr(0, open));
-  out += member;
-  return out += pattern.substr(close + 1);
-}
-
-void OutputTable::observe(const System& system, const State& state, double t, Observables& out) const {
-  const auto wanted = [&](const Pass& p, std::string_view member) {
-    return p.runs == Pass::Runs::always ||
-           std::any_of(p.rows.begin(), p.rows.end(), [&](const Observable& row) {
-             return out.wants(p.family ? member_name(row.name, member) : row.name);
-           });
-  };
-  for (const Pass& p : passes) {
-    if (p.when && !p.when(system)) continue;
-    const auto names = p.family ? p.family(system) : std::vector<std::string>(1);
-    std::vector<size_t> members;
-    for (size_t k = 0; k < names.size(); ++k) {
-      if (wanted(p, names[k])) members.push_back(k);
-    }
-    if (members.empty()) continue;
-    p.run(system, state, t, members, [&](size_t member, const Observable& row, double value) {
-      out.add(p.family ? member_name(row.name, names[member]) : row.name, value, row.unit);
-    });
-  }
-}
-
 Outputs OutputTable::described() const {
   Outputs out{.rows = rows, .fields = {}, .observables = {}};
   for (const Part& p : parts) {
@@ -102,6 +73,57 @@ FieldView ShownFields::field(const System& system, const State& state, size_t pa
   const ShownRows rows = shown.part->rows ? shown.part->rows(system, state, shown.member)
                                           : ShownRows{0, system.parts()[part].max_rows};
   return {shown.fields[field]->get(system, state, {info, rows, scratch}), info.type, rows.count, info.width};
+}
+
+namespace {
+
+/// "door.<id>.flow" of the member "exit": "door.exit.flow".
+std::string member_name(std::string_view pattern, std::string_view member) {
+  const size_t open = pattern.find('<'), close = pattern.find('>', open);
+  if (close == pattern.npos) return std::string(pattern);
+  std::string out(pattern.substr(0, open));
+  out += member;
+  return out += pattern.substr(close + 1);
+}
+
+}  // namespace
+
+void ShownObservables::choose(const OutputTable& table, const System& system) const {
+  for (const OutputTable::Pass& p : table.passes) {
+    if (p.when && !p.when(system)) continue;
+    Shown shown{&p, {}, {}};
+    for (const std::string& member : p.family ? p.family(system) : std::vector<std::string>(1)) {
+      shown.members.push_back(shown.members.size());
+      for (const OutputTable::Observable& row : p.rows)
+        shown.names.push_back(p.family ? member_name(row.name, member) : row.name);
+    }
+    if (!shown.members.empty()) shown_.push_back(std::move(shown));
+  }
+}
+
+void ShownObservables::observe(const OutputTable& table, const System& system, const State& state, double t,
+                               Observables& out) const {
+  std::call_once(chosen_, [&] { choose(table, system); });
+  for (const Shown& p : shown_) {
+    const size_t rows = p.pass->rows.size();
+    const auto wanted = [&](size_t member) {
+      const auto first = p.names.begin() + static_cast<ptrdiff_t>(member * rows);
+      return std::any_of(first, first + static_cast<ptrdiff_t>(rows),
+                         [&](const std::string& name) { return out.wants(name); });
+    };
+    const auto run = [&](std::span<const size_t> members) {
+      p.pass->run(system, state, t, members, [&p, &out](size_t member, size_t row, double value) {
+        out.add(p.names[member * p.pass->rows.size() + row], value, p.pass->rows[row].unit);
+      });
+    };
+    if (p.pass->runs == OutputTable::Pass::Runs::always) {
+      run(p.members);
+      continue;
+    }
+    std::vector<size_t> members;
+    std::ranges::copy_if(p.members, std::back_inserter(members), wanted);
+    if (!members.empty()) run(members);
+  }
 }
 
 }  // namespace truestep

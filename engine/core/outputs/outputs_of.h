@@ -253,10 +253,9 @@ class OutputsOf {
 
   /// Hands over one row after the other.
   struct Writer {
-    const OutputTable::Observable* row;
-    size_t member;
+    size_t member, row;
     const OutputTable::Pass::Found& found;
-    void operator()(double value) { found(member, *row, value), ++row; }
+    void operator()(double value) { found(member, row++, value); }
     void operator()(const Vec3& v) { (*this)(v.x), (*this)(v.y), (*this)(v.z); }
     void operator()(const std::optional<double>& value) { value ? (*this)(*value) : void(++row); }
     void operator()(const std::optional<Vec3>& value) { value ? (*this)(*value) : void(row += 3); }
@@ -285,11 +284,11 @@ class OutputsOf {
       for (size_t k = 0; k < 3; ++k)
         pass.rows.push_back({row.name + std::string{'.', "xyz"[k]}, row.unit, k == 0 ? row.sentence : ""});
     }
-    pass.run = [each, values = std::move(values), names = pass.rows](
-                   const System& s, const State& state, double t, std::span<const size_t> members,
-                   const OutputTable::Pass::Found& found) {
+    pass.run = [each, values = std::move(values)](const System& s, const State& state, double t,
+                                                  std::span<const size_t> members,
+                                                  const OutputTable::Pass::Found& found) {
       each(s, state, t, members, [&](size_t member, const M& measured) {
-        Writer write{names.data(), member, found};
+        Writer write{member, 0, found};
         for (const MeasuredValue<M>& value : values)
           std::visit([&](auto at) { write(std::invoke(at, measured)); }, value);
       });
