@@ -46,8 +46,7 @@ class GridFluid final : public Tabled<GridFluid, StagedSystem> {
   void speed(const State& state, ShownRows, double* out) const;
   void pressure(const State& state, ShownRows, double* out) const;
   void vorticity(const State& state, ShownRows, double* out) const;
-  void carried(const State& state, ShownRows, double* out) const;
-  void second_fluid(const State& state, ShownRows, double* out) const;
+  void copy_cells(const State& state, State::Column column, double* out) const;
   Vec3 velocity_in(const State& state, size_t at, const size_t* place) const;
   /// Largest substep for a flow that crosses this many cells per second.
   double largest_substep(double crossing_rate, double viscosity, double h) const;

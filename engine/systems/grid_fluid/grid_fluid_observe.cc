@@ -117,13 +117,8 @@ void GridFluid::pressure(const State& s, ShownRows, double* out) const {
   });
 }
 
-void GridFluid::carried(const State& s, ShownRows, double* out) const {
-  const auto q = s.f64(*scalar_);
-  for_cells(model_.grid, [&](size_t row, size_t at, size_t, size_t, size_t) { out[row] = q[at]; });
-}
-
-void GridFluid::second_fluid(const State& s, ShownRows, double* out) const {
-  const auto q = s.f64(*second_);
+void GridFluid::copy_cells(const State& s, State::Column column, double* out) const {
+  const auto q = s.f64(column);
   for_cells(model_.grid, [&](size_t row, size_t at, size_t, size_t, size_t) { out[row] = q[at]; });
 }
 

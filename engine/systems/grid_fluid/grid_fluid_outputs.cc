@@ -7,6 +7,10 @@ namespace truestep::grid_fluid {
 
 const OutputTable& GridFluid::outputs() {
   using G = GridFluid;
+  const auto cells_of = [](std::optional<State::Column> G::*kept) {
+    return computed_by<G>(
+        [kept](const G& g, const State& s, ShownRows, double* out) { g.copy_cells(s, *(g.*kept), out); });
+  };
   static const OutputTable kTable =
       OutputsOf<G>("a cell, x fastest; of a liquid a particle")
           .part("", &G::cells)
@@ -17,9 +21,9 @@ const OutputTable& GridFluid::outputs() {
           .field({.name = "vorticity", .unit = "1/s", .scale = FieldInfo::Scale::deviation},
                  computed_by<G>(&G::vorticity),
                  "curl of the velocity: along z in the plane, its magnitude in space")
-          .field({"scalar", "1"}, computed_by<G>(&G::carried), "what the flow carries")
+          .field({"scalar", "1"}, cells_of(&G::scalar_), "what the flow carries")
           .field_when([](const G& g) { return g.scalar_.has_value(); })
-          .field({"second_fluid", "1"}, computed_by<G>(&G::second_fluid),
+          .field({"second_fluid", "1"}, cells_of(&G::second_),
                  "fraction of a cell filled by the second fluid")
           .field_when([](const G& g) { return g.second_.has_value(); })
           .measured(&G::measure, kFluidRows)

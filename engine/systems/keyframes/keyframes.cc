@@ -132,6 +132,7 @@ void Keyframes::add_shape(const MovedShapeDef& d, size_t number) {
   } else {
     rigid_ = true;
   }
+  if (!d.id.empty()) named_.push_back(shapes_.size());
   solids_.push_back(solid_of(d));
   shapes_.push_back(std::move(s));
 }

@@ -46,8 +46,6 @@ class Keyframes final : public Tabled<Keyframes, StagedSystem> {
     std::vector<Vec3> vertices;  ///< none: rigid
   };
   struct Scratch;
-  /// Those with a name.
-  std::vector<size_t> named() const;
   void add_shape(const MovedShapeDef& def, size_t number);
   /// Sets everything to time t; velocities from the state's previous poses, which are h earlier.
   void update(State& state, double t, double h, Scratch& scratch) const;
@@ -60,6 +58,7 @@ class Keyframes final : public Tabled<Keyframes, StagedSystem> {
   std::vector<std::array<uint32_t, 3>> triangles_;
   size_t vertices_ = 0;
   std::vector<size_t> stretched_;  ///< shapes with a scale, each a part
+  std::vector<size_t> named_;      ///< shapes with an id
   bool rigid_ = false;             ///< whether any shape has none
 };
 

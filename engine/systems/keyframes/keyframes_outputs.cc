@@ -22,11 +22,11 @@ const OutputTable& Keyframes::outputs() {
   };
   const auto names = [](const K& k) {
     std::vector<std::string> out;
-    for (const size_t i : k.named()) out.push_back(k.shapes_[i].def.id);
+    for (const size_t i : k.named_) out.push_back(k.shapes_[i].def.id);
     return out;
   };
   const auto places = [](const K& k, const State& s, double, size_t member) {
-    return animation::Place{load3(s.f64(C::kBodies.position).data(), k.named()[member])};
+    return animation::Place{load3(s.f64(C::kBodies.position).data(), k.named_[member])};
   };
   static const OutputTable kTable =
       OutputsOf<K>("a shape; in a part named after a shape, one of its vertices; in part controls a control")
@@ -60,14 +60,6 @@ const OutputTable& Keyframes::outputs() {
 const Outputs& keyframes_outputs() {
   static const Outputs kDescribed = Keyframes::outputs().described();
   return kDescribed;
-}
-
-std::vector<size_t> Keyframes::named() const {
-  std::vector<size_t> out;
-  for (size_t k = 0; k < shapes_.size(); ++k) {
-    if (!shapes_[k].def.id.empty()) out.push_back(k);
-  }
-  return out;
 }
 
 }  // namespace truestep::keyframes
