@@ -64,8 +64,9 @@ json::object Look::seen(const Session& session) const {
     out["observables"] = std::move(values);
   }
   if (has_queries_) {
+    Surroundings around(session, queries_.size());
     json::array answers;
-    for (const PreparedQuery& q : queries_) answers.push_back(q(session));
+    for (const PreparedQuery& q : queries_) answers.push_back(q(around));
     out["queries"] = std::move(answers);
   }
   return out;

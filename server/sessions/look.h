@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/session/queries.h"
+#include "engine/session/queries/queries.h"
 #include "engine/sinks/stream/frame_encoding.h"
 
 namespace truestep {

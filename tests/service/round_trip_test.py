@@ -94,7 +94,7 @@ class RoundTrip(Case):
                 ({"commands": [PUSH], "observe": ["w.height"]}, "/observe/0"),
                 ({"commands": [PUSH], "fields": ["speed"]}, "/fields/0"),
                 ({"commands": [PUSH], "queries": [DOWN, {"type": "ray"}]}, "/queries/1/origin"),
-                ({"commands": [PUSH], "queries": [{**DOWN, "systems": ["x"]}]}, "/queries/0/systems"),
+                ({"commands": [PUSH], "queries": [{**DOWN, "systems": ["x"]}]}, "/queries/0/systems/0"),
                 ({"commands": [PUSH], "systems": ["w"]}, "/systems"),
                 ({"commands": PUSH}, "/commands"), ({"observe": "w"}, "/observe"), ({"observe": [1]}, "/observe/0"),
                 ({"queries": DOWN}, "/queries"), ({"command": [PUSH]}, "/command"), ({"commands": [PUSH] * 1001}, "/commands"),

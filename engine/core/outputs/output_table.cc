@@ -77,10 +77,10 @@ FieldView ShownFields::field(const System& system, const State& state, size_t pa
 
 namespace {
 
-/// "door.<id>.flow" of the member "exit": "door.exit.flow".
+/// "door.<id>.flow" of the member "exit": "door.exit.flow"; "joint.<id>.<axis>" of "hip.x": "joint.hip.x".
 std::string member_name(std::string_view pattern, std::string_view member) {
-  const size_t open = pattern.find('<'), close = pattern.find('>', open);
-  if (close == pattern.npos) return std::string(pattern);
+  const size_t open = pattern.find('<'), close = pattern.rfind('>');
+  if (open == pattern.npos) return std::string(pattern);
   std::string out(pattern.substr(0, open));
   out += member;
   return out += pattern.substr(close + 1);

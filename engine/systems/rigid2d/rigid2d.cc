@@ -46,7 +46,7 @@ Rigid2d::Rigid2d(const Rigid2dDef& def, const BuildContext& context)
     fastest = std::max({fastest, flat::norm(b.velocity), std::abs(b.angular_velocity), fall});
   }
   speed_limit_ = unexplained_speed(fastest);
-  name_parts();
+  show();
   settings_.bodies.clear(), settings_.generators.clear(), settings_.joints.clear();
   add_stages();
 }

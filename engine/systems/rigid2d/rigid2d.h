@@ -7,22 +7,21 @@
 #include <mutex>
 
 #include "engine/core/def/build.h"
-#include "engine/core/system.h"
+#include "engine/core/outputs/tabled.h"
 #include "engine/systems/rigid2d/flat_bodies.h"
 #include "engine/systems/rigid2d/model.h"
 #include "engine/systems/rigid2d/solver/solver.h"
 
 namespace truestep::rigid2d {
 
-class Rigid2d final : public StagedSystem {
+class Rigid2d final : public Tabled<Rigid2d, StagedSystem> {
  public:
   Rigid2d(const Rigid2dDef& def, const BuildContext& context);
 
+  static const OutputTable& outputs();
   State initial_state() const override;
   /// The bodies; their solids are built at the first use.
   Ports ports() const override;
-  /// What rigid2d_outputs lists.
-  void observe(const State& state, double t, Observables& out) const override;
   /// Closed unless motors, user forces, constant loads, moving surfaces or kinematic bodies do work. Includes
   /// the springs of joints.
   std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
@@ -30,8 +29,6 @@ class Rigid2d final : public StagedSystem {
   std::optional<double> limit(Limit which, const State&, double) const override {
     return which == Limit::speed ? std::optional(speed_limit_) : std::nullopt;
   }
-  /// What rigid2d_outputs lists.
-  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
@@ -40,7 +37,6 @@ class Rigid2d final : public StagedSystem {
 
  private:
   struct Scratch;
-  void name_parts();
   void add_stages();
   /// Of the constant part of the drawing.
   uint32_t drawing_version(const State& state) const;
@@ -61,16 +57,19 @@ class Rigid2d final : public StagedSystem {
   void set_parameter(State& s, const Command& c) const;
   void set_motor(State& s, const Command& c) const;
   size_t sensor_overlaps(const State& s) const;
-  void observe_joints(const State& s, Observables& out) const;
-  /// Fields of the part "joints", a row per joint: 0 force, 1 torque on the second body.
-  FieldView joint_field(const State& s, size_t which, std::vector<double>& scratch) const;
-  /// Per body the force of its joints in N, 3 numbers each (z is 0), or their torque in N m.
-  void joint_forces(const State& s, std::span<double> out) const;
-  void joint_torques(const State& s, std::span<double> out) const;
-  /// Per body the force of its contacts in N, 3 numbers each (z is 0).
-  void contact_forces(const State& s, std::span<double> out) const;
-  /// Per body the sum of its contacts' normal forces in N.
-  void contact_loads(const State& s, std::span<double> out) const;
+  struct Whole;
+  Whole whole(const State& s, double t) const;
+  struct AllJoints;
+  AllJoints all_joints(const State& s, double t) const;
+  struct OneJoint;
+  OneJoint one_joint(const State& s, double t, size_t name) const;
+  /// Fields, N and N m; of forces 3 numbers each (z is 0).
+  void contact_forces(const State& s, ShownRows bodies, double* out) const;
+  void contact_loads(const State& s, ShownRows bodies, double* out) const;
+  void joint_forces(const State& s, ShownRows bodies, double* out) const;
+  void joint_torques(const State& s, ShownRows bodies, double* out) const;
+  void forces_on_second(const State& s, ShownRows joints, double* out) const;
+  void torques_on_second(const State& s, ShownRows joints, double* out) const;
 
   Rigid2dDef settings_;  // without bodies, generators and joints
   Model model_;

@@ -8,8 +8,8 @@
 
 namespace truestep::rigid2d {
 
-void Rigid2d::contact_forces(const State& s, std::span<double> out) const {
-  std::fill(out.begin(), out.end(), 0.0);
+void Rigid2d::contact_forces(const State& s, ShownRows bodies, double* out) const {
+  std::fill_n(out, 3 * bodies.count, 0.0);
   const auto keys = s.span<uint64_t>(columns::contact_key);
   const auto impulse = s.span<float>(columns::contact_impulse);
   const double h = settings_for(dt_, substeps(s)).h;
@@ -25,13 +25,13 @@ void Rigid2d::contact_forces(const State& s, std::span<double> out) const {
     const Vec2 n = at.q * seen.normal;
     const double pressure = (double(p[0]) + p[1]) / h, friction = (double(p[2]) + p[3]) / h;
     const Vec3 force{pressure * n.x - friction * n.y, pressure * n.y + friction * n.x, 0};
-    store3(out.data(), a.body, load3(out.data(), a.body) - force);
-    store3(out.data(), b.body, load3(out.data(), b.body) + force);
+    store3(out, a.body, load3(out, a.body) - force);
+    store3(out, b.body, load3(out, b.body) + force);
   }
 }
 
-void Rigid2d::contact_loads(const State& s, std::span<double> out) const {
-  std::fill(out.begin(), out.end(), 0.0);
+void Rigid2d::contact_loads(const State& s, ShownRows bodies, double* out) const {
+  std::fill_n(out, bodies.count, 0.0);
   const auto keys = s.span<uint64_t>(columns::contact_key);
   const auto impulse = s.span<float>(columns::contact_impulse);
   const double h = settings_for(dt_, substeps(s)).h;

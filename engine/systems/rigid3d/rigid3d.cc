@@ -36,7 +36,8 @@ Rigid3d::Rigid3d(const Rigid3dDef& def, const BuildContext& context)
   for (const BodyKind& k : bodies_.kinds)
     forms_.push_back({k.sensor ? nullptr : &k.solid, k.moved_by_forces() ? k.mass : 0,
                       k.fixed_rotation ? kNeverTurned : k.moments});
-  name_parts();
+  name_joints();
+  show();
   // Everything may fall asleep within a step.
   const auto awake = [this](void (Rigid3d::*run)(State&, const StepInput&) const) {
     return [this, run](State& s, const StepInput& in) {

@@ -9,6 +9,7 @@
 #include <mutex>
 
 #include "engine/core/def/build.h"
+#include "engine/core/outputs/tabled.h"
 #include "engine/core/ports/body_sleep.h"
 #include "engine/systems/rigid3d/contacts.h"
 #include "engine/systems/rigid3d/solver/buckling.h"
@@ -16,20 +17,18 @@
 
 namespace truestep::rigid3d {
 
-class Rigid3d final : public StagedSystem, public BodyOwner, public BodySleep {
+class Rigid3d final : public Tabled<Rigid3d, StagedSystem>, public BodyOwner, public BodySleep {
  public:
   Rigid3d(const Rigid3dDef& def, const BuildContext& context);
 
+  static const OutputTable& outputs();
   State initial_state() const override;
-  void observe(const State& s, double t, Observables& out) const override;
   /// Defined unless motors, user forces or kinematic bodies do work.
   std::optional<Energy> energy(const State& s, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;
   std::optional<double> limit(Limit which, const State&, double) const override {
     return which == Limit::speed ? std::optional(speed_limit_) : std::nullopt;
   }
-  /// Parts: the bodies, and "joints" with their loads.
-  FieldView field(const State& s, size_t part, size_t field, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
   void step(State& s, const StepInput& in) const override;
   void apply(State& s, const Command& c) const override;
@@ -96,20 +95,28 @@ class Rigid3d final : public StagedSystem, public BodyOwner, public BodySleep {
   size_t checked_body(const State& s, const Command& c) const;
   /// `parameter`: the command's name without the degree of freedom before it.
   void set_motor(State& s, const Command& c, std::string_view parameter) const;
-  void observe_joints(const State& s, Observables& out) const;
+  struct Whole;
+  Whole whole(const State& s, double t) const;
+  double applied_power(const State& s) const;
+  struct AllJoints;
+  AllJoints all_joints(const State& s, double t) const;
+  struct OneJoint;
+  OneJoint one_joint(const State& s, double t, size_t named) const;
+  JointPlace place_of(const State& s, size_t joint) const;
+  /// m and rad along and about x, y, z; of driven ones as they are counted over full turns.
+  std::array<double, 6> coordinates(const State& s, size_t joint) const;
+  void name_joints();
   /// Energy in J of the springs of unbroken joints, sum of k s^2 / 2.
   double spring_energy(const State& s) const;
   /// Largest distance (m) of two points that an unbroken joint keeps together.
   double widest_gap(const State& s) const;
   /// True where a joint can do work: motors, and a gap of more than a hundredth of a body that it closes.
   bool joints_drive(const State& s) const;
-  /// Per body the force of its contacts in N, 3 numbers each.
-  void contact_forces(const State& s, std::span<double> out) const;
-  /// Per body the sum of its contacts' normal forces in N.
-  void contact_loads(const State& s, std::span<double> out) const;
+  /// Fields of bodies, N and N m: of contacts, their normal forces summed, and of joints.
+  void contact_forces(const State& s, ShownRows rows, double* out) const;
+  void contact_loads(const State& s, ShownRows rows, double* out) const;
   enum class JointLoad : uint8_t { force, torque };
-  /// Per body the loads from its joints, 3 numbers each.
-  void joint_loads(const State& s, JointLoad what, std::span<double> out) const;
+  void joint_loads(const State& s, JointLoad what, ShownRows rows, double* out) const;
 
   const std::vector<Visual>& visuals() const;
   void draw_bodies(const State& s, PartDrawing& out) const;
@@ -117,10 +124,14 @@ class Rigid3d final : public StagedSystem, public BodyOwner, public BodySleep {
   std::vector<ContactMark> contact_marks(const State& s) const;
   void draw_strings(const State& s, std::vector<DrawnString>& out) const;
   std::vector<JointMark> joint_marks(const State& s) const;
-  void name_parts();
 
   BodyList bodies_;
   JointList joints_;
+  std::vector<size_t> named_;  ///< joints with an id
+  struct Axis {
+    size_t joint, coordinate;
+  };
+  std::vector<Axis> slides_, turns_;     ///< theirs, of joints with several of the kind
   std::vector<BodyForm> forms_;          ///< one per kind
   mutable std::once_flag visuals_made_;  ///< meshes are built at the first use
   mutable std::vector<Visual> visuals_;

@@ -4,7 +4,7 @@
 #include "engine/scene/params/params.h"
 #include "engine/scene/scene.h"
 #include "engine/session/commands.h"
-#include "engine/session/queries.h"
+#include "engine/session/queries/queries.h"
 #include "engine/studies/study.h"
 #include "server/api/docs/openapi_tables.h"
 

@@ -32,7 +32,7 @@ TEST(PictureColors, MaterialsAreNamedInTheLegendNotOnABar) {
   for (const DrawPoints& set : list.points) EXPECT_TRUE(set.scalar_label.empty());
   const DrawPoints& both = list.points.front();
   const auto [low, high] = picture::scalar_range(both);
-  const Color sand = picture::color_at(both, (4 - low) / (high - low));
+  const Color sand = picture::color_at(both, (4 - low) / (high - low), picture::Paper::bright);
   EXPECT_EQ(sand.r, picture::color_of_kind("sand", 4).r);
   EXPECT_NE(sand.r, picture::color_of_kind("fluid", 0).r);
 }
@@ -61,6 +61,91 @@ TEST(PictureColors, ADeviationIsAsFarToBothSidesOfZero) {
   EXPECT_EQ(drawn(R"({"color_by": "vorticity", "color_map": "ember"})").color_map, ColorMap::ember);
   EXPECT_EQ(*drawn(R"({"color_by": "vorticity", "range": [-3, 5]})").scalar_max, 5);
   EXPECT_EQ(drawn(R"({"color_by": "speed"})").color_map, ColorMap::viridis);
+}
+
+double luminance(const Color& c) {
+  using picture::linear_from_srgb;
+  return 0.2126 * linear_from_srgb(c.r) + 0.7152 * linear_from_srgb(c.g) + 0.0722 * linear_from_srgb(c.b);
+}
+
+/// As of the Web Content Accessibility Guidelines: 1 for equal colours, 21 for black on white.
+double contrast(const Color& a, const Color& b) {
+  const double x = luminance(a) + 0.05, y = luminance(b) + 0.05;
+  return std::max(x, y) / std::min(x, y);
+}
+
+Color dark_paper() {
+  PictureLook look;
+  look.theme = PictureLook::Theme::dark;
+  return test::PictureSession(colored_scene(kEddies, "{}"), 0).list(look).background_bottom;
+}
+
+TEST(PictureColors, EveryAmountIsToldFromDarkPaper) {
+  const Color paper = dark_paper();
+  ASSERT_EQ(picture::paper_of(paper), picture::Paper::dark);
+  double least_of_bright = 21;
+  for (const ColorMap map :
+       {ColorMap::viridis, ColorMap::water, ColorMap::ember, ColorMap::snow, ColorMap::sand}) {
+    for (int k = 0; k <= 40; ++k) {
+      const auto t = static_cast<float>(k) / 40;
+      EXPECT_GT(contrast(picture::map_color(map, t, picture::Paper::dark), paper), 2.45)
+          << static_cast<int>(map) << " at " << t;
+      least_of_bright =
+          std::min(least_of_bright, contrast(picture::map_color(map, t, picture::Paper::bright), paper));
+    }
+  }
+  EXPECT_LT(least_of_bright, 1.2);  // the colours for bright paper begin invisibly
+}
+
+TEST(PictureColors, NothingIsTheColourOfThePaper) {
+  const Color dark = dark_paper(), bright = DrawList{}.background_bottom;
+  const auto at = [](ColorMap map, float t, const Color& paper) {
+    return contrast(picture::map_color(map, t, picture::paper_of(paper)), paper);
+  };
+  for (const Color& paper : {dark, bright}) {
+    EXPECT_LT(at(ColorMap::balance, 0.5f, paper), 1.5);
+    EXPECT_LT(at(ColorMap::smoke, 0, paper), 1.5);
+    for (const auto& [map, t] :
+         {std::pair{ColorMap::balance, 0.0f}, {ColorMap::balance, 1.0f}, {ColorMap::smoke, 1.0f}})
+      EXPECT_GT(at(map, t, paper), 4.5);
+  }
+}
+
+/// Whether luminance only grows or only falls from one t to another.
+bool monotonic(ColorMap map, picture::Paper paper, float from, float to) {
+  int up = 0, down = 0;
+  for (int k = 0; k < 60; ++k) {
+    const auto at = [&](int i) {
+      return luminance(picture::map_color(map, from + (to - from) * static_cast<float>(i) / 60, paper));
+    };
+    ++(at(k + 1) > at(k) ? up : down);
+  }
+  return up == 0 || down == 0;
+}
+
+TEST(PictureColors, LightnessSaysTheValueOnEveryPaper) {
+  for (const auto paper : {picture::Paper::bright, picture::Paper::dark}) {
+    for (const ColorMap map : {ColorMap::viridis, ColorMap::water, ColorMap::ember, ColorMap::smoke,
+                               ColorMap::snow, ColorMap::sand})
+      EXPECT_TRUE(monotonic(map, paper, 0, 1)) << static_cast<int>(map);
+    EXPECT_TRUE(monotonic(ColorMap::balance, paper, 0, 0.5f));
+    EXPECT_TRUE(monotonic(ColorMap::balance, paper, 0.5f, 1));
+    EXPECT_FALSE(monotonic(ColorMap::balance, paper, 0, 1));
+  }
+}
+
+TEST(PictureColors, LinesOverASurfaceAreToldFromIt) {
+  // Between the colours that most values have: an amount's first half, what is near zero of a deviation.
+  for (const auto paper : {picture::Paper::bright, picture::Paper::dark}) {
+    for (const ColorMap map : {ColorMap::balance, ColorMap::smoke, ColorMap::snow, ColorMap::sand})
+      EXPECT_GT(contrast(picture::ink_on(map, paper),
+                         picture::map_color(map, map == ColorMap::balance ? 0.5f : 0.2f, paper)),
+                3);
+  }
+  for (const ColorMap map : {ColorMap::viridis, ColorMap::water, ColorMap::ember})
+    EXPECT_GT(contrast(picture::ink_on(map, picture::Paper::dark),
+                       picture::map_color(map, 0, picture::Paper::dark)),
+              3);
 }
 
 const char* kThree = R"({"type": "nbody", "id": "bodies", "gravitational_constant": 1, "mass": 1,

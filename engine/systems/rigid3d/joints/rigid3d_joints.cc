@@ -1,4 +1,4 @@
-// Joints of the system "rigid3d" as users see them: their observables, and commands to their motors.
+// Joints of the system "rigid3d" as users see them: their energy and loads, and commands to their motors.
 #include <algorithm>
 #include <cmath>
 
@@ -7,71 +7,20 @@
 
 namespace truestep::rigid3d {
 
-void Rigid3d::observe_joints(const State& s, Observables& out) const {
+JointPlace Rigid3d::place_of(const State& s, size_t joint) const {
   const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
-  const double* load = s.f64(columns::joint_load).data();
-  const auto held = s.span<uint32_t>(columns::joint_bodies);
+  const auto held = s.span<uint32_t>(columns::joint_bodies).subspan(2 * joint, 2);
   const auto pose = [&](uint32_t i) { return i == kNoBody ? Pose{} : Pose{load3(x, i), load_quat(q, i)}; };
-  const auto is_broken = s.span<uint32_t>(columns::joint_broken);
-  double tilt = 0, force = 0, torque = 0;
-  for (size_t k = 0; k < joints_.joints.size(); ++k) {
-    if (is_broken[k]) continue;
-    const Joint& j = joints_.joints[k];
-    const JointPlace at = joint_place(j, pose(held[2 * k]), pose(held[2 * k + 1]));
-    double turned = 0;
-    for (size_t e = 3; e < 6; ++e) turned += j.locked[e] * at.coordinate[e] * at.coordinate[e];
-    tilt = std::max(tilt, std::sqrt(turned));
-    force = std::max(force, norm(load3(load, 2 * k))),
-    torque = std::max(torque, norm(load3(load, 2 * k + 1)));
-  }
-  out.add("joints.gap", widest_gap(s), "m");
-  out.add("joints.broken", static_cast<double>(std::count(is_broken.begin(), is_broken.end(), 1u)), "1");
-  if (joints_.joints.empty()) return;
-  out.add("joints.tilt", tilt, "rad");
-  out.add("joints.force", force, "N");
-  out.add("joints.torque", torque, "N m");
-  for (size_t k = 0; k < joints_.joints.size(); ++k) {
-    const Joint& j = joints_.joints[k];
-    if (j.id.empty()) continue;
-    const std::string name = "joint." + j.id;
-    out.add(name + ".force", norm(load3(load, 2 * k)), "N");
-    out.add(name + ".torque", norm(load3(load, 2 * k + 1)), "N m");
-    out.add(name + ".broken", is_broken[k], "1");
-    if (j.form == Joint::Form::gear) continue;
-    const JointPlace at = joint_place(j, pose(held[2 * k]), pose(held[2 * k + 1]));
-    double coordinate[6];
-    std::copy(at.coordinate, at.coordinate + 6, coordinate);
-    for (uint32_t d = j.first_drive; d < j.first_drive + j.drives; ++d) {
-      coordinate[joints_.drives[d].row] = s.f64(columns::drive_coordinate)[d];
-    }
-    if (j.form == Joint::Form::line) {
-      out.add(name + ".length", coordinate[0] + j.length, "m");
-      continue;
-    }
-    static constexpr const char* kRows[6] = {".x", ".y", ".z", ".turn_x", ".turn_y", ".turn_z"};
-    // A single translation or rotation has the plain name.
-    size_t slides = 0, turns = 0;
-    for (size_t e = 0; e < 3; ++e) slides += !j.locked[e], turns += !j.locked[3 + e];
-    for (size_t e = 0; e < 6; ++e) {
-      if (j.locked[e] || (e > 2 && j.form == Joint::Form::free)) continue;
-      const bool slide = e < 3, only = (slide ? slides : turns) == 1;
-      const char* plain = slide ? ".position" : ".angle";
-      out.add(name + (only ? plain : kRows[e]), coordinate[e], slide ? "m" : "rad");
-    }
-  }
+  return joint_place(joints_.joints[joint], pose(held[0]), pose(held[1]));
 }
 
 double Rigid3d::spring_energy(const State& s) const {
-  const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
-  const auto held = s.span<uint32_t>(columns::joint_bodies), broken = s.span<uint32_t>(columns::joint_broken);
-  const auto pose = [&](uint32_t i) { return i == kNoBody ? Pose{} : Pose{load3(x, i), load_quat(q, i)}; };
+  const auto broken = s.span<uint32_t>(columns::joint_broken);
   double sum = 0;
   for (size_t d = 0; d < joints_.drives.size(); ++d) {
     const Drive& drive = joints_.drives[d];
     if (!(drive.laws & Drive::kSpring) || broken[drive.joint]) continue;
-    const JointPlace at = joint_place(joints_.joints[drive.joint], pose(held[2 * drive.joint]),
-                                      pose(held[2 * drive.joint + 1]));
-    const double now = at.coordinate[drive.row];
+    const double now = place_of(s, drive.joint).coordinate[drive.row];
     const double off =
         (drive.row < 3 ? now : unwrapped(now, s.f64(columns::drive_coordinate)[d])) - drive.rest;
     sum += 0.5 * drive.stiffness * off * off;
@@ -80,14 +29,12 @@ double Rigid3d::spring_energy(const State& s) const {
 }
 
 double Rigid3d::widest_gap(const State& s) const {
-  const double *x = s.f64(columns::position).data(), *q = s.f64(columns::orientation).data();
-  const auto held = s.span<uint32_t>(columns::joint_bodies), broken = s.span<uint32_t>(columns::joint_broken);
-  const auto pose = [&](uint32_t i) { return i == kNoBody ? Pose{} : Pose{load3(x, i), load_quat(q, i)}; };
+  const auto broken = s.span<uint32_t>(columns::joint_broken);
   double gap = 0;
   for (size_t k = 0; k < joints_.joints.size(); ++k) {
     const Joint& j = joints_.joints[k];
     if (broken[k] || j.form == Joint::Form::gear) continue;
-    const JointPlace at = joint_place(j, pose(held[2 * k]), pose(held[2 * k + 1]));
+    const JointPlace at = place_of(s, k);
     double off = 0;
     for (size_t e = 0; e < 3; ++e) off += j.locked[e] * at.coordinate[e] * at.coordinate[e];
     gap = std::max(gap, std::sqrt(off));
@@ -104,8 +51,8 @@ bool Rigid3d::joints_drive(const State& s) const {
   return std::any_of(joints_.drives.begin(), joints_.drives.end(), works) || widest_gap(s) > 0.01 * size;
 }
 
-void Rigid3d::joint_loads(const State& s, JointLoad what, std::span<double> out) const {
-  std::fill(out.begin(), out.end(), 0.0);
+void Rigid3d::joint_loads(const State& s, JointLoad what, ShownRows rows, double* out) const {
+  std::fill_n(out, 3 * rows.count, 0.0);
   const auto held = s.span<uint32_t>(columns::joint_bodies);
   const auto broken = s.span<uint32_t>(columns::joint_broken);
   const double* load = s.f64(columns::joint_load).data();
@@ -113,8 +60,8 @@ void Rigid3d::joint_loads(const State& s, JointLoad what, std::span<double> out)
     if (broken[k] || joints_.joints[k].form == Joint::Form::gear) continue;
     const Vec3 made = load3(load, 2 * k + (what == JointLoad::force ? 0 : 1));
     const uint32_t a = held[2 * k], b = held[2 * k + 1];
-    if (a != kNoBody) store3(out.data(), a, load3(out.data(), a) - made);
-    if (b != kNoBody) store3(out.data(), b, load3(out.data(), b) + made);
+    if (a != kNoBody) store3(out, a, load3(out, a) - made);
+    if (b != kNoBody) store3(out, b, load3(out, b) + made);
   }
 }
 

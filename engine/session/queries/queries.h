@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "engine/core/def/def.h"
-#include "engine/session/session.h"
+#include "engine/session/queries/surroundings.h"
 
 namespace truestep {
 
@@ -18,15 +18,16 @@ struct QueryType {
 };
 std::span<const QueryType> query_types();
 
-/// The answer to a query in the present state of a session.
-using PreparedQuery = std::function<boost::json::object(const Session&)>;
+/// The answer to a query: "hits" (ray, shape_cast, nearest: sorted by distance in m, each with system, index,
+/// point and outward normal), "items" (overlap) or "contacts". Shapes that no row carries (obstacles) have no
+/// index.
+using PreparedQuery = std::function<boost::json::object(Surroundings&)>;
 /// Reads {"type": ..., parameters} for sessions of this world. Error "bad_query" with every fault and its
 /// pointer.
 PreparedQuery read_query(const World& world, const boost::json::value& query);
 
-/// The answer to a query in the session's present state: "hits" (ray, nearest: sorted by distance in m, each
-/// with system, index, point and outward normal), "items" (overlap) or "contacts". Shapes that no row carries
-/// (obstacles) have no index. Errors as of read_query.
-boost::json::object answer_query(const Session& session, const boost::json::value& query);
+/// The answer to a query in the session's present state, or to an array of them, in order. Errors as of
+/// read_query.
+boost::json::value answer_queries(const Session& session, const boost::json::value& queries);
 
 }  // namespace truestep
