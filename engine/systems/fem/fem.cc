@@ -42,7 +42,7 @@ void remember(State& s, const StepInput& in) {
 }  // namespace
 
 Fem::Fem(std::unique_ptr<const FemField> field, const ChosenMethod& method, const FemDef& def, double dt)
-    : ForceSystem(std::move(field), method.row, def.choice().options),
+    : Tabled(std::move(field), method.row, def.choice().options),
       elements_(static_cast<const FemField&>(force_field())),
       motion_(def.motion),
       colliders_(build_colliders(def.colliders)),
@@ -61,7 +61,7 @@ Fem::Fem(std::unique_ptr<const FemField> field, const ChosenMethod& method, cons
   drawing_.triangles = body().mesh.triangles();
   drawing_.triangle_elements = body().mesh.triangle_cells();
   if (body().plane) drawing_.space = PartDrawing::Space::plane;
-  name_parts();
+  show();
   if (def.modes > 0) frequencies_ = natural_frequencies(elements_, def.modes);
   if (motion_ == Motion::dynamic && def.holds.empty()) bound_speed();
   if (motion_ == Motion::quasi_static || barrier_) set_integration({});
@@ -184,23 +184,6 @@ void Fem::step_on_surfaces(State& s, const StepInput& in) const {
       Columns::kHands.any(s) || !b.pressures.empty() || !b.holds.empty() || elements_.load_share(in.t) < 1;
   on_surfaces_.step(force_field(), integrator(), options(), s, in,
                     driven ? SurfaceContacts::Supply::some : SurfaceContacts::Supply::none);
-}
-
-void Fem::name_parts() {
-  PartInfo points = main_part();
-  points.fields.push_back({"displacement", "m", Scalar::f64, 3});
-  points.fields.push_back({"von_mises", "Pa"});
-  PartInfo elements;
-  elements.kind = PartInfo::Kind::values;
-  elements.name = "elements";
-  elements.fields = {{"stress", "Pa", Scalar::f64, 6},
-                     {"strain", "1", Scalar::f64, 6},
-                     {"von_mises", "Pa"},
-                     {"energy_density", "J/m^3"},
-                     {"jacobian", "1"}};
-  elements.max_rows = body().mesh.cells();
-  elements.elements = PartInfo::Elements::triangles;
-  set_parts({std::move(points), std::move(elements)});
 }
 
 void Fem::resolve_contacts(State& s, const StepInput& in) const {
