@@ -101,7 +101,7 @@ TEST(DarkPaper, LinesOverASurfaceAreToldFromIt) {
               3);
 }
 
-constexpr int kSide = 400, kCells = 10;  // pixels; along a side of the picture
+constexpr int kPixels = 400, kAlong = 10;  // pixels; along a side of the picture
 
 /// A hundred short lines, or points, of colours from black to the palest, each in a cell of its own.
 DrawList hundred(bool points, bool exact) {
@@ -110,11 +110,11 @@ DrawList hundred(bool points, bool exact) {
   DrawList list;
   list.background_top = list.background_bottom = dark_paper();
   list.camera =
-      DrawCamera{{0.5 * kCells, 0.5 * kCells, 100}, {0.5 * kCells, 0.5 * kCells, 0}, Vec3{0, 1, 0}, 5.724};
-  for (int k = 0; k < kCells * kCells; ++k) {
+      DrawCamera{{0.5 * kAlong, 0.5 * kAlong, 100}, {0.5 * kAlong, 0.5 * kAlong, 0}, Vec3{0, 1, 0}, 5.724};
+  for (int k = 0; k < kAlong * kAlong; ++k) {
     DrawPoints& set = list.points.emplace_back();
-    const float brightest = share(random), x = static_cast<float>(k % kCells),
-                y = static_cast<float>(k / kCells);
+    const float brightest = share(random), x = static_cast<float>(k % kAlong),
+                y = static_cast<float>(k / kAlong);
     set.color = Color{brightest * share(random), brightest * share(random), brightest * share(random)};
     set.positions = {x + 0.3f, y + 0.5f, 0, x + 0.7f, y + 0.5f, 0};
     set.exact_lines = exact;
@@ -129,14 +129,14 @@ DrawList hundred(bool points, bool exact) {
 
 /// Least contrast with the paper of what is brightest in each cell.
 double least_contrast(const DrawList& list) {
-  const test::Pixels pixels = PictureRenderer(kSide, kSide).render_rgba(list);
+  const test::Pixels pixels = PictureRenderer(kPixels, kPixels).render_rgba(list);
   double least = 21;
-  for (int cell = 0; cell < kCells * kCells; ++cell) {
+  for (int cell = 0; cell < kAlong * kAlong; ++cell) {
     double most = 1;
-    for (int k = 0; k < kSide * kSide / (kCells * kCells); ++k) {
-      const int side = kSide / kCells;
+    for (int k = 0; k < kPixels * kPixels / (kAlong * kAlong); ++k) {
+      const int side = kPixels / kAlong;
       const test::Rgb c =
-          test::at(pixels, kSide, cell % kCells * side + k % side, cell / kCells * side + k / side);
+          test::at(pixels, kPixels, cell % kAlong * side + k % side, cell / kAlong * side + k / side);
       const Color seen{static_cast<float>(c.r) / 255, static_cast<float>(c.g) / 255,
                        static_cast<float>(c.b) / 255};
       if (luminance(seen) > luminance(list.background_bottom))
