@@ -12,7 +12,7 @@ import { bad, page, url } from "./served.mjs";
 let view; // pixels: {metre, middle: [x, y]} of the plane of the unit square
 
 const kStops = readFileSync(path.join(web, "src/render/fields/color_stops.ts"), "utf8")
-  .match(/viridisdarkHex = \[([^\]]*)\]/)[1].split(",").map(Number);
+  .match(/viridisHex = \[([^\]]*)\]/)[1].split(",").map(Number);
 /** The map's colour of t in [0, 1], bytes. */
 function mapped(t) {
   const x = Math.min(Math.max(t, 0), 1) * (kStops.length - 1);
