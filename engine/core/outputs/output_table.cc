@@ -74,8 +74,12 @@ std::vector<PartInfo> ShownFields::choose(const OutputTable& table, const System
       Shown& shown = shown_.emplace_back(Shown{&row, member++, {}});
       for (const OutputTable::Field& f : row.fields) {
         if (f.when && !f.when(system)) continue;
-        shown.fields.push_back(&f);
-        part.fields.push_back(f.info);
+        const auto names = f.family ? f.family(system, shown.member) : std::vector<std::string>(1);
+        for (size_t k = 0; k < names.size(); ++k) {
+          shown.fields.push_back({&f, k});
+          part.fields.push_back(f.info);
+          if (f.family) part.fields.back().name = member_name(f.info.name, names[k]);
+        }
       }
       out.push_back(std::move(part));
     }
@@ -86,10 +90,12 @@ std::vector<PartInfo> ShownFields::choose(const OutputTable& table, const System
 FieldView ShownFields::field(const System& system, const State& state, size_t part, size_t field,
                              std::vector<double>& scratch) const {
   const Shown& shown = shown_[part];
-  const OutputTable::Field& f = *shown.fields[field];
+  const auto& [row, member] = shown.fields[field];
+  const OutputTable::Field& f = *row;
   const ShownRows rows = shown.part->rows ? shown.part->rows(system, state, shown.member)
                                           : ShownRows{0, system.parts()[part].max_rows};
-  return {f.get(system, state, {f.info, rows, scratch}), f.info.type, rows.count, f.info.width};
+  return {f.get(system, state, {f.info, rows, scratch, shown.member, member}), f.info.type, rows.count,
+          f.info.width};
 }
 
 }  // namespace truestep

@@ -88,8 +88,9 @@ class OutputsOf {
   /// present(system): a PartInfo without fields, an optional one, or a list of them, which "group<k>" names.
   template <class Present>
   OutputsOf& part(const char* name, Present present) {
-    table_.parts.push_back(
-        {.name = name, .present = [present](const System& s) { return listed(present(of(s))); }});
+    table_.parts.push_back({.name = name, .present = [present](const System& s) {
+                              return listed(std::invoke(present, of(s)));
+                            }});
     return *this;
   }
   /// Rows of the columns that the last part shows: rows(system, state, number of the part in its list).
@@ -129,6 +130,13 @@ class OutputsOf {
   template <class When>
   OutputsOf& field_when(When when) {
     table_.parts.back().fields.back().when = [when](const System& s) { return std::invoke(when, of(s)); };
+    return *this;
+  }
+
+  /// The last field is a family: names(system, k) stand for <...> in the k-th part of its row.
+  template <class Names>
+  OutputsOf& field_each(Names names) {
+    table_.parts.back().fields.back().family = [names](const System& s, size_t k) { return names(of(s), k); };
     return *this;
   }
 
