@@ -240,10 +240,11 @@ bool Driver::apply(State& state, State::Column column, const Command& command) c
   return true;
 }
 
-void Driver::observe(double t, std::span<const double> set, Observables& out) const {
+std::vector<double> Driver::control_values(double t, std::span<const double> set) const {
   Scratch s;
   values_at(frame_time(t, frame_rate_), set, s);
-  for (size_t k = 0; k < controls_.size(); ++k) out.add("control." + names_of_[k], s.variables[1 + k], "1");
+  const auto first = s.variables.begin() + 1;
+  return {first, first + static_cast<ptrdiff_t>(controls())};
 }
 
 size_t Driver::memory_bytes() const {

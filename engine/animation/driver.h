@@ -12,7 +12,6 @@
 #include "engine/animation/driver_def.h"
 #include "engine/base/errors.h"
 #include "engine/core/commands/command.h"
-#include "engine/core/observables.h"
 #include "engine/core/state/state.h"
 #include "engine/kernels/animation/arc_length.h"
 #include "engine/math/expression/names.h"
@@ -67,8 +66,9 @@ class Driver {
 
   /// set_parameter of a control: true when `name` is one. Its caller refuses values of another kind.
   bool apply(State& state, State::Column column, const Command& command) const;
-  /// Values of all controls, as control.<name>.
-  void observe(double t, std::span<const double> set, Observables& out) const;
+  /// Values of all controls at time t (s).
+  std::vector<double> control_values(double t, std::span<const double> set) const;
+  const std::vector<std::string>& control_names() const { return names_of_; }
   size_t memory_bytes() const;
 
  private:

@@ -64,6 +64,11 @@ class Coupling {
   /// Largest substep (s) that the coupling is known to tolerate; empty when unknown or unlimited. In the
   /// initial state it bounds the scene's substeps.
   virtual std::optional<double> stable_h(const ConstCoupledStates& s) const { return std::nullopt; }
+  /// s on one core that a substep of h takes the coupling alone, from what its two systems turned out to be;
+  /// empty: as estimated from its parameters.
+  virtual std::optional<double> step_seconds(const ConstCoupledStates& s, double h) const {
+    return std::nullopt;
+  }
 };
 
 /// What a coupling's factory is given: its sides with their states at t = 0.

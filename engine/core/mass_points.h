@@ -1,17 +1,11 @@
-// What moving point masses under a uniform weight have together: energies, momenta, centre and extent, as
-// observables with the names and units that every system of particles gives them.
+// What moving point masses under a uniform weight have together: energies, momenta, centre and extent.
 #pragma once
 #include <algorithm>
 #include <cmath>
-#include <string>
 
-#include "engine/core/observables.h"
 #include "engine/math/vec3.h"
 
 namespace truestep {
-
-/// name.x, name.y and name.z.
-void add_vector(Observables& out, const std::string& name, const Vec3& a, const char* unit);
 
 struct MassPoints {
   explicit MassPoints(const Vec3& weight) : gravity(weight) {}
@@ -30,11 +24,11 @@ struct MassPoints {
   /// m/s, of the fastest.
   double speed() const { return std::sqrt(fastest); }
 
-  /// Of motion and weight alone.
-  void observe_energy(Observables& out) const;
-  void observe_centre(Observables& out) const;
-  /// Not numbers where there are no points.
-  void observe_extent(Observables& out) const;
+  /// J, of motion and weight alone.
+  double total() const { return kinetic + height; }
+  /// m, of the extent; not numbers where there are no points.
+  Vec3 lowest() const { return low.x <= high.x ? low : centre(); }
+  Vec3 highest() const { return low.x <= high.x ? high : centre(); }
 
   Vec3 gravity;                                         ///< m/s^2
   double mass = 0;                                      ///< kg

@@ -32,6 +32,16 @@ class AnsweredPairs {
 
   /// Whether either side responds as a whole.
   bool any() const { return a_ || b_; }
+  /// Of both sides together.
+  AnswersImpulses::Seconds answer_seconds() const {
+    AnswersImpulses::Seconds sum;
+    for (const AnswersImpulses* side : {a_, b_ == a_ ? nullptr : b_}) {
+      if (!side) continue;
+      const auto one = side->answer_seconds();
+      sum.first += one.first, sum.again += one.again;
+    }
+    return sum;
+  }
 
   /// Change of u by the given impulses, to be subtracted to get the motion without them. Builds new matrices
   /// for both sides, which the following calls reuse.

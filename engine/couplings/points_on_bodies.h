@@ -88,6 +88,9 @@ class PointsOnBodies {
 
   /// Whether the points respond as a whole.
   bool together() const { return together_ != nullptr; }
+  AnswersImpulses::Seconds answer_seconds() const {
+    return together_ ? together_->answer_seconds() : AnswersImpulses::Seconds{};
+  }
   const PointPort& points() const { return points_; }
   const BodyPort& bodies() const { return bodies_; }
 

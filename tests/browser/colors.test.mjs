@@ -3,7 +3,7 @@
 // TRUESTEP_BINARY.
 import assert from "node:assert/strict";
 import { before, test } from "node:test";
-import { ask, open, pixels, until } from "./pixels.mjs";
+import { ask, open, pixels, settled, until } from "./pixels.mjs";
 import { bad, browser, page, url } from "./served.mjs";
 
 const kFree = { x: 60, y: 70, width: 880, height: 600 }; // no panel is there
@@ -84,10 +84,30 @@ test("the low end of a colour map has the colour of its legend", async () => {
   const id = await open(page, url, { ...still, gravity: [0, 0, 0], viewer: { color_by: "speed", range: [0, 10] }, systems: [water] });
   const [own, sent] = [await hueOf(page), await drawn(id)];
   assert.ok(apart(own.hue, sent.hue) < kSameHue, `${own.hue} in the viewer, ${sent.hue} in the picture`);
-  // viridis begins with rgb(68, 1, 84): hardly any green.
+  // On dark paper viridis begins with rgb(125, 91, 190): more blue than red, and least green.
   const shot = await pixels(page, kFree);
-  const purple = shot.where((r, g, b) => b > 50 && g < 0.5 * r);
+  const purple = shot.where((r, g, b) => b > 50 && b > 1.2 * r && r > 1.1 * g);
   assert.ok(purple.length > 0.6 * own.count, `${purple.length} of ${own.count} pixels are purple`);
+});
+
+test("nothing of a deviation is the colour of the paper, in a paused session too", async () => {
+  const eddies = { type: "grid_fluid", id: "flow", cells: [32, 32], size: [1, 1], side: { kind: "periodic" }, initial: ["sin(2*pi*y)", "sin(2*pi*x)"] };
+  await open(page, url, { time: { dt: 0.001 }, gravity: [0, 0, 0], viewer: { color_by: "vorticity", labels: false }, systems: [eddies] });
+  await settled(page);
+  const shares = async () => {
+    const shot = await pixels(page, { x: 400, y: 200, width: 400, height: 300 });
+    const all = shot.where(() => true).length;
+    return { dark: shot.where((r, g, b) => r + g + b < 260).length / all, pale: shot.where((r, g, b) => r + g + b > 600).length / all };
+  };
+  const bar = () => page.$eval("#scale > i", (ramp) => ramp.style.background);
+  const [night, nightBar] = [await shares(), await bar()];
+  await page.keyboard.press("l");
+  await settled(page);
+  const [day, dayBar] = [await shares(), await bar()];
+  await page.keyboard.press("l");
+  assert.ok(night.dark > 0.15 && night.pale < 0.05, JSON.stringify(night));
+  assert.ok(day.pale > 0.15 && day.dark < 0.1, JSON.stringify(day));
+  assert.notEqual(nightBar, dayBar);
 });
 
 test("kinds have names beside their colours instead of a bar", async () => {

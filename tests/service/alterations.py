@@ -30,6 +30,17 @@ def output(change):
     return "program", None, change
 
 
+def growing_estimates():
+    """Estimates of each scene a hundred times those of the one before."""
+    calls = itertools.count()
+
+    def apply(p):
+        report = json.loads(p.stdout)
+        report["estimate"]["seconds_per_step"] *= 100.0 ** next(calls)
+        p.stdout = json.dumps(report)
+    return output(apply)
+
+
 def put(key, value):
     return lambda o: o.update({key: value})
 
@@ -137,6 +148,26 @@ ALTERED = {
         "test_mesh_files_stand_where_scenes_refer_to_them": [answer("GET /v1/assets/", text(b"v 10", b"v 11"))],
         "test_a_run_gives_observables_over_time": [body("GET .*/result$", lambda o: o["summary"].update(state_hash="0" * 16))],
     },
+    "round_trip_test.RoundTrip": {
+        "test_it_is_what_the_requests_one_by_one_give": [body("POST .*/step", lambda o: o.get("observables", {}).update(x=1))],
+        "test_names_choose": [body("POST .*/step", lambda o: o.get("observables", {}).update(x=1))],
+        "test_what_is_wrong_anywhere_changes_nothing": [body("POST .*/step", lambda o: o.get("errors") and o["errors"][0].update(pointer="/"))],
+        "test_a_command_may_name_what_the_one_before_made": [body("POST .*/commands", lambda o: isinstance(o, list) and o[0].update(step=1))],
+        "test_arrays_of_queries": [body("POST .*/queries", lambda o: isinstance(o, list) and o[0]["hits"][0].update(index=5))],
+        "test_protobuf": [answer("POST .*/step", text(b'"step":3', b'"step":4'))],
+        "test_a_repeated_request_is_carried_out_once": [body("GET /v1/sessions/[^/]*$", put("step", 2))],
+        "test_a_run_that_fails_says_so": [answer("POST .*/step", status(200))],
+        "test_over_the_stream_as_json": [message("answer", put("request_id", "two"))],
+        "test_over_the_stream_as_protobuf": [body("GET /v1/sessions/[^/]*$", put("state_hash", "0" * 16))],
+    },
+    "queries_test.Queries": {
+        # Ten times what a cast may stop short of.
+        "test_casts_beside_geometry": [body("POST .*/queries", lambda o: [h.update(distance=h["distance"] + 2e-3) for h in o["hits"]])],
+        "test_solids_that_overlap": [body("POST .*/queries", lambda o: o["items"] and o["items"].pop())],
+        "test_rows_are_passed_over": [body("POST .*/queries", lambda o: [h.update(index=7) for h in o["hits"]])],
+        "test_what_is_wrong_is_named": [body("POST .*/queries", lambda o: o["errors"][0].update(pointer="/"))],
+        "test_many_at_once_are_what_each_is": [body("POST .*/queries", lambda o: isinstance(o, list) and o[0].update(step=5))],
+    },
     "ending_test.Ending": {
         "test_sigterm_closes_streams_and_finishes_recordings": [output(stdout('"finalized":true', '"finalized":false'))],
         "test_limits_are_answered_with_the_estimate": [body("POST /v1/sessions$", put("code", "internal"))],
@@ -145,6 +176,12 @@ ALTERED = {
     "alike_test.Alike": {
         "test_what_is_valid_runs_and_what_is_not_does_not": [output(lambda p: "validate" in p.args and setattr(p, "returncode", 0))],
         "test_steps_much_shorter_than_the_grid_allows_are_valid": [output(lambda p: "validate" in p.args and setattr(p, "returncode", 3))],
+    },
+    "estimates_test.Estimates": {
+        "test_shorter_steps_of_constraints_have_fewer_substeps_of_their_own": [growing_estimates()],
+        "test_points_that_meet_bodies_are_not_factorised": [growing_estimates()],
+        "test_larger_bodies_touch_more_of_a_cloth": [growing_estimates()],
+        "test_a_stiff_attachment_asks_both_sides_and_a_soft_one_neither": [growing_estimates()],
     },
     "command_line_test.CommandLine": {
         "test_exit_codes": [output(lambda p: p.returncode == 6 and setattr(p, "returncode", 0))],

@@ -163,6 +163,21 @@ class Recordings(Restarted):
         self.step(s, 5)
         self.assertEqual(len(self.recordings()), 3)
 
+    def test_bodies_that_merge_leave_the_recording(self):
+        pair = {"time": {"dt": 0.01, "duration": 1}, "systems": [{"type": "nbody", "id": "n", "gravitational_constant": 0, "masses": [1, 1, 1],
+                "radii": [0.1, 0.1, 0.1], "positions": [[0, 0, 0], [1, 0, 0], [0, 3, 0]], "velocities": [[0, 0, 0], [-1.6, 0, 0], [0, 0, 0]],
+                "collisions": {"response": "merge"}}]}
+        with tempfile.TemporaryDirectory() as folder:
+            scene, file, table = (os.path.join(folder, name) for name in ("s.json", "s.vtkhdf", "s"))
+            pathlib.Path(scene).write_text(json.dumps(pair))
+            done = subprocess.run([BINARY, "run", scene, "-o", file], capture_output=True, text=True, timeout=patience(60))
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(info(file)["frames"], 101)
+            done = subprocess.run([BINARY, "export", file, "--format", "csv", "-o", table], capture_output=True, text=True, timeout=patience(60))
+            self.assertEqual(done.returncode, 0, done.stderr)
+            rows = [line.split(",")[:2] for line in pathlib.Path(table + ".csv").read_text().splitlines()[1:]]
+            self.assertEqual([sum(step == at for step, _ in rows) for at in ("0", "100")], [3, 2], rows[:4])
+
     def test_never_overwritten(self):
         path = "/v1/sessions/%s" % uuid.uuid4()
         links = self.service.request("PUT", path, self.SCENE).json()["links"]

@@ -183,7 +183,8 @@ class RoundTrip(Case):
             if 12 in message:
                 break
         answer = fields_of(message[12][0])
-        self.assertEqual((answer[1], json.loads(answer[2][0])["step"]), ([b"one"], 2))
+        told = json.loads(answer[2][0])
+        self.assertEqual((answer[1], told["step"], told["state_hash"]), ([b"one"], 2, self.get("")["state_hash"]))
         self.assertEqual(fields_of(answer[3][0])[2], [2])
         socket.close()
 

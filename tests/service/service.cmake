@@ -1,5 +1,5 @@
 # The real program as a client sees it, a file of tests per subject; their controls; and the checks that it must survive.
-foreach(part sessions lifecycle memory output catalogue equations stream watched routes ending command_line alike check commands data_folder swapped restart recordings keys refusals starts portable openapi steering round_trip queries pressed_substeps elastic_substeps heavy concurrent manners control)
+foreach(part sessions lifecycle memory output catalogue equations stream watched routes ending command_line alike estimates check commands data_folder swapped restart recordings keys refusals starts portable openapi steering round_trip queries pressed_substeps elastic_substeps heavy concurrent manners control)
   add_test(NAME service.${part} COMMAND ${Python3_EXECUTABLE} -m unittest -v ${part}_test
            WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}/tests/service)
   set_tests_properties(service.${part} PROPERTIES LABELS service

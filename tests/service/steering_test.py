@@ -279,6 +279,30 @@ class Steering(Case):
             found = self.service.post("/v1/sessions/%s/queries" % s, query).json()[key]
             self.assertEqual([(f["system"], f.get("index")) for f in found], [("w", 0)], query)
 
+    def test_queries_tell_of_a_collider_once_in_every_system(self):
+        block = {"origin": [-0.5, 3, -0.5], "size": [1, 1, 1], "cells_x": 2, "cells_y": 2, "cells_z": 2}
+        box = {"low": [-2, -1, -2], "high": [2, 4, 2]}
+        rope = {"rope": {"from": [0, 3, 0], "to": [1, 3, 0], "links": 4}, "mass": 1}
+        for kind, own in (("particles", {"positions": [[0, 3, 0]], "radius": 0.1}), ("mass_spring", rope), ("xpbd", rope),
+                          ("fem", {"block": block, "youngs_modulus": 1e4, "density": 1000}),
+                          ("sph", {**box, "spacing": 0.2, "bodies": [{"center": [0, 3, 0], "half_extents": [0.4, 0.4, 0.4]}]}),
+                          ("mpm", {**box, "cell": 0.2, "bodies": [{"shape": "ball", "center": [0, 3, 0], "radius": 0.4}]}),
+                          ("flocking", {"positions": [[0, 3, 0], [1, 3, 0]], "velocities": [[1, 0, 0], [1, 0, 0]]})):
+            scene = {"time": {"dt": 0.001}, "systems": [{"type": kind, "id": "w", "colliders": [{"type": "plane", "normal": [0, 1, 0]}], **own}]}
+            s = self.service.create(scene)["id"]
+            for query, key in (({"type": "ray", "origin": [1.5, 1, 0], "direction": [0, -1, 0]}, "hits"),
+                               ({"type": "nearest", "point": [1.5, 0.5, 0], "within": 0.8}, "hits"),
+                               ({"type": "overlap", "center": [1.5, 0, 0], "radius": 0.5}, "items")):
+                found = self.service.post("/v1/sessions/%s/queries" % s, query).json()[key]
+                self.assertEqual([f["part"] for f in found], ["plane0"], (kind, query))
+
+    def test_no_body_is_spawned_in_the_plane(self):
+        s = self.service.create(driven("rigid2d", {}))["id"]
+        for name in ({}, {"name": "a"}):
+            told = self.command(s, 422, type="spawn", position=[0, 3, 0], **name)["errors"][0]
+            self.assertEqual((told["pointer"], told["code"]), ("/type", "unsupported_command"))
+            self.assertNotIn("spawn", told["allowed"].split(", "))
+
     def test_the_refusal_of_accuracy_says_which_types_take_it(self):
         answer = self.service.post("/v1/scenes/validate", {**driven("rigid3d", {}), "accuracy": {"tolerance": 1e-4}}).json()
         fault = next(f for f in answer["errors"] if f["pointer"] == "/accuracy/system")

@@ -17,6 +17,11 @@ class AnswersImpulses {
   enum class Answer : uint8_t { first, again };
   virtual void answer(State& state, const StepInput& input, Answer which, std::span<const double> impulses,
                       std::span<double> dv) const = 0;
+  /// s on one core, as estimated, of a first call and of each that uses its matrix again.
+  struct Seconds {
+    double first = 0, again = 0;
+  };
+  virtual Seconds answer_seconds() const = 0;
 };
 
 /// The system's answers; null when each of its points responds for itself.

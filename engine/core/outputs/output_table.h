@@ -4,6 +4,8 @@
 // system that answers from it. The functions of a row are given the system that the table was built for.
 #pragma once
 #include <functional>
+#include <mutex>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,7 +33,8 @@ struct OutputTable {
     FieldInfo info;
     std::string sentence;
     std::string listed;  ///< its name in descriptions; empty: the main part's field of this name is described
-    std::function<bool(const System&)> when = {};  ///< null: in every scene
+    std::function<bool(const System&)> when = {};    ///< null: in every scene
+    std::function<Scalar(const System&)> type = {};  ///< null: info.type
     /// Names that stand for <...> in the k-th part of its row; null: one field.
     std::function<std::vector<std::string>(const System&, size_t k)> family = {};
     /// The first element: rows.count x info.width of them, of type info.type.
@@ -59,20 +62,20 @@ struct OutputTable {
     std::vector<Observable> rows;
     std::function<bool(const System&)> when;                        ///< null: in every scene
     std::function<std::vector<std::string>(const System&)> family;  ///< null: one of each
-    std::function<void(const System&, const State&, double t, size_t member, Observables&)> run;
+    /// Of these members, each row that has a value in order; {0} where there is one of each.
+    using Found = std::function<void(size_t member, size_t row, double value)>;
+    std::function<void(const System&, const State&, double t, std::span<const size_t>, const Found&)> run;
   };
 
   std::string rows;  ///< what row k is
   std::vector<Part> parts;
   std::vector<Pass> passes;
 
-  void observe(const System& system, const State& state, double t, Observables& out) const;
   /// For people and programs; valid while the table lives.
   Outputs described() const;
+  /// Of two classes of one type: what this one has, then what only the other has. Valid while both live.
+  Outputs described_with(const OutputTable& other) const;
 };
-
-/// "door.<id>.flow" of the member "exit": "door.exit.flow"; "joint.<id>.<axis>" of "hip.x": "joint.hip.x".
-std::string member_name(std::string_view pattern, std::string_view member);
 
 /// A part of that kind with at most so many rows.
 PartInfo points_part(size_t max_rows);
@@ -97,6 +100,24 @@ class ShownFields {
     std::vector<Shows> fields;
   };
   std::vector<Shown> shown_;
+};
+
+/// The observables of the table that a built system has, by name.
+class ShownObservables {
+ public:
+  void observe(const OutputTable& table, const System& system, const State& state, double t,
+               Observables& out) const;
+
+ private:
+  struct Shown {
+    const OutputTable::Pass* pass;
+    std::vector<size_t> members;
+    std::vector<std::string> names;  ///< of a member's rows, then of the next one's
+  };
+  void choose(const OutputTable& table, const System& system) const;
+
+  mutable std::once_flag chosen_;
+  mutable std::vector<Shown> shown_;  ///< chosen when first asked for: not every system is observed
 };
 
 }  // namespace truestep

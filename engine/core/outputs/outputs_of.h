@@ -24,12 +24,15 @@
 #include <vector>
 
 #include "engine/core/outputs/output_table.h"
+#include "engine/core/state/real_column.h"
 
 namespace truestep {
 
 /// Where the value of a row lies in what its pass measured.
 template <class M>
-using MeasuredValue = std::variant<double M::*, std::optional<double> M::*, Vec3 M::*, double (*)(const M&)>;
+using MeasuredValue =
+    std::variant<double M::*, std::optional<double> M::*, Vec3 M::*, std::optional<Vec3> M::*,
+                 double (M::*)() const, Vec3 (M::*)() const, double (*)(const M&), Vec3 (*)(const M&)>;
 
 template <class M>
 struct Measured {
@@ -39,10 +42,30 @@ struct Measured {
   const char* sentence = "";
 };
 
+/// Of a pass that hands out a column of numbers: the k-th of them.
+template <size_t k>
+inline constexpr auto entry = [](const auto& numbers) { return static_cast<double>(numbers[k]); };
+
+/// A pass that counts the rows of a column: its row is entry<0>.
+inline auto count_rows(State::Column c) {
+  return [c](const System&, const State& s, double) { return std::array{s.rows(c)}; };
+}
+
 /// The rows of a column that the part shows; of the type and width of the field.
 inline auto column(State::Column c) {
   return [c](const State& s, const FieldAt& at) -> const void* {
     return s.bytes(c).data() + at.rows.first * at.info.width * scalar_size(at.info.type);
+  };
+}
+/// The same of a column whose number the system keeps, which may be optional.
+template <class S, class Column>
+auto column(Column S::*kept) {
+  return [kept](const S& system, const State& s, const FieldAt& at) {
+    if constexpr (std::is_same_v<Column, State::Column>) {
+      return column(system.*kept)(s, at);
+    } else {
+      return column(*(system.*kept))(s, at);
+    }
   };
 }
 /// As many rows as the column has, of a part that grows and shrinks.
@@ -67,11 +90,11 @@ auto computed_by(Fill fill) {
     return at.scratch.data();
   };
 }
-/// The magnitude of the vectors of a column of doubles.
+/// The magnitude of the vectors of a column.
 inline auto length_of(State::Column c) {
   return computed([c](const State& s, ShownRows rows, double* out) {
-    const double* v = s.f64(c).data() + 3 * rows.first;
-    for (size_t i = 0; i < rows.count; ++i) out[i] = norm(load3(v, i));
+    const RealColumn<const double> v(s, c);
+    for (size_t i = 0; i < rows.count; ++i) out[i] = norm(v.vector(rows.first + i));
   });
 }
 
@@ -80,7 +103,17 @@ class OutputsOf {
   template <class Pass>
   using Result = std::remove_cvref_t<std::invoke_result_t<Pass, const S&, const State&, double>>;
   template <class Pass>
-  using ResultEach = std::remove_cvref_t<std::invoke_result_t<Pass, const S&, const State&, double, size_t>>;
+  static constexpr bool by_member = std::is_invocable_v<Pass, const S&, const State&, double, size_t>;
+  template <class Pass, bool = by_member<Pass>>
+  struct OfEach {
+    using Type = std::remove_cvref_t<std::invoke_result_t<Pass, const S&, const State&, double, size_t>>;
+  };
+  template <class Pass>
+  struct OfEach<Pass, false> {
+    using Type = typename Result<Pass>::value_type;
+  };
+  template <class Pass>
+  using ResultEach = typename OfEach<Pass>::Type;
 
  public:
   explicit OutputsOf(const char* rows) { table_.rows = rows; }
@@ -140,34 +173,32 @@ class OutputsOf {
     return *this;
   }
 
+  /// The type of the last field in this scene.
+  template <class Type>
+  OutputsOf& field_type(Type type) {
+    table_.parts.back().fields.back().type = [type](const System& s) { return std::invoke(type, of(s)); };
+    return *this;
+  }
+
   /// Observables of one pass, (system.*pass)(state, t) or pass(system, state, t).
   template <class Pass>
   OutputsOf& measured(Pass pass, std::initializer_list<Measured<Result<Pass>>> rows) {
-    using M = Result<Pass>;
-    add_pass<M>({rows.begin(), rows.size()}, [pass](const System& s, const State& state, double t, size_t) {
-      return std::invoke(pass, of(s), state, t);
-    });
-    return *this;
+    return add_measured(pass, std::span<const Measured<Result<Pass>>>(rows.begin(), rows.size()));
   }
   /// The same rows as those of other systems.
   template <class Pass, size_t N>
   OutputsOf& measured(Pass pass, const std::array<Measured<Result<Pass>>, N>& rows) {
-    using M = Result<Pass>;
-    add_pass<M>({rows.begin(), rows.size()}, [pass](const System& s, const State& state, double t, size_t) {
-      return std::invoke(pass, of(s), state, t);
-    });
-    return *this;
+    return add_measured(pass, std::span<const Measured<Result<Pass>>>(rows));
   }
-  /// Observables of each member of a family, whose names stand for <...>: pass(system, state, t, member).
+  /// Observables of each member of a family, whose names stand for <...>: pass(system, state, t, member), or
+  /// pass(system, state, t), which makes a list of all of them.
   template <class Family, class Pass>
   OutputsOf& measured_each(Family family, Pass pass, std::initializer_list<Measured<ResultEach<Pass>>> rows) {
-    using M = ResultEach<Pass>;
-    add_pass<M>({rows.begin(), rows.size()},
-                [pass](const System& s, const State& state, double t, size_t member) {
-                  return std::invoke(pass, of(s), state, t, member);
-                });
-    table_.passes.back().family = [family](const System& s) { return std::invoke(family, of(s)); };
-    return *this;
+    return add_family(family, pass, std::span<const Measured<ResultEach<Pass>>>(rows.begin(), rows.size()));
+  }
+  template <class Family, class Pass, size_t N>
+  OutputsOf& measured_each(Family family, Pass pass, const std::array<Measured<ResultEach<Pass>>, N>& rows) {
+    return add_family(family, pass, std::span<const Measured<ResultEach<Pass>>>(rows));
   }
   /// The last pass belongs only to scenes for which this is true.
   template <class When>
@@ -205,32 +236,69 @@ class OutputsOf {
     part.fields.push_back(std::move(field));
   }
 
-  /// Adds one row after the other.
-  struct Writer {
-    const OutputTable::Observable* row;
-    Observables& out;
-    void operator()(double value) { out.add(row->name, value, row->unit), ++row; }
-    void operator()(const std::optional<double>& value) { value ? (*this)(*value) : void(++row); }
-    void operator()(const Vec3& v) { (*this)(v.x), (*this)(v.y), (*this)(v.z); }
-  };
+  template <class Pass, class M = Result<Pass>>
+  OutputsOf& add_measured(Pass pass, std::span<const Measured<M>> rows) {
+    add_pass<M>(rows, [pass](const System& s, const State& state, double t, std::span<const size_t>,
+                             const auto& use) { use(0, std::invoke(pass, of(s), state, t)); });
+    return *this;
+  }
 
-  template <class M, class Run>
-  void add_pass(std::span<const Measured<M>> rows, Run run) {
+  template <class Family, class Pass, class M = ResultEach<Pass>>
+  OutputsOf& add_family(Family family, Pass pass, std::span<const Measured<M>> rows) {
+    add_pass<M>(rows, [pass](const System& s, const State& state, double t, std::span<const size_t> members,
+                             const auto& use) {
+      if constexpr (by_member<Pass>) {
+        for (const size_t k : members) use(k, std::invoke(pass, of(s), state, t, k));
+      } else {
+        const auto all = std::invoke(pass, of(s), state, t);
+        for (const size_t k : members) use(k, all[k]);
+      }
+    });
+    table_.passes.back().family = [family](const System& s) { return std::invoke(family, of(s)); };
+    return *this;
+  }
+
+  /// Hands over one row after the other.
+  struct Writer {
+    size_t member, row;
+    const OutputTable::Pass::Found& found;
+    void operator()(double value) { found(member, row++, value); }
+    void operator()(const Vec3& v) { (*this)(v.x), (*this)(v.y), (*this)(v.z); }
+    void operator()(const std::optional<double>& value) { value ? (*this)(*value) : void(++row); }
+    void operator()(const std::optional<Vec3>& value) { value ? (*this)(*value) : void(row += 3); }
+  };
+  template <class M>
+  static bool is_vector(const MeasuredValue<M>& value) {
+    return std::visit(
+        []<class At>(At) {
+          using Value = std::remove_cvref_t<std::invoke_result_t<At, const M&>>;
+          return std::is_same_v<Value, Vec3> || std::is_same_v<Value, std::optional<Vec3>>;
+        },
+        value);
+  }
+
+  /// each(system, state, t, members, use) calls use(member, M) for each of the members.
+  template <class M, class Each>
+  void add_pass(std::span<const Measured<M>> rows, Each each) {
     OutputTable::Pass pass;
+    std::vector<MeasuredValue<M>> values;
     for (const Measured<M>& row : rows) {
-      const bool vector = std::holds_alternative<Vec3 M::*>(row.value);
-      if (!vector) pass.rows.push_back({row.name, row.unit, row.sentence});
-      for (size_t k = 0; vector && k < 3; ++k)
+      values.push_back(row.value);
+      if (!is_vector<M>(row.value)) {
+        pass.rows.push_back({row.name, row.unit, row.sentence});
+        continue;
+      }
+      for (size_t k = 0; k < 3; ++k)
         pass.rows.push_back({row.name + std::string{'.', "xyz"[k]}, row.unit, k == 0 ? row.sentence : ""});
     }
-    std::vector<MeasuredValue<M>> values;
-    for (const Measured<M>& row : rows) values.push_back(row.value);
-    pass.run = [run, values = std::move(values), names = pass.rows](
-                   const System& s, const State& state, double t, size_t member, Observables& out) {
-      const M measured = run(s, state, t, member);
-      Writer write{names.data(), out};
-      for (const MeasuredValue<M>& value : values)
-        std::visit([&](auto at) { write(std::invoke(at, measured)); }, value);
+    pass.run = [each, values = std::move(values)](const System& s, const State& state, double t,
+                                                  std::span<const size_t> members,
+                                                  const OutputTable::Pass::Found& found) {
+      each(s, state, t, members, [&](size_t member, const M& measured) {
+        Writer write{member, 0, found};
+        for (const MeasuredValue<M>& value : values)
+          std::visit([&](auto at) { write(std::invoke(at, measured)); }, value);
+      });
     };
     table_.passes.push_back(std::move(pass));
   }

@@ -11,7 +11,7 @@ template <class S, class Base>
 class Tabled : public Base {
  public:
   void observe(const State& state, double t, Observables& out) const final {
-    S::outputs().observe(*this, state, t, out);
+    observables_.observe(S::outputs(), *this, state, t, out);
   }
   FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const final {
     return shown_.field(*this, state, part, field, scratch);
@@ -24,6 +24,7 @@ class Tabled : public Base {
 
  private:
   ShownFields shown_;
+  ShownObservables observables_;
 };
 
 }  // namespace truestep

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "engine/couplings/attachment/body_attachment.h"
+#include "engine/couplings/attachment/link_work.h"
 #include "engine/couplings/attachment/links.h"
 #include "engine/couplings/sides.h"
 
@@ -73,13 +74,14 @@ std::vector<Attachment::Live>& Attachment::live_pairs(const Points& a, const Poi
                                                                                : "attachment.live");
   collect(a, b, live);
   if (wanted == Wanted::links) return live;
-  std::erase_if(live, [&](const Live& p) {
-    const Pair& pair = pairs_[p.pair];
-    const double pull = def_.stiffness * (pair.a_share * p.wa + pair.b_share * p.wb);
-    const double most = answered_.any() ? kMostKickedTogether : kMostKicked;
-    return (in.h * in.h * pull > most) != (wanted == Wanted::solved);
-  });
+  std::erase_if(live, [&](const Live& p) { return is_solved(p, in.h) != (wanted == Wanted::solved); });
   return live;
+}
+
+bool Attachment::is_solved(const Live& p, double h) const {
+  const Pair& pair = pairs_[p.pair];
+  const double pull = def_.stiffness * (pair.a_share * p.wa + pair.b_share * p.wb);
+  return h * h * pull > (answered_.any() ? kMostKickedTogether : kMostKicked);
 }
 
 void Attachment::begin(const CoupledStates& s, const StepInput& in) const {
@@ -221,6 +223,24 @@ double Attachment::stored_energy(const ConstCoupledStates& s) const {
     stored += 0.5 * def_.stiffness * stretch * stretch;
   }
   return stored;
+}
+
+// One matrix a substep; what was given at its start is answered, and the impulses found move both sides.
+std::optional<double> Attachment::step_seconds(const ConstCoupledStates& s, double h) const {
+  const ConstPoints a(s.a, a_), b(s.b, b_);
+  std::vector<Live> live;
+  collect(a, b, live);
+  const bool rigid = def_.link == AttachmentDef::Link::rigid;
+  if (!rigid) std::erase_if(live, [&](const Live& p) { return !is_solved(p, h); });
+  const auto solved = static_cast<double>(live.size());
+  double seconds = kKickSeconds * static_cast<double>(pairs_.size()) + kSweepSeconds * solved;
+  if (live.empty() || !answered_.any()) return seconds;
+  double directions = 0;
+  for (const Live& p : live) directions += rigid && p.rest > 0 ? 1 : 3;
+  const auto answer = answered_.answer_seconds();
+  const double again =
+      kDirections * asked(directions) + 1 + (rigid ? kClosings * (asked(directions) + 1) : 0);
+  return seconds + answer.first + again * answer.again;
 }
 
 std::vector<PlanRow> Attachment::plan() const {

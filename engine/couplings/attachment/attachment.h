@@ -35,6 +35,7 @@ class Attachment final : public Coupling {
   double stored_energy(const ConstCoupledStates& s) const override;
   void draw(const ConstCoupledStates& s, std::vector<DrawnString>& out) const override;
   std::vector<PlanRow> plan() const override;
+  std::optional<double> step_seconds(const ConstCoupledStates& s, double h) const override;
 
  private:
   /// Ids of the two points, and how many pairs are attached to each of them.
@@ -61,6 +62,8 @@ class Attachment final : public Coupling {
   static void match_velocities(Points& a, Points& b, const std::vector<Live>& live, Exchange& sum);
   /// Springs by impulses at both ends of a substep, springs too stiff for that, or all links.
   enum class Wanted : uint8_t { kicked, solved, links };
+  /// Whether a spring is solved within the step: too stiff for kicks in substeps of h.
+  bool is_solved(const Live& p, double h) const;
   std::vector<Live>& live_pairs(const Points& a, const Points& b, const StepInput& in, Wanted wanted) const;
   /// The motion of a pair without its impulse.
   struct FreePair {

@@ -5,6 +5,7 @@
 
 #include "engine/base/text/short_number.h"
 #include "engine/collision/point_distance.h"
+#include "engine/couplings/attachment/link_work.h"
 #include "engine/couplings/attachment/links.h"
 #include "engine/couplings/attachment/places.h"
 #include "engine/couplings/sides.h"
@@ -114,6 +115,25 @@ void BodyAttachment::each(const auto& points, const auto& bodies, auto&& visit) 
   }
 }
 
+bool BodyAttachment::may_be_kicked(size_t pair, const BodyLink& link, const auto& points, const auto& bodies,
+                                   double h) const {
+  // Bound: one over the mass plus one over the inertia at the arm.
+  const uint32_t b = link.body;
+  const Vec3& place = pairs_[pair].place;
+  double k = link.inverse_mass(points);
+  if (!bodies.free()) {
+    const Vec3 arm = arm_of(bodies, b, place);
+    for (const Vec3& n : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) k += bodies.inverse_mass(b, arm, n);
+  } else if (bodies.dynamic(b)) {
+    const BodyForm& f = bodies.form(b);
+    const double least = std::min({f.moments.x, f.moments.y, f.moments.z});
+    k += 1 / f.mass + norm2(place) / least;
+  }
+  double share = 0;
+  for (const Pair& p : pairs_) share += p.point == pairs_[pair].point || p.body == pairs_[pair].body;
+  return h * h * def_.stiffness * k * share <= (sides_.together() ? kMostKickedTogether : kMostKicked);
+}
+
 std::vector<BodyAttachment::Live>& BodyAttachment::live(const Points& points, const Bodies& bodies,
                                                         const StepInput& in, When when) const {
   auto& out = in.workspace.object<std::vector<Live>>("body_attachment.live");
@@ -125,7 +145,7 @@ std::vector<BodyAttachment::Live>& BodyAttachment::live(const Points& points, co
       // A spring kicked at the start is also kicked at the end; responses of jointed bodies change along the
       // way.
       double& kicked = in.workspace.doubles("body_attachment.kicked", pairs_.size())[k];
-      if (when == When::start) kicked = may_be_kicked(l, points, bodies, in.h);
+      if (when == When::start) kicked = may_be_kicked(k, l.link, points, bodies, in.h);
       l.kicked = kicked != 0;
     }
     out.push_back(l);
@@ -254,6 +274,25 @@ double BodyAttachment::stored_energy(const ConstCoupledStates& s) const {
     stored += 0.5 * def_.stiffness * stretch * stretch;
   });
   return stored;
+}
+
+// Every solution has a matrix of its own.
+std::optional<double> BodyAttachment::step_seconds(const ConstCoupledStates& s, double h) const {
+  const ConstPoints points(bodies_first_ ? s.b : s.a, sides_.points());
+  const ConstBodies bodies(bodies_first_ ? s.a : s.b, sides_.bodies());
+  double solved = 0, directions = 0;
+  each(points, bodies, [&](size_t k, uint32_t i, uint32_t j) {
+    BodyLink link;
+    link.rows[0] = i, link.body = j, link.held = pairs_[k].place;
+    if (!rigid() && bodies.free() && may_be_kicked(k, link, points, bodies, h)) return;
+    ++solved, directions += pairs_[k].rest == 0 ? 3 : 1;
+  });
+  double seconds = kKickSeconds * static_cast<double>(pairs_.size()) + kSweepSeconds * solved;
+  if (solved > 0 && sides_.together()) {
+    const auto answer = sides_.answer_seconds();
+    seconds += kClosings * (answer.first + (asked(directions) + 1) * answer.again);
+  }
+  return seconds;
 }
 
 std::vector<PlanRow> BodyAttachment::plan() const {

@@ -32,6 +32,7 @@ class BodyAttachment final : public Coupling {
   void draw(const ConstCoupledStates& s, std::vector<DrawnString>& out) const override;
   std::vector<std::string> doubts() const override { return doubts_; }
   std::vector<PlanRow> plan() const override;
+  std::optional<double> step_seconds(const ConstCoupledStates& s, double h) const override;
 
  private:
   struct Pair {
@@ -59,7 +60,8 @@ class BodyAttachment final : public Coupling {
   std::vector<Live>& live(const Points& points, const Bodies& bodies, const StepInput& in,
                           When when = When::later) const;
   /// Whether a spring is soft enough to be kicked at both ends of a substep.
-  bool may_be_kicked(const Live& l, const Points& points, const Bodies& bodies, double h) const;
+  bool may_be_kicked(size_t pair, const BodyLink& link, const auto& points, const auto& bodies,
+                     double h) const;
   void pull(const std::vector<Live>& live, Points& points, Bodies& bodies, double h, Exchange& sum) const;
   void damp(const std::vector<Live>& live, Points& points, Bodies& bodies, double h, Exchange& sum) const;
   static void give(const BodyLink& link, const Vec3& impulse, Points& points, Bodies& bodies, double h);

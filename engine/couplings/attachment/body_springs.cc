@@ -19,24 +19,6 @@ constexpr double kRounding = 1e-15;  ///< of lengths
 
 }  // namespace
 
-bool BodyAttachment::may_be_kicked(const Live& l, const Points& points, const Bodies& bodies,
-                                   double h) const {
-  // Bound: one over the mass plus one over the inertia at the arm.
-  const uint32_t b = l.link.body;
-  double k = l.link.inverse_mass(points);
-  if (!bodies.free()) {
-    const Vec3 arm = arm_of(bodies, b, l.place);
-    for (const Vec3& n : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) k += bodies.inverse_mass(b, arm, n);
-  } else if (bodies.dynamic(b)) {
-    const BodyForm& f = bodies.form(b);
-    const double least = std::min({f.moments.x, f.moments.y, f.moments.z});
-    k += 1 / f.mass + norm2(l.place) / least;
-  }
-  double share = 0;
-  for (const Pair& p : pairs_) share += p.point == pairs_[l.pair].point || p.body == pairs_[l.pair].body;
-  return h * h * def_.stiffness * k * share <= (sides_.together() ? kMostKickedTogether : kMostKicked);
-}
-
 // Half a substep's impulse of soft springs: J = -h/2 k (|r| - L) n.
 void BodyAttachment::pull(const std::vector<Live>& live, Points& points, Bodies& bodies, double h,
                           Exchange& sum) const {

@@ -31,6 +31,7 @@ class BodyContact final : public Coupling {
   /// The exchange, contacts (1) and penetration (m, the deepest) of the last substep.
   void observe(const ConstCoupledStates& s, Observables& out) const override;
   std::vector<PlanRow> plan() const override;
+  std::optional<double> step_seconds(const ConstCoupledStates& s, double h) const override;
 
  private:
   struct Scratch;

@@ -1,6 +1,10 @@
 // A body moved by a path and a turn through its BodyPort: at the start of a substep it is placed at their
 // pose, with the velocities (x1 - x0) / h and rotation_vector(q1 q0*) / h, and at the end at their pose then.
-// A free body is led in between: what it strikes is moved by the path, not by the body's own mass.
+// A free body is led in between: what it strikes is moved by the path, not by the body's own mass, and what
+// lies on it feels the path's acceleration throughout the substep, not as a jump of velocity at its start.
+#include <algorithm>
+#include <cmath>
+
 #include "engine/animation/driver.h"
 #include "engine/core/ports/body_carrier.h"
 #include "engine/core/ports/body_sleep.h"
@@ -40,7 +44,9 @@ class BodyDrive final : public Coupling {
   void begin(const CoupledStates& s, const StepInput& in) const override {
     const auto row = put(s, in, in.t);
     const BodySleep* sleep = port_.owner ? port_.owner->sleep() : nullptr;
-    if (row && sleep) sleep->set_sleep_timer(s.b, *row, BodySleep::kLed);
+    if (!row || !sleep) return;
+    const Way rate = rates(in.t, in.h);
+    sleep->lead(s.b, *row, rate.move, rate.turn);
   }
   // Wakes the body, which ends the lead.
   void end(const CoupledStates& s, const StepInput& in) const override { put(s, in, in.t + in.h); }
@@ -55,17 +61,46 @@ class BodyDrive final : public Coupling {
   std::vector<PlanRow> plan() const override { return {{PlanRow::Status::runs, "drive", what_}}; }
 
  private:
+  /// m/s and rad/s on the way from one pose to another, or m/s^2 and rad/s^2.
+  struct Way {
+    Vec3 move, turn;
+  };
+  static Way between(const Pose& from, const Pose& to, double h) {
+    const Quat on = animation::nearer({}, normalized(to.orientation * conjugate(from.orientation)));
+    return {(to.position - from.position) / h, free_rotation::rotation_vector(on) / h};
+  }
+  Pose pose(double t) const { return guide_.at(t) * offset_; }
+  /// Accelerations in the substep from t to t + h, by the velocities in it, before and after it: the smaller
+  /// of the two changes. A jump of velocity is none: it is met where it is.
+  Way rates(double t, double h) const {
+    const Pose now = pose(t), then = pose(t + h);
+    const Way here = between(now, then, h), next = between(then, pose(t + 2 * h), h);
+    // Nothing is known of what was before the start: by the two halves of the substep then.
+    const Pose middle = pose(t + 0.5 * h);
+    const bool starts = !(t > 0);
+    const Way last = starts ? between(now, middle, 0.5 * h) : between(pose(t - h), now, h),
+              from = starts ? between(middle, then, 0.5 * h) : here;
+    const double span = starts ? 0.5 * h : h;
+    return {smaller((from.move - last.move) / span, (next.move - here.move) / h),
+            smaller((from.turn - last.turn) / span, (next.turn - here.turn) / h)};
+  }
+  /// Half of a + b, no longer than the shorter of them; zero where they point apart.
+  static Vec3 smaller(const Vec3& a, const Vec3& b) {
+    const Vec3 mean = (a + b) * 0.5;
+    const double most = std::sqrt(std::min(norm2(a), norm2(b))), length = norm(mean);
+    if (!(dot(a, b) > 0)) return {};
+    return length > most ? mean * (most / length) : mean;
+  }
   /// Places the body at its pose at t, with the velocities that take it through the next substep; its row.
   std::optional<size_t> put(const CoupledStates& s, const StepInput& in, double t) const {
     const ConstBodies bodies(s.b, port_);
     const auto row = bodies.row_of(body_);
     if (!row) return row;
-    const Pose now = guide_.at(t) * offset_, then = guide_.at(t + in.h) * offset_;
-    const Quat on = animation::nearer({}, normalized(then.orientation * conjugate(now.orientation)));
+    const Pose now = pose(t);
+    const Way way = between(now, pose(t + in.h), in.h);
     auto& wanted = in.workspace.object<CarriedBodies>("drive.wanted");
     wanted.start(bodies.count());
-    wanted.want(*row, {now.position, normalized(now.orientation), (then.position - now.position) / in.h,
-                       free_rotation::rotation_vector(on) / in.h});
+    wanted.want(*row, {now.position, normalized(now.orientation), way.move, way.turn});
     carry(s.b, port_, wanted, in.workspace);
     return row;
   }

@@ -85,6 +85,7 @@ struct ContactLanes {
   W turn;                                     ///< rad/s about n, of b relative to a
   W surface[3], carried[3], carried_rate[3],  ///< m/s, m/s^2 (carried_contact.h), at the start of the step
       lift, lift_rate,                        ///< the same along the normal
+      lies,                                   ///< 1 where a face turns along with the face it lies on
       surface_turn[3];  ///< velocity at a's centre and angular velocity of b's moving surface relative to a's
 };
 
@@ -184,8 +185,9 @@ void prepare_contacts(ContactGroup<T>& g, const ContactLanes<T>& in) {
   // Loaded though still apart: the last step slowed the bodies so that they arrive in this one.
   g.struck = where_positive(nearest, one, zero);
 
-  // Friction acts where the surfaces will meet, half of the gap away from each.
-  half *= share;
+  // Friction acts where the surfaces will meet, half of the gap away from each. What turns along with what it
+  // lies on has no gap: that of points found ahead is their way there.
+  half *= share * (one - in.lies);
   const W* axes[3] = {g.normal, g.tangent[0], g.tangent[1]};
   W from_b[3];
   for (int k = 0; k < 3; ++k) from_b[k] = center[k] - in.offset[k];

@@ -80,6 +80,19 @@ Wide<T> grip(const ContactGroup<T>& g, const Wide<T> v[6], const Wide<T>& torque
   return where_positive(most, one / (one + held), one);
 }
 
+/// The inverse of K for sliding where the friction of the spin, after it, stops what the sliding has turned
+/// the bodies by: both are then solved at once. Where that friction is at its limit `torque`, slide_inverse.
+template <class T>
+void slide_with_twist(const ContactGroup<T>& g, const Wide<T>& torque, Wide<T> out[3]) {
+  using W = Wide<T>;
+  const W &x = g.k[at(3, 1)], &y = g.k[at(3, 2)];
+  const W follows = where_positive(torque - max(g.twist, -g.twist), g.twist_inverse, W(0)), fx = follows * x;
+  W both[3];
+  contact_rows::invert(nmadd(fx, x, g.k[at(1, 1)]), nmadd(fx, y, g.k[at(2, 1)]),
+                       nmadd(follows * y, y, g.k[at(2, 2)]), both);
+  for (int k = 0; k < 3; ++k) out[k] = where_positive(follows, both[k], g.slide_inverse[k]);
+}
+
 /// Rolling, torsional and sliding friction of a group for the current normal impulses; `time`: s since the
 /// start of the step.
 template <class T>
@@ -107,13 +120,14 @@ void solve_friction(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], T time) {
   };
   twist();
   {
-    W slip[2], change[2], added[2];
+    W slip[2], change[2], added[2], inverse[3] = {g.slide_inverse[0], g.slide_inverse[1], g.slide_inverse[2]};
     for (int t = 0; t < 2; ++t) slip[t] = v[1 + t] + g.slide_drift[t];
     if (g.flags & ContactGroup<T>::kTurns) {
       for (int t = 0; t < 2; ++t) slip[t] = madd(g.slide_rate[t], W(time), slip[t]);
+      slide_with_twist(g, torque, inverse);
     }
-    change[0] = -madd(g.slide_inverse[1], slip[1], g.slide_inverse[0] * slip[0]);
-    change[1] = -madd(g.slide_inverse[2], slip[1], g.slide_inverse[1] * slip[0]);
+    change[0] = -madd(inverse[1], slip[1], inverse[0] * slip[0]);
+    change[1] = -madd(inverse[2], slip[1], inverse[1] * slip[0]);
     const W most = g.friction * pressure;
     if (g.flags & ContactGroup<T>::kSpins) {
       const W lost = W(1) - grip(g, v, torque, most);
@@ -123,7 +137,8 @@ void solve_friction(ContactGroup<T>& g, Wide<T> v[6], Wide<T> f[6], T time) {
     for (int t = 0; t < 2; ++t) add_impulse(g, 1 + t, added[t], v, f);
   }
   // What goes round is pulled sideways anew in every substep, and where that acts beside its centre it would
-  // turn on its table by a little in each.
+  // turn on its table by a little in each: its spin is stopped last, and sliding is solved with that in view,
+  // or it would creep along with what is left of it.
   if (g.flags & ContactGroup<T>::kTurns) twist();
 }
 /// The relative velocity that a point should have, negated. Separated points may close their gap within one

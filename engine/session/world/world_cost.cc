@@ -32,13 +32,23 @@ std::optional<double> force_step_seconds(const Integration& s, const State& stat
 
 Cost World::cost(const WorldState& state) const {
   Cost sum = estimate(scene_);
+  std::vector<Cost> own;
   const double h = scene_.substep(), substeps = static_cast<double>(scene_.substeps());
   for (size_t i = 0; i < size(); ++i) {
     const SceneSystem& s = scene_.systems[i];
-    const Integration own = systems_[i]->integration();
-    const auto seconds = own.field ? force_step_seconds(own, state.systems[i], h)
-                                   : systems_[i]->limit(Limit::step_seconds, state.systems[i], h);
-    if (seconds) sum.seconds_per_step += substeps * (*seconds - s.row->cost(s.def.get()).seconds_per_step);
+    own.push_back(s.row->cost(s.def.get()));
+    const Integration method = systems_[i]->integration();
+    auto seconds = method.field ? force_step_seconds(method, state.systems[i], h) : std::nullopt;
+    if (!seconds) seconds = systems_[i]->limit(Limit::step_seconds, state.systems[i], h);
+    if (seconds) sum.seconds_per_step += substeps * (*seconds - own.back().seconds_per_step);
+  }
+  for (size_t k = 0; k < couplings_.size(); ++k) {
+    const SceneCoupling& c = scene_.couplings[k];
+    const ConstCoupledStates sides{state.couplings[k], state.systems[c.a], state.systems[c.b]};
+    const auto seconds = couplings_[k]->step_seconds(sides, h);
+    if (!seconds) continue;
+    sum.seconds_per_step +=
+        substeps * (*seconds - c.row->cost(c.def.get(), own[c.a], own[c.b]).seconds_per_step);
   }
   return sum;
 }

@@ -31,28 +31,37 @@ constexpr auto kBalance = colors_of(kBalanceHex);
 constexpr auto kSmoke = colors_of(kSmokeHex);
 constexpr auto kSnow = colors_of(kSnowHex);
 constexpr auto kSand = colors_of(kSandHex);
+constexpr auto kViridisDark = colors_of(kViridisDarkHex);
+constexpr auto kWaterDark = colors_of(kWaterDarkHex);
+constexpr auto kEmberDark = colors_of(kEmberDarkHex);
+constexpr auto kBalanceDark = colors_of(kBalanceDarkHex);
+constexpr auto kSmokeDark = colors_of(kSmokeDarkHex);
+constexpr auto kSandDark = colors_of(kSandDarkHex);
 constexpr auto kNatural = colors_of(kNaturalHex);
 static_assert(kNatural.size() == std::size(kNaturalNames));
 
-std::span<const Color> stops(ColorMap map) {
+std::span<const Color> stops(ColorMap map, Paper paper) {
+  const auto either = [&](std::span<const Color> bright, std::span<const Color> dark) {
+    return paper == Paper::dark ? dark : bright;
+  };
   switch (map) {
     case ColorMap::water:
-      return kWater;
+      return either(kWater, kWaterDark);
     case ColorMap::ember:
-      return kEmber;
+      return either(kEmber, kEmberDark);
     case ColorMap::balance:
-      return kBalance;
+      return either(kBalance, kBalanceDark);
     case ColorMap::smoke:
-      return kSmoke;
+      return either(kSmoke, kSmokeDark);
     case ColorMap::snow:
       return kSnow;
     case ColorMap::sand:
-      return kSand;
+      return either(kSand, kSandDark);
     case ColorMap::automatic:
     case ColorMap::viridis:
       break;
   }
-  return kViridis;
+  return either(kViridis, kViridisDark);
 }
 
 }  // namespace
@@ -68,12 +77,21 @@ Color color_of_kind(std::string_view name, size_t i) {
   return palette(i);
 }
 
-Color ink_over(const Color& paper) {
-  return paper.r + paper.g + paper.b > 1.2f ? Color{0.17f, 0.21f, 0.28f} : Color{0.88f, 0.91f, 0.95f};
+Paper paper_of(const Color& background) {
+  return background.r + background.g + background.b > 1.2f ? Paper::bright : Paper::dark;
 }
 
-Color map_color(ColorMap map, float t) {
-  const std::span<const Color> s = stops(map);
+Color ink_over(const Color& paper) {
+  return paper_of(paper) == Paper::bright ? Color{0.17f, 0.21f, 0.28f} : Color{0.88f, 0.91f, 0.95f};
+}
+
+Color ink_on(ColorMap map, Paper paper) {
+  const bool begins_dark = map == ColorMap::balance || map == ColorMap::smoke;
+  return paper == Paper::dark && begins_dark ? Color{0.88f, 0.91f, 0.95f} : Color{0.08f, 0.09f, 0.12f};
+}
+
+Color map_color(ColorMap map, float t, Paper paper) {
+  const std::span<const Color> s = stops(map, paper);
   const float last = static_cast<float>(s.size() - 1);
   const float x = t > 0 ? std::min(t, 1.0f) * last : 0.0f;
   const size_t i = std::min(static_cast<size_t>(x), s.size() - 2);

@@ -21,6 +21,13 @@ constexpr uint32_t kSmokeHex[] = {0xe9eef3, 0xc9cfd6, 0xa3aab3, 0x7d858f, 0x5a62
 // Loose snow is white; packed, it is blue as ice.
 constexpr uint32_t kSnowHex[] = {0xffffff, 0xf1f7fc, 0xd9e8f4, 0xb3d1e8, 0x84b3d6, 0x5590bf, 0x2f6a9c};
 constexpr uint32_t kSandHex[] = {0x6b4a25, 0x8f6636, 0xb08449, 0xcda463, 0xe2c488, 0xf3e2b8};
+// The same on dark paper: amounts begin where they can be told from it, deviations and smoke at its own colour.
+constexpr uint32_t kViridisDarkHex[] = {0x7d5bbe, 0x6a71c8, 0x5287c9, 0x3e9bc4, 0x34acb6, 0x3bbd9f, 0x5ccb82, 0x8dd862, 0xc4e23c, 0xfde725};
+constexpr uint32_t kWaterDarkHex[] = {0x2667b4, 0x2c79c4, 0x388dd1, 0x55a6dc, 0x7dc1e8, 0xaddcf2, 0xe8f7fd};
+constexpr uint32_t kEmberDarkHex[] = {0xa84470, 0xc14a5b, 0xd65745, 0xe86f36, 0xf48f35, 0xfab751, 0xfde6a0};
+constexpr uint32_t kBalanceDarkHex[] = {0x8cc4ff, 0x4f9be6, 0x3572b5, 0x2c4c74, 0x2a303a, 0x6a3d38, 0xad5344, 0xe07a58, 0xffb591};
+constexpr uint32_t kSmokeDarkHex[] = {0x2a303a, 0x4a515c, 0x6f7782, 0x969ea8, 0xc0c7cf, 0xeef2f6};
+constexpr uint32_t kSandDarkHex[] = {0x96693a, 0xa97a45, 0xbd9054, 0xd2aa6a, 0xe4c78d, 0xf4e4bc};
 // Kinds that have a colour of their own, by their names.
 constexpr const char* kNaturalNames[] = {"fluid", "water", "oil", "snow", "sand", "foam", "smoke", "ice", "Sun", "Mercury", "Venus", "Earth", "Mars", "Jupiter", "Saturn", "Uranus", "Neptune"};
 constexpr uint32_t kNaturalHex[] = {0x2f86c9, 0x2f86c9, 0xd9a52b, 0xf4f9fd, 0xd8b06a, 0xe9c4a0, 0x7d858f, 0xb3d1e8, 0xf2b233, 0x9a8f86, 0xdfb06c, 0x3f7fd0, 0xc9552f, 0xbf8a58, 0xd6bd7c, 0x6fc0cd, 0x4463c9};

@@ -43,12 +43,13 @@ void check(const DrawPoints& set, size_t index) {
 
 // Colours of `values` by the set's map, or `base` without values.
 std::vector<Bytes4> mapped_colors(const DrawPoints& set, const std::vector<float>& values, size_t n,
-                                  const Color& base) {
+                                  const Color& base, Paper paper) {
   std::vector<Bytes4> colors(n, bytes_of(base));
   if (values.empty()) return colors;
   const auto [low, high] = scalar_range(set);
   std::array<Bytes4, 256> table;
-  for (size_t i = 0; i < table.size(); ++i) table[i] = bytes_of(color_at(set, static_cast<float>(i) / 255));
+  for (size_t i = 0; i < table.size(); ++i)
+    table[i] = bytes_of(color_at(set, static_cast<float>(i) / 255, paper));
   const float scale = high > low ? 255 / (high - low) : 0;
   for (size_t i = 0; i < n; ++i) {
     const float t = (values[i] - low) * scale;
@@ -65,7 +66,7 @@ std::array<Bytes4, 4> line_colors(const Color& base) {
 }
 
 void add_surface(Geometry& g, const View& view, const DrawPoints& set, const std::vector<Vec3f>& p,
-                 const std::vector<Bytes4>& colors, const Color& base) {
+                 const std::vector<Bytes4>& colors, const Color& base, Paper paper) {
   std::vector<Vec3f> normals(p.size());
   std::vector<uint32_t> drawn;
   const auto first = static_cast<uint32_t>(g.mesh.size());
@@ -92,7 +93,8 @@ void add_surface(Geometry& g, const View& view, const DrawPoints& set, const std
     return;
   }
   // Neighbours differ in colour: every triangle has corners of its own.
-  const std::vector<Bytes4> own = mapped_colors(set, set.triangle_scalar, set.triangle_scalar.size(), base);
+  const std::vector<Bytes4> own =
+      mapped_colors(set, set.triangle_scalar, set.triangle_scalar.size(), base, paper);
   for (const uint32_t t : drawn) {
     for (size_t c = 0; c < 3; ++c) {
       g.triangles.push_back(static_cast<uint32_t>(g.mesh.size()));
@@ -124,21 +126,23 @@ float half_pixels(const View& view, const Vec3f& p, double pixels) {
   return static_cast<float>(0.5 * scaled * std::max(depth, 0.0) * view.pixel);
 }
 
-void add_points(Geometry& g, const View& view, const DrawPoints& set, const Color& base) {
+void add_points(Geometry& g, const View& view, const DrawPoints& set, const Color& base, Paper paper) {
   const size_t n = set.positions.size() / 3;
   std::vector<Vec3f> p(n);
   for (size_t i = 0; i < n; ++i) {
     const Vec3f q = load3(set.positions.data(), i);
     p[i] = view.units.position({q.x, q.y, q.z});
   }
-  const std::vector<Bytes4> colors = mapped_colors(set, set.scalar, n, base);
+  const std::vector<Bytes4> colors = mapped_colors(set, set.scalar, n, base, paper);
   for (size_t i = 0; i < n; ++i) {
     const float r = std::max(view.units.length(set.radii.empty() ? set.radius : set.radii[i]),
                              half_pixels(view, p[i], set.point_pixels));
     if (r > 0 && drawable(p[i])) g.add_sphere(view, p[i], r, colors[i]);
   }
-  const std::array<Bytes4, 4> tints = line_colors(set.line_color.value_or(base));
-  const std::vector<Bytes4> line_tints = mapped_colors(set, set.line_scalar, set.line_scalar.size(), base);
+  std::array<Bytes4, 4> tints = line_colors(set.line_color.value_or(base));
+  for (Bytes4& tint : tints) tint[3] = set.exact_lines ? 0 : 255;
+  const std::vector<Bytes4> line_tints =
+      mapped_colors(set, set.line_scalar, set.line_scalar.size(), base, paper);
   const float thickness = std::max(0.0f, view.units.length(set.line_radius));
   for (size_t l = 0; 2 * l + 1 < set.lines.size(); ++l) {
     const Vec3f a = p[set.lines[2 * l]], b = p[set.lines[2 * l + 1]];
@@ -150,7 +154,7 @@ void add_points(Geometry& g, const View& view, const DrawPoints& set, const Colo
   if (set.surface == DrawPoints::Surface::translucent) {
     add_translucent(g, view, set, p, colors);
   } else if (!set.triangles.empty()) {
-    add_surface(g, view, set, p, colors, base);
+    add_surface(g, view, set, p, colors, base, paper);
   }
 }
 
@@ -208,8 +212,8 @@ std::pair<float, float> scalar_range(const DrawPoints& set) {
   return {set.scalar_min.value_or(low), set.scalar_max.value_or(high)};
 }
 
-Color color_at(const DrawPoints& set, float t) {
-  if (set.kinds.empty()) return map_color(set.color_map, t);
+Color color_at(const DrawPoints& set, float t, Paper paper) {
+  if (set.kinds.empty()) return map_color(set.color_map, t, paper);
   const auto n = static_cast<float>(set.kinds.size());
   return set.kinds[t > 0 ? static_cast<size_t>(std::min(t * n, n - 1)) : 0].color;
 }
@@ -251,9 +255,10 @@ void Geometry::build(const DrawList& list, const View& view) {
       glass.clear();
   extent = {};
   ground_height = list.ground_height;
+  const Paper paper = paper_of(list.background_bottom);
   for (size_t i = 0; i < list.points.size(); ++i) {
     check(list.points[i], i);
-    add_points(*this, view, list.points[i], list.points[i].color.value_or(palette(i)));
+    add_points(*this, view, list.points[i], list.points[i].color.value_or(palette(i)), paper);
   }
   for (const DrawShape& shape : list.shapes)
     if (shape.kind != DrawShape::Kind::plane) add_shape(*this, view, shape);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/sinks/picture/color_map.h"
 #include "engine/sinks/picture/view.h"
 
 namespace truestep::picture {
@@ -56,7 +57,7 @@ bool has_scalars(const DrawPoints& set);
 std::pair<float, float> scalar_range(const DrawPoints& set);
 
 /// The set's colour at t in [0, 1] of its range.
-Color color_at(const DrawPoints& set, float t);
+Color color_at(const DrawPoints& set, float t, Paper paper);
 
 /// Sorts triangles by the distance of their centroids from the eye.
 void sort_far_to_near(std::vector<MeshVertex>& triangles, const View& view);

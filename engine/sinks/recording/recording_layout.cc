@@ -108,7 +108,8 @@ class Planner {
     if (s.fields.empty()) return;
     s.max_rows = static_cast<uint32_t>(std::max(part.max_rows / source.stride, rows));
     s.usual_rows = static_cast<uint32_t>(std::max<size_t>(rows, 1));
-    if (rows != s.max_rows) s.rows = RowPolicy::kVariable;
+    // Rows that have ids of their own come and go: bodies merge.
+    if (rows != s.max_rows || part.find("id")) s.rows = RowPolicy::kVariable;
     const PartDrawing& look = drawing_.parts[p];
     for (size_t i = 0; part.trail == 0 && i < look.lines.size(); ++i)
       s.lines.insert(s.lines.end(), look.lines[i].begin(), look.lines[i].end());

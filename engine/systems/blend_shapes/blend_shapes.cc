@@ -28,11 +28,7 @@ BlendShapes::BlendShapes(const BlendShapesDef& given, const BuildContext& contex
             [this](State& s, const StepInput& in) {
               update(s, in.t + in.h, in.h, in.workspace.object<Scratch>("blend_shapes"));
             });
-  PartInfo points;
-  points.fields = {{"position", "m", Scalar::f64, 3, Meaning::position},
-                   {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity}};
-  points.max_rows = base_.size();
-  set_parts({std::move(points)});
+  show();
   set_remedies({"weights that stay finite at every time"});
 }
 
@@ -140,27 +136,6 @@ State BlendShapes::initial_state() const {
   update(ahead, dt_, dt_, scratch);
   s.copy_column(kVelocity, ahead, kVelocity);
   return s;
-}
-
-void BlendShapes::observe(const State& s, double t, Observables& out) const {
-  driver_.observe(t, s.f64(kControl), out);
-  Driver::Scratch scratch;
-  const auto outputs = driver_.outputs_at(t, s.f64(kControl), scratch);
-  for (size_t k = 0; k < targets_.size(); ++k) out.add("weight." + names_[k], outputs[weights_[k]], "1");
-  Vec3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = -low;
-  for (size_t i = 0; i < base_.size(); ++i) {
-    const Vec3 x = load3(s.f64(kPosition).data(), i);
-    low = {std::min(low.x, x.x), std::min(low.y, x.y), std::min(low.z, x.z)};
-    high = {std::max(high.x, x.x), std::max(high.y, x.y), std::max(high.z, x.z)};
-  }
-  out.add("size.x", high.x - low.x, "m");
-  out.add("size.y", high.y - low.y, "m");
-  out.add("size.z", high.z - low.z, "m");
-}
-
-FieldView BlendShapes::field(const State& s, size_t, size_t which, std::vector<double>&) const {
-  return {s.f64(which == 0 ? State::Column{kPosition} : State::Column{kVelocity}).data(), Scalar::f64,
-          base_.size(), 3};
 }
 
 void BlendShapes::apply(State& s, const Command& c) const {

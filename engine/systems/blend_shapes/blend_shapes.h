@@ -10,6 +10,7 @@
 #include "engine/animation/driver.h"
 #include "engine/core/def/build.h"
 #include "engine/core/outputs.h"
+#include "engine/core/outputs/tabled.h"
 #include "engine/core/ports/morph_port.h"
 #include "engine/core/system.h"
 #include "engine/kernels/animation/blend.h"
@@ -45,13 +46,12 @@ const DefTable& blend_shapes_table();
 const Outputs& blend_shapes_outputs();
 Cost blend_shapes_cost(const void* def);
 
-class BlendShapes final : public StagedSystem, public Morphed {
+class BlendShapes final : public Tabled<BlendShapes, StagedSystem>, public Morphed {
  public:
   BlendShapes(const BlendShapesDef& def, const BuildContext& context);
 
+  static const OutputTable& outputs();
   State initial_state() const override;
-  void observe(const State& state, double t, Observables& out) const override;
-  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   Ports ports() const override;

@@ -1,4 +1,4 @@
-// Parameters, outputs and cost of the system type "blend_shapes".
+// Parameters and cost of the system type "blend_shapes".
 #include "engine/systems/blend_shapes/blend_shapes.h"
 
 namespace truestep::blend_shapes {
@@ -92,18 +92,6 @@ const DefTable& blend_shapes_table() {
         .build();
   }();
   return t;
-}
-
-const Outputs& blend_shapes_outputs() {
-  static const Outputs kOutputs{
-      .rows = "a vertex, in the given order; in a ball the pole, then ring by ring, then the other pole",
-      .fields = {{"position", "m", 3, ""}, {"velocity", "m/s", 3, "mean over the last step"}},
-      .observables = {{"control.<name>", "1", "value of a control"},
-                      {"weight.<target>", "1", "of a target"},
-                      {"size.x", "m", "extent of the surface"},
-                      {"size.y", "m", ""},
-                      {"size.z", "m", ""}}};
-  return kOutputs;
 }
 
 Cost blend_shapes_cost(const void* def) {

@@ -42,12 +42,14 @@ void remember(State& s, const StepInput& in) {
 }  // namespace
 
 Fem::Fem(std::unique_ptr<const FemField> field, const ChosenMethod& method, const FemDef& def, double dt)
-    : ForceSystem(std::move(field), method.row, def.choice().options),
+    : Tabled(std::move(field), method.row, def.choice().options),
       elements_(static_cast<const FemField&>(force_field())),
       motion_(def.motion),
       colliders_(build_colliders(def.colliders)),
       radius_(def.contact == Meeting::barrier ? 0 : def.contact_distance.value_or(0)),
       idle_(idle(colliders_, body().mesh.x, radius_)),
+      step_seconds_(step_seconds(def, &method.row)),
+      answer_seconds_(fem::answer_seconds(def)),
       locking_(locking_of(def)) {
   for (const Collider& c : colliders_.colliders()) {
     surfaces_.push_back(c.surface);
@@ -59,7 +61,7 @@ Fem::Fem(std::unique_ptr<const FemField> field, const ChosenMethod& method, cons
   drawing_.triangles = body().mesh.triangles();
   drawing_.triangle_elements = body().mesh.triangle_cells();
   if (body().plane) drawing_.space = PartDrawing::Space::plane;
-  name_parts();
+  show();
   if (def.modes > 0) frequencies_ = natural_frequencies(elements_, def.modes);
   if (motion_ == Motion::dynamic && def.holds.empty()) bound_speed();
   if (motion_ == Motion::quasi_static || barrier_) set_integration({});
@@ -184,23 +186,6 @@ void Fem::step_on_surfaces(State& s, const StepInput& in) const {
                     driven ? SurfaceContacts::Supply::some : SurfaceContacts::Supply::none);
 }
 
-void Fem::name_parts() {
-  PartInfo points = main_part();
-  points.fields.push_back({"displacement", "m", Scalar::f64, 3});
-  points.fields.push_back({"von_mises", "Pa"});
-  PartInfo elements;
-  elements.kind = PartInfo::Kind::values;
-  elements.name = "elements";
-  elements.fields = {{"stress", "Pa", Scalar::f64, 6},
-                     {"strain", "1", Scalar::f64, 6},
-                     {"von_mises", "Pa"},
-                     {"energy_density", "J/m^3"},
-                     {"jacobian", "1"}};
-  elements.max_rows = body().mesh.cells();
-  elements.elements = PartInfo::Elements::triangles;
-  set_parts({std::move(points), std::move(elements)});
-}
-
 void Fem::resolve_contacts(State& s, const StepInput& in) const {
   const size_t n = s.f64(Columns::position).size();
   colliders_.resolve({.t = in.t,
@@ -216,6 +201,7 @@ void Fem::resolve_contacts(State& s, const StepInput& in) const {
 }
 
 std::optional<double> Fem::limit(Limit which, const State& s, double h) const {
+  if (which == Limit::step_seconds) return step_seconds_;
   return motion_ == Motion::quasi_static ? std::nullopt : ForceSystem::limit(which, s, h);
 }
 

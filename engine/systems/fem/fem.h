@@ -8,31 +8,27 @@
 #include "engine/collision/points/surface_contacts.h"
 #include "engine/core/equations/force_system.h"
 #include "engine/core/equations/impulse_answer.h"
+#include "engine/core/outputs/tabled.h"
 #include "engine/integrators/table/default_method.h"
 #include "engine/systems/fem/barrier/barrier_step.h"
 #include "engine/systems/fem/fem_field.h"
 
 namespace truestep::fem {
 
-class Fem final : public ForceSystem, public AnswersImpulses {
+class Fem final : public Tabled<Fem, ForceSystem>, public AnswersImpulses {
  public:
   /// Error "scene_invalid" if the def's integrator, an expression or a hold is invalid.
   static std::unique_ptr<const Fem> make(const FemDef& def, const BuildContext& context);
 
+  static const OutputTable& outputs();
   State initial_state() const override;
-  /// Besides the energies: energy.elastic, energy.external, momenta, displacement.max, jacobian.min, pins,
-  /// reaction.x/y/z, frequency.1 ... as many as `modes`; with a barrier energy.contact, contact.gap,
-  /// contact.pairs.
-  void observe(const State& state, double t, Observables& out) const override;
-  /// Nodes: position, velocity, displacement, von_mises. Part "elements": stress, strain, von_mises,
-  /// energy_density, jacobian.
-  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   Ports ports() const override;
   void answer(State& state, const StepInput& input, Answer which, std::span<const double> impulses,
               std::span<double> dv) const override;
+  Seconds answer_seconds() const override { return answer_seconds_; }
   std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
                                const ThreadArena& arena) const override;
   void warn(const State& state, double h, std::vector<Warning>& out) const override;
@@ -53,7 +49,11 @@ class Fem final : public ForceSystem, public AnswersImpulses {
   void plan_stages(const FemDef& def, const std::string& why);
   /// For the plan: which elements, and why.
   std::string elements_of(const FemDef& def) const;
-  void name_parts();
+  struct Whole;
+  Whole whole(const State& state, double t) const;
+  /// Of nodes, and of their elements, mean by volume.
+  void displacement(const State& state, ShownRows rows, double* out) const;
+  void nodal_von_mises(const State& state, ShownRows rows, double* out) const;
   template <class Visit>
   void prescribed(double t, Visit visit) const;
   void begin_holds(State& s, double t, double h) const;
@@ -79,6 +79,8 @@ class Fem final : public ForceSystem, public AnswersImpulses {
   std::vector<Surface> surfaces_;  // one per collider
   double radius_;                  // m, distance kept from colliders
   bool idle_;                      // colliders do no work
+  double step_seconds_;            // on one core, estimated
+  Seconds answer_seconds_;
   std::vector<Warning> locking_;
   SurfaceContacts on_surfaces_{
       colliders_,
@@ -90,6 +92,10 @@ class Fem final : public ForceSystem, public AnswersImpulses {
   std::unique_ptr<const BarrierStep> barrier_;  // null: no barrier
 };
 
+/// s on one core of a step by `method` (null: the default).
+double step_seconds(const FemDef& def, const Integrator* method);
+/// Of the implicit methods.
+AnswersImpulses::Seconds answer_seconds(const FemDef& def);
 std::unique_ptr<const System> build_fem(const void* def, const BuildContext& context);
 
 /// Lowest natural frequencies (Hz) of the body at rest with its holds, ascending: K y = (2 pi f)^2 M y by

@@ -13,43 +13,8 @@
 namespace truestep::grid_fluid {
 
 namespace {
-enum Number : size_t {
-  kViscosity,
-  kLastStep,
-  kSubsteps,
-  kCfl,
-  kIterations,
-  kResidual,
-  kDrag,
-  kLift,
-  kNumbers,
-  kDivergence = kNumbers,  ///< FlowModel::keeps_divergence: there is one more
-  kTorque,                 ///< obstacles turn: another one
-  kBorderStep = kNumbers   ///< two fluids, which neither keep divergence nor turn obstacles
-};
 constexpr const char* kAxes[] = {"x", "y", "z"};
 constexpr double kTwoStepCells = 0.5;  ///< crossed in a substep of Adams and Bashforth's
-
-PartInfo cells_part(const FlowModel& m) {
-  PartInfo part;
-  part.kind = PartInfo::Kind::grid;
-  part.fields = {
-      {"velocity", "m/s", Scalar::f64, 3}, {"speed", "m/s"}, {"pressure", "Pa"}, {"vorticity", "1/s"}};
-  part.fields.back().scale = FieldInfo::Scale::deviation;
-  if (m.def.scalar) part.fields.push_back({"scalar", "1"});
-  if (m.two_fluids()) part.fields.push_back({"second_fluid", "1"});
-  part.max_rows = m.grid.cell_count();
-  double first[3] = {m.grid.origin[0], m.grid.origin[1], m.grid.origin[2]}, spacing[3] = {1, 1, 1};
-  for (size_t a = 0; a < 3; ++a) {
-    part.lattice.counts[a] = static_cast<uint32_t>(m.grid.cells[a]);
-    if (a < m.grid.dimensions)
-      first[a] = m.grid.coordinate(mac::kCentre, a, 0), spacing[a] = m.grid.spacing[a];
-  }
-  part.lattice.origin = {first[0], first[1], first[2]};
-  part.lattice.spacing = {spacing[0], spacing[1], spacing[2]};
-  part.lattice.centring = Lattice::Centring::cells;
-  return part;
-}
 }  // namespace
 
 GridFluid::GridFluid(const GridFluidDef& def, const BuildContext& context)
@@ -58,7 +23,6 @@ GridFluid::GridFluid(const GridFluidDef& def, const BuildContext& context)
   ObstaclePlaces start;
   model_.texts.place_obstacles(def.obstacles, 0, start);
   room_ = fluid_volume(start.obstacles, g);
-  set_parts({cells_part(model_)});
   for (size_t c = 0; c < g.dimensions; ++c) {
     start_.add({std::string("velocity.") + kAxes[c], "m/s", Scalar::f64, 1, Role::position}, g.size());
   }
@@ -86,6 +50,7 @@ GridFluid::GridFluid(const GridFluidDef& def, const BuildContext& context)
       model_.fill_second(start_.f64(column).data());
   }
   start_.f64(numbers_)[kViscosity] = def.viscosity;
+  show();
 
   if (stream_) {
     set_remedies({"more viscosity, lowered while the session runs: each flow starts the search for the next",

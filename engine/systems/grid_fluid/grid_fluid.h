@@ -5,18 +5,20 @@
 // (steady/steady_flow.h). Commands: set_parameter viscosity; impulse gives momentum to the fluid around a
 // point.
 #pragma once
+#include "engine/core/outputs/tabled.h"
 #include "engine/core/system.h"
 #include "engine/systems/grid_fluid/flow.h"
 
 namespace truestep::grid_fluid {
 
-class GridFluid final : public StagedSystem {
+struct FluidNumbers;
+
+class GridFluid final : public Tabled<GridFluid, StagedSystem> {
  public:
   GridFluid(const GridFluidDef& def, const BuildContext& context);
 
+  static const OutputTable& outputs();
   State initial_state() const override { return start_; }
-  void observe(const State& state, double t, Observables& out) const override;
-  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   void apply(State& state, const Command& command) const override;
   void warn(const State& state, double h, std::vector<Warning>& out) const override;
@@ -37,7 +39,15 @@ class GridFluid final : public StagedSystem {
   /// J, potential of two fluids about the origin.
   double gravity_of_two(const State& state) const;
   double rms_error(const State& state, double t) const;
-  void vorticity(const State& state, double* out) const;
+  FluidNumbers measure(const State& state, double t) const;
+  PartInfo cells() const;
+  /// What fields show of every cell.
+  void velocity(const State& state, ShownRows, double* out) const;
+  void speed(const State& state, ShownRows, double* out) const;
+  void pressure(const State& state, ShownRows, double* out) const;
+  void vorticity(const State& state, ShownRows, double* out) const;
+  void copy_cells(const State& state, State::Column column, double* out) const;
+  Vec3 velocity_in(const State& state, size_t at, const size_t* place) const;
   /// Largest substep for a flow that crosses this many cells per second.
   double largest_substep(double crossing_rate, double viscosity, double h) const;
   /// Cells per substep up to which results are reliable.
@@ -48,6 +58,22 @@ class GridFluid final : public StagedSystem {
 
   /// Share of the second fluid that the flow itself moves, after the one that is shown.
   State::Column border_column() const { return *second_ + 1; }
+
+  /// Entries of the column `numbers`.
+  enum Number : size_t {
+    kViscosity,
+    kLastStep,
+    kSubsteps,
+    kCfl,
+    kIterations,
+    kResidual,
+    kDrag,
+    kLift,
+    kNumbers,
+    kDivergence = kNumbers,  ///< FlowModel::keeps_divergence: there is one more
+    kTorque,                 ///< obstacles turn: another one
+    kBorderStep = kNumbers   ///< two fluids, which neither keep divergence nor turn obstacles
+  };
 
   std::string id_;
   FlowModel model_;

@@ -1,9 +1,10 @@
-// Observables, fields and drawing of a flow on a grid.
+// What a flow on a grid gives out, from cells and faces, and its drawing.
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "engine/kernels/mac/share.h"
+#include "engine/systems/grid_fluid/fluid_rows.h"
 #include "engine/systems/grid_fluid/grid_fluid.h"
 #include "engine/systems/grid_fluid/liquid/liquid.h"
 
@@ -52,7 +53,7 @@ double GridFluid::rms_error(const State& s, double t) const {
 }
 
 // Averaged over the cell's corners or edges: second order inside; at sides from the cell's own values.
-void GridFluid::vorticity(const State& s, double* out) const {
+void GridFluid::vorticity(const State& s, ShownRows, double* out) const {
   const mac::MacGrid& g = model_.grid;
   const double* u[3] = {};
   for (size_t c = 0; c < g.dimensions; ++c) u[c] = s.f64(static_cast<State::Column>(c)).data();
@@ -78,42 +79,47 @@ void GridFluid::vorticity(const State& s, double* out) const {
   });
 }
 
-FieldView GridFluid::field(const State& s, size_t, size_t field, std::vector<double>& scratch) const {
-  const mac::MacGrid& g = model_.grid;
-  const size_t n = g.cell_count();
-  const bool vector = field == 0;
-  scratch.assign(vector ? 3 * n : n, 0);
-  if (field <= 1) {
-    for_cells(g, [&](size_t row, size_t at, size_t i, size_t j, size_t k) {
-      const size_t place[] = {i, j, k};
-      double v[3] = {};
-      for (size_t c = 0; c < g.dimensions; ++c) {
-        const double* u = s.f64(static_cast<State::Column>(c)).data() + at;
-        v[c] = 0.5 * (u[0] + u[after(g, c, place[c])]);
-      }
-      if (vector) {
-        std::copy_n(v, 3, &scratch[3 * row]);
-      } else {
-        scratch[row] = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-      }
-    });
-  } else if (field == 3) {
-    vorticity(s, scratch.data());
-  } else {
-    const double scale = field == 2 ? model_.def.density : 1;
-    const auto q = s.f64(field == 2 ? pressure_column() : field == 4 && scalar_ ? *scalar_ : *second_);
-    for_cells(g, [&](size_t row, size_t at, size_t i, size_t j, size_t k) {
-      scratch[row] = scale * q[at];
-      if (field != 2 || !second_) return;
-      // The state's pressure excludes density gravity . x.
-      const size_t place[] = {i, j, k};
-      for (size_t a = 0; a < g.dimensions; ++a) {
-        scratch[row] += model_.density_of(s.f64(*second_)[at]) * model_.held_gravity(a) *
-                        g.coordinate(mac::kCentre, a, static_cast<double>(place[a]));
-      }
-    });
+Vec3 GridFluid::velocity_in(const State& s, size_t at, const size_t* place) const {
+  double v[3] = {};
+  for (size_t c = 0; c < model_.grid.dimensions; ++c) {
+    const double* u = s.f64(static_cast<State::Column>(c)).data() + at;
+    v[c] = 0.5 * (u[0] + u[after(model_.grid, c, place[c])]);
   }
-  return {scratch.data(), Scalar::f64, n, vector ? 3u : 1u};
+  return {v[0], v[1], v[2]};
+}
+
+void GridFluid::velocity(const State& s, ShownRows, double* out) const {
+  for_cells(model_.grid, [&](size_t row, size_t at, size_t i, size_t j, size_t k) {
+    const size_t place[] = {i, j, k};
+    store3(out, row, velocity_in(s, at, place));
+  });
+}
+
+void GridFluid::speed(const State& s, ShownRows, double* out) const {
+  for_cells(model_.grid, [&](size_t row, size_t at, size_t i, size_t j, size_t k) {
+    const size_t place[] = {i, j, k};
+    out[row] = norm(velocity_in(s, at, place));
+  });
+}
+
+void GridFluid::pressure(const State& s, ShownRows, double* out) const {
+  const mac::MacGrid& g = model_.grid;
+  const auto q = s.f64(pressure_column());
+  for_cells(g, [&](size_t row, size_t at, size_t i, size_t j, size_t k) {
+    out[row] = model_.def.density * q[at];
+    if (!second_) return;
+    // The state's pressure excludes density gravity . x.
+    const size_t place[] = {i, j, k};
+    for (size_t a = 0; a < g.dimensions; ++a) {
+      out[row] += model_.density_of(s.f64(*second_)[at]) * model_.held_gravity(a) *
+                  g.coordinate(mac::kCentre, a, static_cast<double>(place[a]));
+    }
+  });
+}
+
+void GridFluid::copy_cells(const State& s, State::Column column, double* out) const {
+  const auto q = s.f64(column);
+  for_cells(model_.grid, [&](size_t row, size_t at, size_t, size_t, size_t) { out[row] = q[at]; });
 }
 
 double GridFluid::mass(const State& s, double t) const {
@@ -161,12 +167,12 @@ double GridFluid::gravity_of_two(const State& s) const {
   return g.cell_volume() * potential;
 }
 
-void GridFluid::observe(const State& s, double t, Observables& out) const {
+FluidNumbers GridFluid::measure(const State& s, double t) const {
   const mac::MacGrid& g = model_.grid;
   const double* second = second_ ? s.f64(*second_).data() : nullptr;
   double energy = 0, enstrophy = 0, divergence = 0, fastest = 0;
   std::vector<double> curl(g.cell_count());
-  vorticity(s, curl.data());
+  vorticity(s, {}, curl.data());
   for_cells(g, [&](size_t row, size_t at, size_t i, size_t j, size_t k) {
     const size_t place[] = {i, j, k};
     double div = 0, squares = 0;
@@ -183,42 +189,35 @@ void GridFluid::observe(const State& s, double t, Observables& out) const {
     enstrophy += 0.5 * curl[row] * curl[row];
   });
   const double volume = g.cell_volume();
-  out.add("energy.kinetic", volume * energy, "J");
-  out.add("mass", mass(s, t), "kg");
-  out.add("enstrophy", volume * enstrophy, "1/s^2");
+  const auto numbers = s.f64(numbers_);
+  FluidNumbers out{.kinetic = volume * energy,
+                   .fastest = fastest,
+                   .cfl = numbers[kCfl],
+                   .substeps = numbers[kSubsteps],
+                   .mass = mass(s, t),
+                   .enstrophy = volume * enstrophy};
   // With moving obstacles, or differences beyond the sides: as recorded at the end of the step.
-  out.add("divergence.max", model_.keeps_divergence() ? s.f64(numbers_)[8] : divergence, "1/s");
-  out.add("speed.max", fastest, "m/s");
-  out.add("cfl", s.f64(numbers_)[3], "1");
-  out.add("substeps", s.f64(numbers_)[2], "1");
+  out.divergence = model_.keeps_divergence() ? numbers[kDivergence] : divergence;
   if (stream_) {
     const auto found = s.f64(*stream_ + 1);
-    out.add("steady.iterations", found[kSteadyIterations], "1");
-    out.add("steady.change", found[kChange], "1");
+    out.steady_iterations = found[kSteadyIterations], out.steady_change = found[kChange];
   }
+  if (model_.solids.any() || second)
+    out.pressure_iterations = numbers[kIterations], out.pressure_residual = numbers[kResidual];
   if (model_.solids.any()) {
-    const auto numbers = s.f64(numbers_);
-    out.add("pressure.iterations", numbers[4], "1");
-    out.add("pressure.residual", numbers[5], "1");
-    out.add("obstacle.drag", numbers[6], "N");
-    out.add("obstacle.lift", numbers[7], "N");
-    if (model_.texts.obstacles_turn) out.add("obstacle.torque", numbers[9], "N m");
+    out.drag = numbers[kDrag], out.lift = numbers[kLift];
+    if (model_.texts.obstacles_turn) out.torque = numbers[kTorque];
   }
-  if (second) {
-    double filled = 0;
-    for_cells(g, [&](size_t, size_t at, size_t, size_t, size_t) { filled += second[at]; });
-    out.add("second_fluid.volume", volume * filled, "m^3");
-    out.add("energy.gravity", gravity_of_two(s), "J");
-    out.add("pressure.iterations", s.f64(numbers_)[4], "1");
-    out.add("pressure.residual", s.f64(numbers_)[5], "1");
-  }
-  if (scalar_) {
-    const auto q = s.f64(*scalar_);
+  const auto integral = [&](State::Column c) {
+    const auto q = s.f64(c);
     double total = 0;
     for_cells(g, [&](size_t, size_t at, size_t, size_t, size_t) { total += q[at]; });
-    out.add("scalar.total", volume * total, "1");
-  }
-  if (model_.texts.has_exact) out.add("error.exact", rms_error(s, t), "m/s");
+    return volume * total;
+  };
+  if (second) out.second_volume = integral(*second_), out.gravity = gravity_of_two(s);
+  if (scalar_) out.scalar = integral(*scalar_);
+  if (model_.texts.has_exact) out.error = rms_error(s, t);
+  return out;
 }
 
 void GridFluid::draw(const State&, double t, Wish wishes, Drawing& out) const {

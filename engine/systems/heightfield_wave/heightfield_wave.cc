@@ -13,19 +13,6 @@ using shallow::Basin;
 using namespace columns;
 
 namespace {
-PartInfo cells_part(const Basin& b, const Vec3& corner) {
-  PartInfo part;
-  part.kind = PartInfo::Kind::grid;
-  part.fields = {
-      {"surface", "m"}, {"depth", "m"}, {"velocity", "m/s", Scalar::f64, 3}, {"speed", "m/s"}, {"bed", "m"}};
-  part.max_rows = b.count();
-  for (size_t a = 0; a < b.dimensions; ++a) part.lattice.counts[a] = static_cast<uint32_t>(b.cells[a]);
-  part.lattice.origin = {b.centre(0, 0), b.dimensions == 2 ? b.centre(1, 0) : corner.y, corner.z};
-  part.lattice.spacing = {b.spacing[0], b.spacing[1], 1};
-  part.lattice.centring = Lattice::Centring::cells;
-  return part;
-}
-
 Basin basin_of(const HeightfieldWaveDef& def, const BuildContext& context) {
   Basin b = make_basin(def);
   const Vec3& g = context.gravity;
@@ -37,7 +24,7 @@ Basin basin_of(const HeightfieldWaveDef& def, const BuildContext& context) {
 HeightfieldWave::HeightfieldWave(const HeightfieldWaveDef& def, const BuildContext& context)
     : id_(context.id), def_(def), basin_(basin_of(def, context)), texts_(def) {
   const size_t n = basin_.count();
-  set_parts({cells_part(basin_, def.origin.value_or(Vec3{}))});
+  show();
   set_remedies({"a shorter dt", "fewer cells", "a larger dry_depth: thin films can be very fast"});
   start_.add({"depth", "m", Scalar::f64, 1, Role::position}, n);
   start_.add({"discharge.x", "m^2/s", Scalar::f64, 1, Role::velocity}, n);

@@ -4,18 +4,18 @@
 // is conserved to rounding; a lake at rest stays at rest, also around islands. Commands: set_parameter
 // friction; impulse gives momentum to the water of a cell.
 #pragma once
+#include "engine/core/outputs/tabled.h"
 #include "engine/core/system.h"
 #include "engine/systems/heightfield_wave/basin_texts.h"
 
 namespace truestep::heightfield_wave {
 
-class HeightfieldWave final : public StagedSystem {
+class HeightfieldWave final : public Tabled<HeightfieldWave, StagedSystem> {
  public:
   HeightfieldWave(const HeightfieldWaveDef& def, const BuildContext& context);
 
+  static const OutputTable& outputs();
   State initial_state() const override { return start_; }
-  void observe(const State& state, double t, Observables& out) const override;
-  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   void apply(State& state, const Command& command) const override;
   std::optional<double> limit(Limit which, const State& state, double h) const override;
@@ -40,6 +40,11 @@ class HeightfieldWave final : public StagedSystem {
   shallow::Water water(State& state) const;
   shallow::Water rows(std::vector<double>& of) const;
   double bed(size_t cell) const;
+  struct Whole;
+  Whole whole(const State& state, double t) const;
+  PartInfo cells() const;
+  /// m/s, mean over the depth.
+  Vec3 velocity(const State& state, size_t cell) const;
 
   std::string id_;
   HeightfieldWaveDef def_;

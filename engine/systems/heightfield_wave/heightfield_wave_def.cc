@@ -109,32 +109,6 @@ const DefTable& heightfield_wave_table() {
   return kTable;
 }
 
-const Outputs& heightfield_wave_outputs() {
-  static const Outputs kOutputs{
-      .rows = "a cell, x fastest",
-      .fields = {{"surface", "m", 1, "height of the water's surface, or of dry ground"},
-                 {"depth", "m", 1, "depth of the water"},
-                 {"velocity", "m/s", 3, "mean velocity over the depth"},
-                 {"speed", "m/s", 1, "its magnitude"},
-                 {"bed", "m", 1, "height of the ground"}},
-      .observables = {
-          {"mass", "kg", "of the water in the basin"},
-          {"energy.kinetic", "J", "of its mean velocity"},
-          {"energy.potential", "J", "in gravity, from height 0"},
-          {"energy.total", "J", "their sum"},
-          {"momentum.x", "kg m/s", "of the water along x"},
-          {"momentum.y", "kg m/s", "of the water along y"},
-          {"surface.min", "m", "lowest surface of a wet cell"},
-          {"surface.max", "m", "highest surface of a wet cell"},
-          {"depth.max", "m", "largest depth"},
-          {"speed.max", "m/s", "largest speed"},
-          {"wet", "1", "fraction of the cells that are wet"},
-          {"cfl", "1", "cells crossed by the fastest wave in a substep"},
-          {"substeps", "1", "substeps of the last step"},
-          {"error.exact", "m", "mean difference from the depth under the scene's exact surface"}}};
-  return kOutputs;
-}
-
 double heightfield_substep_seconds(const HeightfieldWaveDef& d) {
   // Measured on one core: a substep of two stages.
   return 2e-6 + 6e-8 * cell_count(d);

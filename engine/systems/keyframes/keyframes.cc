@@ -5,11 +5,11 @@
 namespace truestep::keyframes {
 
 using animation::MovedBodies;
+using enum MovedColumns::Index;
 
 namespace {
 
-constexpr MovedBodies kBodies = MovedBodies::from(0);
-enum : State::Column { kControl = MovedBodies::kCount, kSkin, kSkinVelocity, kSkinInverseMass, kValue };
+constexpr auto kBodies = MovedColumns::kBodies;
 
 Solid solid_of(const MovedShapeDef& d) {
   switch (d.shape) {
@@ -94,29 +94,7 @@ Keyframes::Keyframes(const KeyframesDef& def, const BuildContext& context)
               update(s, in.t + in.h, in.h, in.workspace.object<Scratch>("keyframes"));
             });
   if (stretched_.empty()) skip_stage("surfaces", "no shape is stretched");
-  std::vector<PartInfo> parts(1);
-  parts[0].fields = {{"position", "m", Scalar::f64, 3, Meaning::position},
-                     {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity},
-                     {"orientation", "1", Scalar::f64, 4, Meaning::orientation},
-                     {"angular_velocity", "rad/s", Scalar::f64, 3, Meaning::value}};
-  parts[0].max_rows = shapes_.size();
-  for (const size_t k : stretched_) {
-    PartInfo skin;
-    skin.name = shapes_[k].def.id;
-    skin.fields = {{"position", "m", Scalar::f64, 3, Meaning::position},
-                   {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity}};
-    skin.max_rows = shapes_[k].vertices.size();
-    parts.push_back(std::move(skin));
-  }
-  if (driver_.controls() > 0) {
-    PartInfo controls;
-    controls.kind = PartInfo::Kind::values;
-    controls.name = "controls";
-    controls.fields = {{"value", "1"}};
-    controls.max_rows = driver_.controls();
-    parts.push_back(std::move(controls));
-  }
-  set_parts(std::move(parts));
+  show();
   set_remedies({"expressions that stay finite at every time"});
 }
 
@@ -154,6 +132,7 @@ void Keyframes::add_shape(const MovedShapeDef& d, size_t number) {
   } else {
     rigid_ = true;
   }
+  if (!d.id.empty()) named_.push_back(shapes_.size());
   solids_.push_back(solid_of(d));
   shapes_.push_back(std::move(s));
 }
@@ -199,30 +178,6 @@ void Keyframes::update(State& s, double t, double h, Scratch& scratch) const {
   }
   animation::place_points(s.f64(kSkin), s.f64(kSkinVelocity), std::span(scratch.skin).first(3 * vertices_),
                           h);
-}
-
-void Keyframes::observe(const State& s, double t, Observables& out) const {
-  driver_.observe(t, s.f64(kControl), out);
-  for (size_t k = 0; k < shapes_.size(); ++k) {
-    if (shapes_[k].def.id.empty()) continue;
-    const std::string name = "shape." + shapes_[k].def.id;
-    const Vec3 x = load3(s.f64(kBodies.position).data(), k);
-    out.add(name + ".x", x.x, "m");
-    out.add(name + ".y", x.y, "m");
-    out.add(name + ".z", x.z, "m");
-  }
-}
-
-FieldView Keyframes::field(const State& s, size_t part, size_t which, std::vector<double>&) const {
-  if (part > stretched_.size()) return {s.f64(kValue).data(), Scalar::f64, driver_.controls(), 1};
-  if (part > 0) {
-    const Shape& shape = shapes_[stretched_[part - 1]];
-    const double* x = s.f64(which == 0 ? State::Column{kSkin} : State::Column{kSkinVelocity}).data();
-    return {x + 3 * shape.first_vertex, Scalar::f64, shape.vertices.size(), 3};
-  }
-  const State::Column c[] = {kBodies.position, kBodies.velocity, kBodies.orientation,
-                             kBodies.angular_velocity};
-  return {s.f64(c[which]).data(), Scalar::f64, shapes_.size(), s.info(c[which]).width};
 }
 
 void Keyframes::apply(State& s, const Command& c) const {

@@ -8,19 +8,31 @@
 
 #include "engine/animation/driver.h"
 #include "engine/animation/moved_bodies.h"
+#include "engine/core/outputs/tabled.h"
 #include "engine/core/system.h"
 #include "engine/geometry/solid.h"
 #include "engine/systems/keyframes/keyframes_def.h"
 
 namespace truestep::keyframes {
 
-class Keyframes final : public StagedSystem {
+/// Columns of a state.
+struct MovedColumns {
+  static constexpr animation::MovedBodies kBodies = animation::MovedBodies::from(0);
+  enum Index : State::Column {
+    kControl = animation::MovedBodies::kCount,
+    kSkin,
+    kSkinVelocity,
+    kSkinInverseMass,
+    kValue
+  };
+};
+
+class Keyframes final : public Tabled<Keyframes, StagedSystem> {
  public:
   Keyframes(const KeyframesDef& def, const BuildContext& context);
 
+  static const OutputTable& outputs();
   State initial_state() const override;
-  void observe(const State& state, double t, Observables& out) const override;
-  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   Ports ports() const override;
@@ -46,6 +58,7 @@ class Keyframes final : public StagedSystem {
   std::vector<std::array<uint32_t, 3>> triangles_;
   size_t vertices_ = 0;
   std::vector<size_t> stretched_;  ///< shapes with a scale, each a part
+  std::vector<size_t> named_;      ///< shapes with an id
   bool rigid_ = false;             ///< whether any shape has none
 };
 

@@ -53,21 +53,6 @@ const DefTable& keyframes_table() {
   return t;
 }
 
-const Outputs& keyframes_outputs() {
-  static const Outputs kOutputs{
-      .rows = "a shape; in a part named after a shape, one of its vertices; in part controls a control",
-      .fields = {{"position", "m", 3, "of the centre, or of a vertex"},
-                 {"velocity", "m/s", 3, "mean over the last step"},
-                 {"orientation", "1", 4, "w, x, y, z"},
-                 {"angular_velocity", "rad/s", 3, "mean over the last step, in the world"},
-                 {"controls.value", "1", 1, "of part controls, one row per control: its value"}},
-      .observables = {{"control.<name>", "1", "value of a control"},
-                      {"shape.<id>.x", "m", "position of a shape"},
-                      {"shape.<id>.y", "m", ""},
-                      {"shape.<id>.z", "m", ""}}};
-  return kOutputs;
-}
-
 namespace {
 constexpr double kVertices = 2 + 24 * 15;  // of a scaled sphere, keyframes.cc
 }

@@ -73,6 +73,8 @@ MassSpring::MassSpring(std::unique_ptr<const MassSpringField> field, const Chose
       colliders_(build_colliders(def.colliders)),
       radius_(0.5 * def.thickness),
       shortest_(shortest_length(springs_.schedule())),
+      step_seconds_(step_seconds(def, &method.row)),
+      answer_seconds_(mass_spring::answer_seconds(def)),
       idle_(idle(colliders_, springs_.network().x, radius_)),
       looks_(def.choice().name.empty() && method.row.name == kUsual),
       divides_(def.choice().name.empty() && method.row.name == kStiff && !solves_contacts()),
@@ -207,6 +209,10 @@ Ports MassSpring::ports() const {
 void MassSpring::answer(State& state, const StepInput& in, Answer which, std::span<const double> impulses,
                         std::span<double> dv) const {
   answer_implicitly(force_field(), options(), state, in, which, impulses, dv);
+}
+
+std::optional<double> MassSpring::limit(Limit which, const State& state, double h) const {
+  return which == Limit::step_seconds ? std::optional(step_seconds_) : ForceSystem::limit(which, state, h);
 }
 
 Energy::Exchange MassSpring::exchange(const State& s) const {

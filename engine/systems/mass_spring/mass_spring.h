@@ -30,6 +30,8 @@ class MassSpring final : public Tabled<MassSpring, ForceSystem>, public AnswersI
               std::span<double> dv) const override;
   /// Open in wind, while something is pushed, and where obstacles may do work on points.
   Energy::Exchange exchange(const State& state) const override;
+  std::optional<double> limit(Limit which, const State& state, double h) const override;
+  Seconds answer_seconds() const override { return answer_seconds_; }
 
   const MassSpringField& springs() const { return springs_; }
 
@@ -60,9 +62,11 @@ class MassSpring final : public Tabled<MassSpring, ForceSystem>, public AnswersI
   std::vector<Surface> surfaces_;  // one per collider
   double radius_;                  // m, distance kept from colliders
   double shortest_;                // m, of the springs' lengths
-  bool idle_;                      // colliders do no work
-  bool looks_;                     // at the energy of steps
-  bool divides_;                   // steps that have no solution or gain energy
+  double step_seconds_;            // estimated
+  Seconds answer_seconds_;
+  bool idle_;     // colliders do no work
+  bool looks_;    // at the energy of steps
+  bool divides_;  // steps that have no solution or gain energy
   RisingStep rising_;
   SurfaceContacts on_surfaces_{colliders_,
                                surfaces_,
@@ -74,5 +78,9 @@ class MassSpring final : public Tabled<MassSpring, ForceSystem>, public AnswersI
 
 std::unique_ptr<const System> build_mass_spring(const void* def, const BuildContext& context);
 Cost mass_spring_cost(const void* def);
+/// s on one core of a step by `method` (null: the default).
+double step_seconds(const MassSpringDef& def, const Integrator* method);
+/// Of the default methods.
+AnswersImpulses::Seconds answer_seconds(const MassSpringDef& def);
 
 }  // namespace truestep::mass_spring

@@ -9,6 +9,8 @@ namespace truestep::mass_spring {
 
 namespace {
 
+/// Of the usual stiff scene.
+constexpr double kNewton = 3;
 constexpr double kSheet = 2, kLattice = 8;  // springs per point: more than in a tree, more than in a sheet
 
 double springs_each(const MassSpringCounts& n) {
@@ -43,15 +45,36 @@ double descent_seconds(const MassSpringCounts& n, std::string_view method, int i
   return iterations * each;
 }
 
+bool solves(const Integrator* method) {
+  return !method || method->kind == Integrator::Kind::implicit;
+}
+
 }  // namespace
+
+double step_seconds(const MassSpringDef& d, const Integrator* method) {
+  const MassSpringCounts n = mass_spring_counts(d);
+  if (method && (method->name == "projective_dynamics" || method->name == "vertex_block_descent"))
+    return descent_seconds(n, method->name, d.choice().options.descent_iterations);
+  // Newton's method solves once a step or more.
+  const double iterations = method && method->name == "implicit_euler" ? kNewton : 1;
+  if (solves(method)) return iterations * solver_seconds(n, !d.colliders.empty());
+  // Measured: one evaluation, of which adaptive methods need many.
+  const double evaluations = method->stepping == Integrator::Stepping::adaptive ? 20 : 2;
+  return 1.5e-8 * n.points + 3.5e-9 * evaluations * n.springs;
+}
+
+AnswersImpulses::Seconds answer_seconds(const MassSpringDef& d) {
+  const MassSpringCounts n = mass_spring_counts(d);
+  const double per_point = 300 * n.points + 950 * n.springs;
+  // A solve reads the factor twice.
+  constexpr double kCall = 4e-7, kPerByte = 1.2e-10;
+  return {kCall + solver_seconds(n, false), kCall + kPerByte * (solver_bytes(n) - per_point)};
+}
 
 Cost mass_spring_cost(const void* def) {
   const auto& d = *static_cast<const MassSpringDef*>(def);
   const MassSpringCounts n = mass_spring_counts(d);
   const Integrator* named = find_integrator(d.choice().name);
-  // Measured: one evaluation, of which adaptive methods need many, or a solve per step.
-  const bool solves = !named || named->kind == Integrator::Kind::implicit;
-  const double evaluations = named && named->stepping == Integrator::Stepping::adaptive ? 20 : 2;
   if (named && (named->name == "projective_dynamics" || named->name == "vertex_block_descent")) {
     // One number per pair of points instead of nine; no matrix at all for descent by points.
     const bool factor = named->name == "projective_dynamics";
@@ -59,13 +82,12 @@ Cost mass_spring_cost(const void* def) {
         .state_bytes = (factor ? 56.0 : 80.0) * n.points,
         .workspace_bytes = factor ? 500 * n.points + solver_bytes(n) / 4 : 300 * n.points + 300 * n.springs,
         .elements = n.points + n.springs,
-        .seconds_per_step = descent_seconds(n, named->name, d.choice().options.descent_iterations)};
+        .seconds_per_step = step_seconds(d, named)};
   }
   return {.state_bytes = 56 * n.points,
-          .workspace_bytes = solves ? solver_bytes(n) : 75 * n.points + 300 * n.springs,
+          .workspace_bytes = solves(named) ? solver_bytes(n) : 75 * n.points + 300 * n.springs,
           .elements = n.points + n.springs,
-          .seconds_per_step = solves ? solver_seconds(n, !d.colliders.empty())
-                                     : 1.5e-8 * n.points + 3.5e-9 * evaluations * n.springs};
+          .seconds_per_step = step_seconds(d, named)};
 }
 
 }  // namespace truestep::mass_spring

@@ -6,21 +6,9 @@ namespace truestep::molecular {
 
 Molecular::Molecular(std::unique_ptr<const MolecularField> field, const ChosenMethod& method,
                      const IntegratorOptions& options)
-    : ForceSystem(std::move(field), method.row, options),
+    : Tabled(std::move(field), method.row, options),
       atoms_(static_cast<const MolecularField&>(force_field())) {
-  const MolecularDef& d = atoms_.def();
-  main_part().fields.push_back({"speed", "m/s"});
-  // Drawn solids need an orientation.
-  if (d.has_looks()) main_part().fields.push_back({"orientation", "1", Scalar::f64, 4, Meaning::orientation});
-  std::vector<PartInfo> all{main_part()};
-  if (d.sides == Sides::periodic) {
-    PartInfo g;
-    g.kind = PartInfo::Kind::values, g.name = "distribution";
-    g.fields = {{"distance", "m"}, {"density", "1"}};
-    g.max_rows = static_cast<size_t>(d.distribution_bins);
-    all.push_back(g);
-  }
-  set_parts(std::move(all));
+  show();
   set_remedies({"a step of at most a twentieth of the fastest vibration's period",
                 "a start whose atoms do not overlap"});
   if (has_own_step()) set_integration({});

@@ -2,22 +2,19 @@
 // default. Before the step the neighbour list is renewed if an atom may have moved by half a skin.
 #pragma once
 #include "engine/core/equations/force_system.h"
+#include "engine/core/outputs/tabled.h"
 #include "engine/integrators/motion.h"
 #include "engine/integrators/table/default_method.h"
 #include "engine/systems/molecular/molecular_field.h"
 
 namespace truestep::molecular {
 
-class Molecular final : public ForceSystem {
+class Molecular final : public Tabled<Molecular, ForceSystem> {
  public:
   /// Error "scene_invalid" when the def's integrator is unknown or unsuitable.
   static std::unique_ptr<const Molecular> make(const MolecularDef& def, const BuildContext& context);
 
-  /// Besides the energies (J): temperature (K), pressure (Pa), virial (J), the tails of energy and pressure,
-  /// momentum.x/y/z (kg m/s), displacement (m^2, mean square since t = 0).
-  void observe(const State& state, double t, Observables& out) const override;
-  /// position (m, in the box), velocity, speed; of part "distribution" the distance and g(r).
-  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
+  static const OutputTable& outputs();
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   /// Open when a bath exchanges energy.
@@ -49,7 +46,13 @@ class Molecular final : public ForceSystem {
   double add_noise(Motion& m) const;
   /// J: 2 K + r . f of rigid molecules about their centres, which is balanced by their constraints.
   double within_molecules(const Phase& at, Evaluation& e) const;
-  void distribution(const State& state, std::vector<double>& out) const;
+  struct Whole;
+  Whole whole(const State& state, double t) const;
+  /// m, up to which the radial distribution is counted.
+  double range(const State& state) const;
+  void wrap(const State& state, ShownRows rows, double* out) const;
+  void distances(const State& state, ShownRows bins, double* out) const;
+  void distribution(const State& state, ShownRows bins, double* out) const;
 
   const MolecularField& atoms_;
 };

@@ -248,37 +248,6 @@ const DefTable& molecular_table() {
   return t;
 }
 
-const Outputs& molecular_outputs() {
-  static const Outputs kOutputs{
-      .rows = "an atom: positions first, then xyz, lattice, water (O H H)",
-      .fields = {{"position", "m", 3, "within the box"},
-                 {"velocity", "m/s", 3, ""},
-                 {"speed", "m/s", 1, "magnitude of the velocity"},
-                 {"orientation", "1", 4, "1 0 0 0, if kinds are drawn in their own sizes or colours"},
-                 {"distribution.distance", "m", 1,
-                  "of part distribution, in a periodic box: mean radius of a shell"},
-                 {"distribution.density", "1", 1, "g(r): density around an atom over the mean density"}},
-      .observables = {{"energy.kinetic", "J", ""},
-                      {"energy.potential", "J", "of pairs within the cut-off, molecules and Ewald's sum"},
-                      {"energy.bonds", "J", "part of energy.potential: bonds, angles, dihedrals"},
-                      {"energy.total", "J", ""},
-                      {"energy.conserved", "J",
-                       "energy.total minus the thermostat's input; with nose_hoover plus that of its chain"},
-                      {"energy.tail", "J", "beyond the cut-off, for an even distribution"},
-                      {"temperature", "K", ""},
-                      {"virial", "J", "sum over pairs of r . f"},
-                      {"pressure", "Pa",
-                       "(2 energy.kinetic + virial) / 3 V, of a periodic box; for rigid molecules with those "
-                       "of their centres"},
-                      {"pressure.tail", "Pa", "as energy.tail"},
-                      {"volume", "m^3", "of a periodic box"},
-                      {"momentum.x", "kg m/s", ""},
-                      {"momentum.y", "kg m/s", ""},
-                      {"momentum.z", "kg m/s", ""},
-                      {"displacement", "m^2", "mean square since the start"}}};
-  return kOutputs;
-}
-
 Cost molecular_cost(const void* def) {
   const auto& d = *static_cast<const MolecularDef*>(def);
   const double n = static_cast<double>(atom_count(d));

@@ -77,17 +77,7 @@ Mpm::Mpm(const MpmDef& def, const BuildContext& context)
   if (def.colliders.empty()) skip_stage("colliders", "none given");
   if (setting_->fields == 1) skip_stage("contact of fields", "all material moves in one velocity field");
   if (def.force.empty()) skip_stage("force", "no acceleration is given");
-  const Scalar real = def.precision == Precision::f32 ? Scalar::f32 : Scalar::f64;
-  PartInfo points;
-  points.fields = {{"position", "m", real, 3, Meaning::position},
-                   {"velocity", "m/s", real, 3, Meaning::velocity},
-                   {"density", "kg/m^3"},
-                   {"plastic_strain", "1"},
-                   {"material", "1"}};
-  points.fields.back().kinds = {"fluid", "corotated", "neo_hookean", "snow", "sand", "foam", "elastic"};
-  if (def.changes()) points.fields.push_back({"id", "1", Scalar::u64});
-  points.max_rows = setting_->capacity;
-  set_parts({std::move(points)});
+  show();
   set_remedies({"a shorter step", "a softer material or a larger cell", "more max_substeps"});
 }
 
@@ -159,27 +149,6 @@ State Mpm::initial_state() const {
     fill<double>(s, set);
   }
   return s;
-}
-
-FieldView Mpm::field(const State& s, size_t, size_t which, std::vector<double>& scratch) const {
-  const Setting& set = *setting_;
-  const size_t n = s.rows(columns::position);
-  if (which == 5) return {s.bytes(columns::id).data(), Scalar::u64, n, 1};
-  if (which < 2) {
-    const State::Column c = which == 0 ? columns::position : columns::velocity;
-    return {s.bytes(c).data(), s.info(c).type, n, 3};
-  }
-  scratch.resize(n);
-  const RealColumn<const double> j(s, columns::jacobian), plastic(s, columns::plastic);
-  for_runs(set, s, [&](const Piece& p, size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      const double strain = p.material.law == Law::snow ? 1 - plastic.at(i) : plastic.at(i);
-      scratch[i] = which == 2   ? p.density / j.at(i)
-                   : which == 3 ? strain
-                                : static_cast<double>(p.material.law);
-    }
-  });
-  return {scratch.data(), Scalar::f64, n, 1};
 }
 
 void Mpm::check(StateCheck& check, double t) const {

@@ -4,22 +4,17 @@
 #pragma once
 #include <memory>
 
+#include "engine/core/outputs/tabled.h"
 #include "engine/systems/mpm/solver.h"
 
 namespace truestep::mpm {
 
-class Mpm final : public StagedSystem {
+class Mpm final : public Tabled<Mpm, StagedSystem> {
  public:
   Mpm(const MpmDef& def, const BuildContext& context);
 
+  static const OutputTable& outputs();
   State initial_state() const override;
-  /// energy.kinetic, energy.elastic, energy.gravity, energy.total; momenta, angular momenta about the origin;
-  /// centre, low and high of all particles; plastic.mean, jacobian.min, jacobian.max; error.exact if the
-  /// scene gives exact positions; mass; count, emitted, killed and refused if particles are emitted or
-  /// removed.
-  void observe(const State& state, double t, Observables& out) const override;
-  /// position, velocity, density, plastic_strain, material.
-  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
   void apply(State& state, const Command& command) const override;
   std::optional<double> limit(Limit which, const State& state, double h) const override;
@@ -30,6 +25,9 @@ class Mpm final : public StagedSystem {
   const Setting& setting() const { return *setting_; }
 
  private:
+  struct Whole;
+  Whole whole(const State& state, double t) const;
+
   Vec3 gravity_;
   std::unique_ptr<const Setting> setting_;
   std::unique_ptr<const Solver> solver_;

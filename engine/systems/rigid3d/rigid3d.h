@@ -43,6 +43,7 @@ class Rigid3d final : public Tabled<Rigid3d, StagedSystem>, public BodyOwner, pu
   bool asleep(const State& s, size_t row) const override;
   double sleep_timer(const State& s, size_t row) const override;
   void set_sleep_timer(State& s, size_t row, double seconds) const override;
+  void lead(State& s, size_t row, const Vec3& rate, const Vec3& spin_rate) const override;
 
   const std::vector<BodyKind>& kinds() const { return bodies_.kinds; }
 
@@ -76,6 +77,7 @@ class Rigid3d final : public Tabled<Rigid3d, StagedSystem>, public BodyOwner, pu
     const double* spin;
     double h;
   };
+  void forget_led_rates(State& s) const;
   void apply_forces(State& s, const StepInput& in) const;
   int substeps(const State& s, double h) const;
   void choose_substeps(State& s, const StepInput& in) const;

@@ -138,4 +138,10 @@ void Rigid3d::set_sleep_timer(State& s, size_t row, double seconds) const {
   s.f64(columns::sleep_timer)[row] = seconds;
 }
 
+void Rigid3d::lead(State& s, size_t row, const Vec3& rate, const Vec3& spin_rate) const {
+  s.f64(columns::sleep_timer)[row] = kLed;
+  double* rates = s.f64(columns::sleep_middle).data();
+  store3(rates, 2 * row, rate), store3(rates, 2 * row + 1, spin_rate);
+}
+
 }  // namespace truestep::rigid3d

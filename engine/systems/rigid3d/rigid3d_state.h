@@ -21,7 +21,8 @@ enum : State::Column {
   sleep_timer,        ///< f64, s for which the body has rested; below 0: it is led (BodySleep::kLed)
   sleep_position,     ///< f64 x 3, position when that began
   sleep_orientation,  ///< f64 x 4
-  sleep_middle,       ///< f64 x 6, m rad: shift and rotation vector from there after half of sleep_time
+  sleep_middle,       ///< f64 x 6, m rad: shift and rotation vector from there after half of sleep_time; of
+                      ///< what is led, m/s^2 rad/s^2: rates at which its velocities change
   asleep,             ///< u32
   per_body_end,
   contact_bodies = per_body_end,  ///< u32 x 2

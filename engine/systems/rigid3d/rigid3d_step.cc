@@ -56,6 +56,13 @@ int Rigid3d::substeps_of_turns(const State& s, double h) const {
   return static_cast<int>(std::min(std::ceil(fastest * h / kSubstepTurn), most));
 }
 
+void Rigid3d::forget_led_rates(State& s) const {
+  const auto rested = s.f64(columns::sleep_timer);
+  for (size_t i = 0; i < rested.size(); ++i) {
+    if (is_led(rested.data(), i)) lead(s, i, {}, {});
+  }
+}
+
 void Rigid3d::step(State& s, const StepInput& in) const {
   int& parts = scratch(in).parts;
   parts = 1;
@@ -65,6 +72,8 @@ void Rigid3d::step(State& s, const StepInput& in) const {
     const int wanted = substeps_of_turns(s, in.h);
     if (wanted > parts) change_substeps(s, in.h, parts, wanted), parts = wanted;
   }
+  // What is led moves at one velocity through all of them.
+  if (parts > 1) forget_led_rates(s);
   StepInput part = in;
   part.h = in.h / parts;
   for (int k = 0; k < parts; ++k) {

@@ -32,7 +32,8 @@ Skeleton::Skeleton(const SkeletonDef& given, const BuildContext& context)
   }
   for (const Solid& s : solids_) forms_.push_back({&s, 0, {}});
   plan_stages(def);
-  name_parts();
+  show();
+  set_remedies({"expressions that stay finite at every time"});
 }
 
 void Skeleton::take_motions(const SkeletonDef& def) {
@@ -111,28 +112,6 @@ void Skeleton::plan_stages(const SkeletonDef& def) {
   } else {
     skip_stage("skin", "there is no skin");
   }
-}
-
-void Skeleton::name_parts() {
-  const FieldInfo position{"position", "m", Scalar::f64, 3, Meaning::position};
-  const FieldInfo velocity{"velocity", "m/s", Scalar::f64, 3, Meaning::velocity};
-  const FieldInfo orientation{"orientation", "1", Scalar::f64, 4, Meaning::orientation};
-  std::vector<PartInfo> parts(2);
-  parts[0].fields = {position, velocity, orientation, {"value", ""}};
-  parts[0].max_rows = model_.joints.size();
-  parts[1].name = "bones";
-  parts[1].fields = {
-      position, velocity, orientation, {"angular_velocity", "rad/s", Scalar::f64, 3, Meaning::value}};
-  parts[1].max_rows = model_.bones.size();
-  if (!model_.skin.empty()) {
-    PartInfo skin;
-    skin.name = "skin";
-    skin.fields = {position, velocity};
-    skin.max_rows = model_.skin.size();
-    parts.push_back(std::move(skin));
-  }
-  set_parts(std::move(parts));
-  set_remedies({"expressions that stay finite at every time"});
 }
 
 State Skeleton::initial_state() const {

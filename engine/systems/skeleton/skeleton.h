@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "engine/animation/moved_bodies.h"
+#include "engine/core/outputs/tabled.h"
 #include "engine/core/ports/rig_port.h"
 #include "engine/core/system.h"
 #include "engine/kernels/animation/pose_prior.h"
@@ -33,13 +34,12 @@ struct SkeletonColumns {
   };
 };
 
-class Skeleton final : public StagedSystem, public FollowsBones, public Rigged {
+class Skeleton final : public Tabled<Skeleton, StagedSystem>, public FollowsBones, public Rigged {
  public:
   Skeleton(const SkeletonDef& def, const BuildContext& context);
 
+  static const OutputTable& outputs();
   State initial_state() const override;
-  void observe(const State& state, double t, Observables& out) const override;
-  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void apply(State& state, const Command& command) const override;
   void check(StateCheck& check, double t) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
@@ -57,7 +57,10 @@ class Skeleton final : public StagedSystem, public FollowsBones, public Rigged {
   void plan_stages(const SkeletonDef& def);
   void take_motions(const SkeletonDef& def);
   void learn(const PriorDef& def);
-  void name_parts();
+  struct GoalReach;
+  std::vector<GoalReach> reached(const State& state, double t) const;
+  double prior_distance(const State& state) const;
+  void joint_values(const State& state, ShownRows rows, double* out) const;
   /// Sets everything as it is at t, h after the time of the state.
   void update(State& state, double t, double h, Scratch& scratch) const;
   void drive(const State& state, double t, Scratch& scratch) const;

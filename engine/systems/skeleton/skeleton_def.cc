@@ -207,38 +207,6 @@ const DefTable& motion_capture_table() {
   return t;
 }
 
-const Outputs& skeleton_outputs() {
-  static const Outputs kOutputs{
-      .rows = "a joint; of part bones a bone, of part skin a vertex",
-      .fields = {{"position", "m", 3, "of a joint, a bone's middle or a vertex"},
-                 {"velocity", "m/s", 3, "mean over the last step"},
-                 {"orientation", "1", 4, "w, x, y, z; a bone points along its y axis"},
-                 {"value", "", 1,
-                  "rad of a revolute joint, m of a prismatic one, rotation angle in rad of a ball"},
-                 {"bones.angular_velocity", "rad/s", 3, "of part bones: mean over the last step"}},
-      .observables = {
-          {"control.<name>", "1", "value of a control"},
-          {"ik.error", "m", "largest distance to a goal after the last step; with goals"},
-          {"ik.iterations", "1", "of the solver in the last step; with goals"},
-          {"ik.reached", "1", "1 where all goals are within the tolerance; with goals"},
-          {"goal.<id>.error", "m", "distance to a goal"},
-          {"goal.<id>.stretch", "1",
-           "distance of a goal from the start of its chain over the chain's length: at 1 the chain is "
-           "stretched and singular, above 1 the goal is out of reach"},
-          {"joint.<id>.x", "m", "position of a joint, in skeletons of at most 32"},
-          {"joint.<id>.y", "m", ""},
-          {"joint.<id>.z", "m", ""},
-          {"prior.distance", "1", "from the mean pose, in deviations of the prior's motion; with a prior"},
-          {"prior.explained", "1", "share of that motion's variance in the components; with a prior"},
-          {"markers.error", "m", "root mean square distance of markers from the fit; with markers"},
-          {"markers.seen", "1", "share of markers in sight; with markers"},
-          {"markers.outliers", "1", "positions in space and in images that were rejected; with markers"},
-          {"markers.residual", "1", "pixels, in the images; with markers from cameras"},
-          {"foot_lock.slide", "m", "largest slide of a standing foot in the recording, before locking"},
-          {"foot_lock.error", "m", "largest distance of a locked foot from its fixed position"}}};
-  return kOutputs;
-}
-
 Cost skeleton_cost(const void* def) {
   const auto& d = *static_cast<const SkeletonDef*>(def);
   double joints = static_cast<double>(d.joints.size()), text = 0;

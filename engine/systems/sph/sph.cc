@@ -32,15 +32,7 @@ Sph::Sph(const SphDef& def, const BuildContext& context)
   if (setting_->shifting == 0) skip_stage("shifting", "not asked for, and the liquid can part");
   if (def.surface_tension == 0) skip_stage("surface tension", "it is 0");
   if (def.colliders.empty()) skip_stage("colliders", "none given");
-  const Scalar real = def.precision == Precision::f32 ? Scalar::f32 : Scalar::f64;
-  PartInfo points;
-  points.fields = {{"position", "m", real, 3, Meaning::position},
-                   {"velocity", "m/s", real, 3, Meaning::velocity},
-                   {"density", "kg/m^3"},
-                   {"pressure", "Pa"},
-                   {"speed", "m/s"}};
-  points.max_rows = setting_->capacity;
-  set_parts({std::move(points)});
+  show();
   if (def.settle > 0) {
     start_ = start_of(*setting_, gravity_);
     come_to_rest(*setting_, gravity_, dt_, *start_);
@@ -76,26 +68,6 @@ Ports Sph::ports() const {
   // The coupling with bodies assumes a single density, and drag that is not part of a solve.
   if (d.layered() || (d.solves_viscosity() && d.walls == Walls::no_slip)) return {};
   return {.medium = MediumPort{d.dimension, columns::position, d.spacing, columns::gravity}};
-}
-
-FieldView Sph::field(const State& s, size_t, size_t which, std::vector<double>& scratch) const {
-  const size_t n = s.rows(columns::position);
-  const auto inside = [&](State::Column c) {
-    return FieldView{s.bytes(c).data(), s.info(c).type, n, s.info(c).width};
-  };
-  if (which == 0) return inside(columns::position);
-  if (which == 1) return inside(columns::velocity);
-  if (which == 3) {
-    solver_->read_pressures(s, scratch);
-    return {scratch.data(), Scalar::f64, n, 1};
-  }
-  scratch.resize(n);
-  const RealColumn<const double> v(s, columns::velocity), density(s, columns::density);
-  for (size_t i = 0; i < n; ++i) {
-    scratch[i] =
-        which == 2 ? setting_->def.density * setting_->ratio_of(s, i) * density.at(i) : norm(v.vector(i));
-  }
-  return {scratch.data(), Scalar::f64, n, 1};
 }
 
 void Sph::check(StateCheck& check, double t) const {

@@ -3,21 +3,18 @@
 #pragma once
 #include <memory>
 
+#include "engine/core/outputs/tabled.h"
 #include "engine/systems/sph/setting.h"
 
 namespace truestep::sph {
 
-class Sph final : public StagedSystem {
+class Sph final : public Tabled<Sph, StagedSystem> {
  public:
   Sph(const SphDef& def, const BuildContext& context);
 
+  static const OutputTable& outputs();
   State initial_state() const override;
   std::vector<PlanRow> plan() const override;
-  /// energy.kinetic, energy.gravity, energy.total; momenta; mass, centre, low and high of all particles;
-  /// density.mean_error, density.max_error, courant, substeps, iterations of the last step.
-  void observe(const State& state, double t, Observables& out) const override;
-  /// position, velocity, density, pressure.
-  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   /// Kinetic, and the potential above the box's lowest corner. Open where walls move, nozzles pour, vortices
   /// are driven, or gravity acts along a periodic axis.
   std::optional<Energy> energy(const State& state, double t, Workspace& workspace,
@@ -33,6 +30,10 @@ class Sph final : public StagedSystem {
   const Setting& setting() const { return *setting_; }
 
  private:
+  struct Whole;
+  Whole whole(const State& state, double t) const;
+  /// kg/m^3
+  void density(const State& state, ShownRows rows, double* out) const;
   bool driven(const Vec3& gravity) const;
   Vec3 gravity_;
   double dt_;  ///< s

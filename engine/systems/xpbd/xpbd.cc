@@ -109,9 +109,11 @@ Xpbd::Xpbd(const XpbdDef& def, const BuildContext& context)
     tear_limits_ = {def.tear->strain.value_or(HUGE_VAL), def.tear->force.value_or(HUGE_VAL)};
   }
   substep_ = context.dt / options_.substeps;
+  step_seconds_ = options_.substeps * substep_seconds(def);
   plan_stages(def, division.why);
   publish();
-  name_parts();
+  show();
+  set_remedies({"more substeps", "softer links", "more internal_damping"});
   // What falls, swings or snaps back moves less than its reach in a substep.
   const double reach = 1 + extent(body_);
   double fastest = 0;
@@ -201,24 +203,6 @@ void Xpbd::publish() {
   drawing_.triangles = body_.triangles;
   if (!body_.triangles.empty()) return;
   for (const Link& l : body_.links) segments_.push_back({l.a, l.b});
-}
-
-void Xpbd::name_parts() {
-  PartInfo points;
-  points.fields = {{"position", "m", Scalar::f64, 3, Meaning::position},
-                   {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity},
-                   {"strain", "1"}};
-  points.max_rows = body_.capacity;
-  PartInfo links;
-  links.kind = PartInfo::Kind::values;
-  links.name = "links";
-  links.fields = {{"strain", "1"}};
-  links.max_rows = body_.links.size();
-  links.elements = PartInfo::Elements::lines;
-  std::vector<PartInfo> parts{std::move(points)};
-  if (links.max_rows > 0) parts.push_back(std::move(links));
-  set_parts(std::move(parts));
-  set_remedies({"more substeps", "softer links", "more internal_damping"});
 }
 
 State Xpbd::initial_state() const {

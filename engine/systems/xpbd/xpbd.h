@@ -11,22 +11,19 @@
 #pragma once
 #include <memory>
 
+#include "engine/core/outputs/tabled.h"
 #include "engine/core/ports/changing_triangles.h"
 #include "engine/core/ports/pressed_points.h"
 #include "engine/systems/xpbd/solver.h"
 
 namespace truestep::xpbd {
 
-class Xpbd final : public StagedSystem, public ChangingTriangles, public PressedPoints {
+class Xpbd final : public Tabled<Xpbd, StagedSystem>, public ChangingTriangles, public PressedPoints {
  public:
   Xpbd(const XpbdDef& def, const BuildContext& context);
 
+  static const OutputTable& outputs();
   State initial_state() const override;
-  /// energy.kinetic; energy.potential and energy.total if constraints have one (scheme xpbd); momenta about
-  /// the origin, strain of the links, pins.
-  void observe(const State& state, double t, Observables& out) const override;
-  /// position, velocity, strain (1, largest at a point); part "links": strain.
-  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void check(StateCheck& check, double t) const override;
   void warn(const State& state, double h, std::vector<Warning>& out) const override;
   void apply(State& state, const Command& command) const override;
@@ -46,7 +43,15 @@ class Xpbd final : public StagedSystem, public ChangingTriangles, public Pressed
   const Schedule& schedule() const { return schedule_; }
 
  private:
-  void name_parts();
+  struct Whole;
+  Whole whole(const State& state, double t) const;
+  /// Of links, with the sign, and of points, the largest of their links'.
+  void link_strains(const State& state, ShownRows rows, double* out) const;
+  void point_strains(const State& state, ShownRows rows, double* out) const;
+  /// Adds what frames of rods that turn have.
+  void add_turning(const State& state, Vec3& angular_momentum) const;
+  template <class Visit>
+  void each_strand(const State& state, const Visit& visit) const;
   /// Of the constant part of the drawing.
   uint32_t drawing_version(const State& state) const;
   /// kg, of every row.
@@ -87,7 +92,8 @@ class Xpbd final : public StagedSystem, public ChangingTriangles, public Pressed
   PartDrawing drawing_;
   std::vector<std::array<uint32_t, 2>> segments_;  // published if there are no triangles
   double speed_limit_ = 0;
-  double substep_;  // s, of its own
+  double substep_;       // s, of its own
+  double step_seconds_;  // on one core, estimated
 };
 
 std::unique_ptr<const System> build_xpbd(const void* def, const BuildContext& context);

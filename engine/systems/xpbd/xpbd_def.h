@@ -137,6 +137,8 @@ void check_tear(const XpbdDef& def, const DefTable::Report& report);
 std::vector<std::string> clamp_names(const XpbdDef& def);
 const Outputs& xpbd_outputs();
 Cost xpbd_cost(const void* def);
+/// s on one core.
+double substep_seconds(const XpbdDef& def);
 /// Numbers of points and of constraints of every kind, from counts alone (an upper bound for meshes).
 struct XpbdCounts {
   double points = 0, links = 0, bends = 0, volumes = 0;

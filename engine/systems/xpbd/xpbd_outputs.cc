@@ -1,102 +1,149 @@
-// Descriptions of the outputs of the system type "xpbd", and its cost estimate.
+// What constrained points give out: energies, momenta and the strains of links.
 #include <algorithm>
 #include <cmath>
 
-#include "engine/geometry/make/rope.h"
-#include "engine/systems/xpbd/solver.h"
-#include "engine/systems/xpbd/xpbd_def.h"
+#include "engine/core/outputs/outputs_of.h"
+#include "engine/kernels/xpbd/volume.h"
+#include "engine/systems/xpbd/xpbd.h"
 
 namespace truestep::xpbd {
 
-const Outputs& xpbd_outputs() {
-  static const Outputs kOutputs{
-      .rows =
+using Columns = XpbdColumns;
+
+struct Xpbd::Whole {
+  using Maybe = std::optional<double>;
+  double kinetic = 0;
+  Maybe potential, total;         ///< of scheme xpbd
+  Maybe stretch, bending, twist;  ///< of rods
+  Vec3 momentum, angular_momentum;
+  double largest = 0, mean_square = 0, pins = 0;
+  Maybe volume, splits;
+};
+
+const OutputTable& Xpbd::outputs() {
+  using W = Whole;
+  using C = Columns;
+  static const OutputTable kTable =
+      OutputsOf<Xpbd>(
           "a point: along a rope from its first end, strand by strand in hair, j nx + i in a cloth grid, in "
-          "the given order in a mesh, x fastest in a block",
-      .fields = {{"position", "m", 3, ""},
-                 {"velocity", "m/s", 3, ""},
-                 {"strain", "1", 1, "largest |length / rest length - 1| of its links"},
-                 {"links.strain", "1", 1, "of part links, one row per link: length / rest length - 1"}},
-      .observables = {
-          {"energy.kinetic", "J", "of motion"},
-          {"energy.potential", "J", "of gravity, user forces and all constraints; scheme xpbd only"},
-          {"energy.total", "J", "their sum; scheme xpbd only"},
-          {"energy.stretch", "J", "of stretch and shear; rods only"},
-          {"energy.bending", "J", "rods only"},
-          {"energy.twist", "J", "rods only"},
-          {"momentum.x", "kg m/s", "of all free points"},
-          {"momentum.y", "kg m/s", ""},
-          {"momentum.z", "kg m/s", ""},
-          {"angular_momentum.x", "kg m^2/s", "about the origin, of all free points"},
-          {"angular_momentum.y", "kg m^2/s", ""},
-          {"angular_momentum.z", "kg m^2/s", ""},
-          {"strain.max", "1", "largest |length / rest length - 1| of links between neighbours"},
-          {"strain.rms", "1", "root mean square of the same"},
-          {"pins", "1", "points that are pinned"},
-          {"volume", "m^3", "of all tetrahedra of blocks"},
-          {"splits", "1", "points split off by tearing; only with tear"}}};
-  return kOutputs;
+          "the given order in a mesh, x fastest in a block")
+          .part("", [](const Xpbd& x) { return points_part(x.body_.capacity); })
+          .rows(present_rows(C::position))
+          .field({"position", "m", Scalar::f64, 3, Meaning::position}, column(C::position), "")
+          .field({"velocity", "m/s", Scalar::f64, 3, Meaning::velocity}, column(C::velocity), "")
+          .field({"strain", "1"}, computed_by<Xpbd>(&Xpbd::point_strains),
+                 "largest |length / rest length - 1| of its links")
+          .part("links",
+                [](const Xpbd& x) {
+                  const size_t n = x.body_.links.size();
+                  return n > 0 ? std::optional(values_part(n, PartInfo::Elements::lines)) : std::nullopt;
+                })
+          .field({"links.strain", "1"}, computed_by<Xpbd>(&Xpbd::link_strains),
+                 "of part links, one row per link: length / rest length - 1")
+          .measured(
+              &Xpbd::whole,
+              {{"energy.kinetic", "J", &W::kinetic, "of motion"},
+               {"energy.potential", "J", &W::potential,
+                "of gravity, user forces and all constraints; scheme xpbd only"},
+               {"energy.total", "J", &W::total, "their sum; scheme xpbd only"},
+               {"energy.stretch", "J", &W::stretch, "of stretch and shear; rods only"},
+               {"energy.bending", "J", &W::bending, "rods only"},
+               {"energy.twist", "J", &W::twist, "rods only"},
+               {"momentum", "kg m/s", &W::momentum, "of all free points"},
+               {"angular_momentum", "kg m^2/s", &W::angular_momentum, "about the origin, of all free points"},
+               {"strain.max", "1", &W::largest,
+                "largest |length / rest length - 1| of links between neighbours"},
+               {"strain.rms", "1", &W::mean_square, "root mean square of the same"},
+               {"pins", "1", &W::pins, "points that are pinned"},
+               {"volume", "m^3", &W::volume, "of all tetrahedra of blocks"},
+               {"splits", "1", &W::splits, "points split off by tearing; only with tear"}})
+          .build();
+  return kTable;
 }
 
-namespace {
-
-/// Substeps per 1/60 s: for a rope, as many as the tension asks for when all of it hangs from its first link.
-double substeps_of(const XpbdDef& d, double points) {
-  if (d.substeps) return *d.substeps;
-  if (d.scheme == Scheme::pbd) return 1;
-  constexpr double kUsual = 20, kMost = 1000, kGravity = 9.81, kDt = 1.0 / 60;
-  if (!d.rope) return kUsual;
-  const double link = rope_link(*d.rope), mass = d.density ? *d.density * link : d.mass;
-  double weight = points * mass;
-  for (const LoadDef& l : d.loads) weight += l.mass;
-  const double tightness = 2 * kGravity * weight / (mass * link);
-  return std::clamp(kDt * std::sqrt(2 * tightness), kUsual, kMost);
+const Outputs& xpbd_outputs() {
+  static const Outputs kDescribed = Xpbd::outputs().described();
+  return kDescribed;
 }
 
-}  // namespace
+double Xpbd::strain(const double* x, const Link& l, const Strand& strand) {
+  return norm(load3(x, strand.b) - load3(x, strand.a)) / l.rest - 1;
+}
 
-Cost xpbd_cost(const void* def) {
-  const auto& d = *static_cast<const XpbdDef*>(def);
-  const XpbdCounts n = xpbd_counts(d);
-  const double iterations = d.iterations                                          ? *d.iterations
-                            : d.scheme == Scheme::pbd || is_simultaneous(d.sweep) ? 20
-                                                                                  : 1;
-  const bool single = d.precision == Precision::f32, collides = !d.colliders.empty();
-  const double constraints = n.links + n.bends + n.volumes;
-  // Per point: its positions and triangles; per constraint: what the body, the schedule and the solver keep
-  // of it. A rope solved directly is one lane of a whole batch, and has scratch if it is long.
-  const bool chain = d.rope && d.scheme == Scheme::xpbd && d.sweep == Sweep::chains;
-  const double lane = !chain ? 0 : single ? 28 * 7 : 48 * 3;
-  const double scratch = chain && n.links > kShortChain ? 224 : 0;
-  // Per link of a rod: frames, spins, packed strains (8 Wide numbers per strain row) and scratch, in whole
-  // lanes: a single rod takes four times its own.
-  const double lanes = !d.rod ? 0 : d.hair ? 1 : 4, rod = d.rod ? n.links * (170 + 620 * lanes) : 0;
-  // Cloth that tears: rows that may be split off, corners, and two packed strands a link.
-  const double splits =
-      !d.tear ? 0 : static_cast<double>(d.tear->most_splits.value_or(static_cast<int64_t>(n.points)));
-  const bool elastic = d.block && d.youngs_modulus;
-  const double soft = (d.matching ? 90 * n.points : 0) + (elastic ? 90 * n.volumes : 0);
-  // Per triangle of a membrane: what the body, the schedule and the solver keep of it.
-  const double sheet = !is_membrane(d) ? 0 : d.mesh ? n.links / 3 : 2 * n.points;
-  // Self-collision: a sheet folds onto both its sides, blocks meet with part of their surface.
-  const double meets = !d.self_collision ? 0 : d.block ? 900 : 2100;
-  const double tears = d.tear ? 250 * splits + (single ? 160 : 260) * 2 * n.links : 0;
-  return {
-      .state_bytes = 56 * n.points + (d.rod ? 56 * n.links : 0) + (d.tear ? 68 * splits + 36 * n.points : 0),
-      .workspace_bytes = rod + tears + soft + 200 * sheet + (single ? 130 : 180) * n.points +
-                         ((single ? 85 : 105) + lane + scratch) * n.links +
-                         (single ? 130 : 175) * (n.bends + n.volumes) +
-                         (collides || d.self_collision ? 104 * n.points : 0) + meets * n.points +
-                         (d.wind ? 48 * n.points : 0),
-      .elements = n.points + constraints,
-      .seconds_per_step =
-          substeps_of(d, n.points) *
-          (3e-9 * n.points + (collides ? 2e-8 * n.points : 0) + (d.self_collision ? 1e-6 * n.points : 0) +
-           (d.wind ? 6e-8 * n.points : 0) + iterations * (d.rod ? 1.3e-7 : 0) * n.links +
-           iterations * (d.matching ? 3e-8 * n.points
-                         : elastic  ? 2e-8 * n.volumes
-                                    : 0) +
-           iterations * 1.5e-8 * sheet + iterations * (single ? 4e-9 : 8e-9) * constraints)};
+// visit(link, strand, strain) of all that are not torn.
+template <class Visit>
+void Xpbd::each_strand(const State& s, const Visit& visit) const {
+  const double* x = s.f64(Columns::position).data();
+  for (size_t k = 0; k < body_.links.size(); ++k) {
+    for (size_t i = 0; i < strands(k); ++i) {
+      const Strand strand = this->strand(s, k, i);
+      if (strand.share > 0) visit(k, strand, strain(x, body_.links[k], strand));
+    }
+  }
+}
+
+Xpbd::Whole Xpbd::whole(const State& s, double) const {
+  const double *x = s.f64(Columns::position).data(), *v = s.f64(Columns::velocity).data();
+  const auto w = s.f64(Columns::inverse_mass), masses = this->masses(s);
+  const Energy e = energies(s);
+  Whole out;
+  out.kinetic = e.kinetic;
+  if (options_.scheme == Scheme::xpbd) out.potential = e.potential, out.total = e.kinetic + e.potential;
+  if (cosserat_) {
+    const Vec3 rods = rod_energies(s);
+    out.stretch = rods.x, out.bending = rods.y, out.twist = rods.z;
+  }
+  for (size_t i = 0; i < w.size(); ++i) {
+    if (!(w[i] > 0)) {
+      out.pins += 1;
+      continue;
+    }
+    const Vec3 mv = masses[i] * load3(v, i);
+    out.momentum += mv, out.angular_momentum += cross(load3(x, i), mv);
+  }
+  add_turning(s, out.angular_momentum);
+  double squares = 0;
+  size_t count = 0;
+  each_strand(s, [&](size_t k, const Strand&, double strain) {
+    if (body_.links[k].family != Family::structural) return;
+    const double c = std::abs(strain);
+    out.largest = std::max(out.largest, c), squares += c * c, ++count;
+  });
+  if (count > 0) out.mean_square = std::sqrt(squares / static_cast<double>(count));
+  if (!body_.tetrahedra.empty()) {
+    double volumes = 0;
+    for (const Tetrahedron& t : body_.tetrahedra) {
+      const auto& q = t.points;
+      volumes += volume(load3(x, q[0]), load3(x, q[1]), load3(x, q[2]), load3(x, q[3]));
+    }
+    out.volume = volumes;
+  }
+  if (tears_) out.splits = static_cast<double>(w.size() - body_.x.size());
+  return out;
+}
+
+void Xpbd::add_turning(const State& s, Vec3& angular_momentum) const {
+  for (size_t f = 0; f < rods_.frames.size(); ++f) {
+    const size_t r = f / (rods_.links + 2), j = f % (rods_.links + 2);
+    if (j == 0 || j > rods_.links) continue;
+    const double* q = s.f64(rods_.orientation).data() + 4 * f;
+    const Vec3 o = load3(s.f64(rods_.spin).data(), f), &i = rods_.inertia[r * rods_.links + j - 1];
+    angular_momentum += rotation(Quat{q[0], q[1], q[2], q[3]}).apply({i.x * o.x, i.y * o.y, i.z * o.z});
+  }
+}
+
+void Xpbd::link_strains(const State& s, ShownRows rows, double* out) const {
+  std::fill_n(out, rows.count, 0.0);
+  each_strand(s, [&](size_t k, const Strand&, double c) {
+    if (std::abs(c) >= std::abs(out[k])) out[k] = c;
+  });
+}
+
+void Xpbd::point_strains(const State& s, ShownRows rows, double* out) const {
+  std::fill_n(out, rows.count, 0.0);
+  each_strand(s, [&](size_t, const Strand& strand, double c) {
+    for (const uint32_t p : {strand.a, strand.b}) out[p] = std::max(out[p], std::abs(c));
+  });
 }
 
 }  // namespace truestep::xpbd

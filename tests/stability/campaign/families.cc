@@ -60,6 +60,8 @@ std::span<const Family> families() {
         {"lift_2d", lift_2d},
         {"lift_3d", lift_3d, true},
         {"driven_lift_3d", driven_lift_3d, true},
+        {"driven_table_3d", driven_table_3d, true},
+        {"driven_swing_3d", driven_swing_3d, true},
         {"falls", falls},
         {"friction", friction},
         {"bouncing_bodies", bouncing_bodies},

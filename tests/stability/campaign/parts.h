@@ -114,6 +114,8 @@ void belt_3d(Dice&, Trial&);
 void lift_2d(Dice&, Trial&);
 void lift_3d(Dice&, Trial&);
 void driven_lift_3d(Dice&, Trial&);
+void driven_table_3d(Dice&, Trial&);
+void driven_swing_3d(Dice&, Trial&);
 void falls(Dice&, Trial&);
 void friction(Dice&, Trial&);
 void bouncing_bodies(Dice&, Trial&);

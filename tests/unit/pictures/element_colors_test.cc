@@ -160,7 +160,7 @@ TEST(ElementColours, MarksOfJointsHaveTheColoursOfTheirForces) {
   const DrawList list = s.list();
   const auto count = [](const DrawList& l, float t) {
     return std::count_if(l.marks.begin(), l.marks.end(), [&](const DrawMark& m) {
-      return same(m.color, picture::map_color(ColorMap::viridis, t));
+      return same(m.color, picture::map_color(ColorMap::viridis, t, picture::Paper::bright));
     });
   };
   EXPECT_EQ(count(list, 0), 3);  // a line and two ends

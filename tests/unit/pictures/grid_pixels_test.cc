@@ -69,7 +69,7 @@ std::array<double, 3> channels(const test::Rgb& c) {
   return {double(c.r), double(c.g), double(c.b)};
 }
 std::array<double, 3> map_channels(double t) {
-  const Color c = picture::map_color(ColorMap::viridis, static_cast<float>(t));
+  const Color c = picture::map_color(ColorMap::viridis, static_cast<float>(t), picture::Paper::bright);
   return {255.0 * c.r, 255.0 * c.g, 255.0 * c.b};
 }
 double color_gap(const std::array<double, 3>& a, const std::array<double, 3>& b) {

@@ -32,7 +32,7 @@ TEST(PictureColors, MaterialsAreNamedInTheLegendNotOnABar) {
   for (const DrawPoints& set : list.points) EXPECT_TRUE(set.scalar_label.empty());
   const DrawPoints& both = list.points.front();
   const auto [low, high] = picture::scalar_range(both);
-  const Color sand = picture::color_at(both, (4 - low) / (high - low));
+  const Color sand = picture::color_at(both, (4 - low) / (high - low), picture::Paper::bright);
   EXPECT_EQ(sand.r, picture::color_of_kind("sand", 4).r);
   EXPECT_NE(sand.r, picture::color_of_kind("fluid", 0).r);
 }

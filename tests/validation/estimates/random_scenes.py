@@ -3,7 +3,7 @@
     python3 random_scenes.py ESTIMATES [--scenes N] [--first SEED] [--family NAME] [--seconds S] [--worst N]
 
 ESTIMATES is the program built from main.cc beside this file. For each family of scenes a line: how many ran, and the quantiles of
-estimated / measured CPU seconds of a step, from counts alone and once the systems are built; then the worst scenes. A scene belongs to
+estimated / measured CPU seconds of a step, from counts alone and once the systems are built, and of all that was run; then the worst scenes. A scene belongs to
 a family and a seed. Judged by a person: time depends on the machine.
 """
 import argparse
@@ -217,6 +217,11 @@ def main():
             print("%-12s %-9s %3d ran, %2d refused or failed: %s, within a factor of 3: %3.0f %%" %
                   (name, "counts" if key[0] == "e" else "built", len(found), missing[name], quantiles(ratios), 100 * near / len(ratios)))
         within, total = within + near, total + len(found)
+        long = [(f["estimated_start_seconds"] + f["steps"] * f["built_seconds"]) / (f["start_seconds"] + f["steps"] * f["seconds"])
+                for _, f in found if f["start_seconds"] + f["steps"] * f["seconds"] > 0.1]
+        if long:
+            print("    from the start, %d that take longer than 0.1 s: %s, %d beyond a factor of 3" %
+                  (len(long), quantiles(long), sum(not 1 / 3 <= q <= 3 for q in long)))
         begins = [f["start_seconds"] for _, f in found]
         short = sum(f["start_seconds"] > 0.1 and f["estimated_start_seconds"] < f["start_seconds"] / 3 for _, f in found)
         print("    started in %.3g s at most; %d take longer than 0.1 s and three times their estimate" % (max(begins), short))

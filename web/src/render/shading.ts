@@ -1,15 +1,15 @@
 // The one light of the viewer as GLSL, so that points, surfaces and shapes look alike: a sky and a floor
 // colour by the normal's height (hemisphere), one key light with a Blinn-Phong highlight, and a soft rim.
 import { Color, Vector3, type IUniform } from "three";
-import { colorTable } from "./fields/color_map";
+import { colorTable, type Theme } from "./fields/color_map";
 import { paletteHex } from "./fields/color_stops";
 import { kRampStops as kStops, schemeOf, type Scheme } from "./fields/scheme";
 import { lightUniforms } from "./upright";
 
-export type Theme = "dark" | "light";
+export type { Theme } from "./fields/color_map";
 
 /** Colours of everything around the scene; all of them change in place with the theme. */
-export const scenery = { background: new Color(), ground: new Color(), lines: new Color(), ink: new Color(), shadow: { value: 0.62 } };
+export const scenery = { theme: "dark" as Theme, background: new Color(), ground: new Color(), lines: new Color(), ink: new Color(), shadow: { value: 0.62 } };
 
 // `least`, linear: what is darker is drawn as bright as this, so that black things keep their shape on a dark ground.
 const themes: Record<Theme, { background: string; ground: string; lines: string; ink: string; shadow: number; least: number }> = {
@@ -19,6 +19,7 @@ const themes: Record<Theme, { background: string; ground: string; lines: string;
 
 export function setTheme(theme: Theme): void {
   const { background, ground, lines, ink, shadow, least } = themes[theme];
+  scenery.theme = theme;
   scenery.background.set(background);
   scenery.ground.set(ground);
   scenery.lines.set(lines);
@@ -59,7 +60,7 @@ export const rampUniform: IUniform<Vector3[]> = { value: [] };
 
 /** Kinds are the ramp's stops: the k-th is at k / 15. */
 export function setRamp({ map, kinds }: Scheme): void {
-  const table = colorTable(map, kStops);
+  const table = colorTable(map, kStops, scenery.theme);
   const color = new Color();
   rampUniform.value = Array.from({ length: kStops }, (_, k) => {
     if (kinds.length > 0) color.set(kinds[k % kinds.length]!.color);

@@ -122,8 +122,10 @@ export class Stage {
 
   setTheme(theme: Theme): void {
     setTheme(theme);
+    setRamp(this.show.scheme);
     this.painter.setTheme();
     if (this.framed) this.fitAxes();
+    for (const view of this.views.values()) view.apply(this.show);
     this.invalidate(true);
   }
 

@@ -4,6 +4,7 @@ import type { Theme } from "../render/shading";
 import type { Stage } from "../render/stage";
 import { byId } from "./dom";
 import type { Plot } from "./plot";
+import { showScale } from "./scale";
 import { chooseTheme, kLight, themeNow } from "./theme";
 
 export class Look {
@@ -19,6 +20,7 @@ export class Look {
     document.documentElement.dataset.theme = theme;
     this.stage.setTheme(theme);
     this.plot.restyle();
+    showScale(this.stage.colorScale);
     byId("theme").setAttribute("aria-pressed", String(theme === "light"));
   }
 

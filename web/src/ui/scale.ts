@@ -1,6 +1,7 @@
 // The colour bar, or a legend where colours are names.
 import { cssGradient } from "../render/fields/color_map";
 import type { Scale } from "../render/fields/grid_view";
+import { scenery } from "../render/shading";
 import { byId, make } from "./dom";
 import { endsOf } from "./plot_model";
 
@@ -13,7 +14,7 @@ export function showScale(scale: Scale | undefined): void {
   if (!scale) return;
   const ends = endsOf(scale.low, scale.high);
   const names = (scale.kinds ?? []).map(({ name }) => name).join(", ");
-  const text = `${scale.label} ${ends.join(" ")} ${scale.map} ${names}`;
+  const text = `${scale.label} ${ends.join(" ")} ${scale.map} ${scenery.theme} ${names}`;
   if (text === shown) return;
   shown = text;
   const [label, ramp, low, high, list] = [...bar.children] as [HTMLElement, HTMLElement, HTMLElement, HTMLElement, HTMLElement];
@@ -26,7 +27,7 @@ export function showScale(scale: Scale | undefined): void {
     }),
   );
   label.textContent = scale.label;
-  ramp.style.background = cssGradient(scale.map);
+  ramp.style.background = cssGradient(scale.map, scenery.theme);
   low.textContent = ends[0].replace("-", "−");
   high.textContent = ends[1].replace("-", "−");
 }

@@ -98,6 +98,7 @@ void add_bodies(DrawList& list, const PartDrawing& drawing, const Poses& poses, 
                 size_t first) {
   const auto& [position, orientation, asleep] = poses;
   const auto [low, high] = picture::scalar_range(values);
+  const picture::Paper paper = picture::paper_of(list.background_bottom);
   std::vector<DrawShape> shapes;
   std::vector<Motion> motions;
   for (const auto& [row, which] : drawing.instances) {
@@ -116,7 +117,7 @@ void add_bodies(DrawList& list, const PartDrawing& drawing, const Poses& poses, 
     s.container = visual.motion == Motion::sensor;
     Color color = color_of(visual, row, first);
     if (row < values.scalar.size() && visual.motion == Motion::dynamic)
-      color = picture::color_at(values, high > low ? (values.scalar[row] - low) / (high - low) : 0);
+      color = picture::color_at(values, high > low ? (values.scalar[row] - low) / (high - low) : 0, paper);
     else if (asleep.has(row, 1) && asleep.at(row) != 0)
       color = asleep_of(color);
     s.color = color;

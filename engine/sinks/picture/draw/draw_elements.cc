@@ -66,7 +66,7 @@ std::vector<std::optional<Color>> joint_colors(DrawList& list, const World& worl
   for (size_t k = 0; k < joints.size(); ++k) {
     if (!std::isfinite(values[k])) continue;
     const float t = high > low ? std::clamp((values[k] - low) / (high - low), 0.0f, 1.0f) : 0;
-    out[k] = picture::color_at(scale, t);
+    out[k] = picture::color_at(scale, t, picture::paper_of(list.background_bottom));
   }
   list.scale = DrawScale{scale.scalar_label, scale.color_map, low, high};
   return out;

@@ -5,6 +5,7 @@
 
 #include "engine/math/even_streamlines.h"
 #include "engine/math/iso_lines.h"
+#include "engine/sinks/picture/color_map.h"
 #include "engine/sinks/picture/draw/draw_plot.h"
 #include "engine/sinks/picture/draw/draw_scale.h"
 #include "engine/sinks/picture/geometry.h"
@@ -15,7 +16,6 @@ namespace {
 constexpr size_t kSlices = 9;        // of a volume
 constexpr double kCurveShare = 0.3;  // a curve's height as a fraction of its length
 constexpr size_t kMostArrows = 28;   // along a side
-constexpr Color kInk{0.08f, 0.09f, 0.12f};
 
 double component(const Vec3& v, size_t axis) {
   return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
@@ -155,10 +155,18 @@ double line_size(const Plane& p) {
   return 0.0018 * norm(p.at_vertex(last(p.u), last(p.v)) - p.at_vertex(0, 0));
 }
 
+/// Lines over the plane's colours.
+DrawPoints ink_strokes(const DrawList& list, const Plane& p, const Shown& s) {
+  DrawPoints out =
+      strokes(picture::ink_on(s.style.color_map, picture::paper_of(list.background_bottom)), line_size(p));
+  out.exact_lines = true;
+  return out;
+}
+
 void add_contours(DrawList& list, const Plane& p, const Shown& s, const ViewerParams& viewer) {
   std::vector<float> flat;
   p.for_vertices([&](size_t, size_t, size_t row) { flat.push_back(s.size[row]); });
-  DrawPoints lines = strokes(kInk, line_size(p));
+  DrawPoints lines = ink_strokes(list, p, s);
   const double low = *s.style.scalar_min, high = *s.style.scalar_max, height = viewer.height.value_or(0);
   std::vector<IsoSegment> segments;
   for (int64_t k = 1; k <= viewer.contours; ++k) {
@@ -186,7 +194,7 @@ void add_arrows(DrawList& list, const Plane& p, const Shown& s) {
                       std::min(component(p.lattice.spacing, p.u), component(p.lattice.spacing, p.v));
   const double most = *s.style.scalar_max;
   if (!(most > 0)) return;
-  DrawPoints lines = strokes(kInk, line_size(p));
+  DrawPoints lines = ink_strokes(list, p, s);
   for (size_t j = stride / 2; j < p.nv(); j += stride) {
     for (size_t i = stride / 2; i < p.nu(); i += stride) {
       const size_t r = p.row(i, j);
@@ -212,7 +220,7 @@ void add_streamlines(DrawList& list, const Plane& p, const Shown& s, int64_t cou
     }
   }
   const PlaneField field{u, v, p.nu(), p.nv(), margin(p.lattice, p.u)};
-  DrawPoints lines = strokes(kInk, line_size(p));
+  DrawPoints lines = ink_strokes(list, p, s);
   for (const auto& path : even_streamlines(field, static_cast<size_t>(count))) {
     for (size_t i = 0; i + 1 < path.size(); ++i)
       add_stroke(lines, p.at(path[i][0], path[i][1]), p.at(path[i + 1][0], path[i + 1][1]));

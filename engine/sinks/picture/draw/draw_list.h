@@ -46,6 +46,7 @@ struct DrawPoints {
   float line_radius = 0;                   ///< m; lines are never thinner than about 1.5 pixels
   double line_pixels = 0;                  ///< minimum width of lines in a picture 720 pixels high
   double point_pixels = 0;                 ///< the same for the diameter of points
+  bool exact_lines = false;                ///< no brighter on dark paper: they are faint, or over a surface
   std::vector<uint32_t> triangles;         ///< 3 per triangle, smooth, seen from both sides
   std::vector<float> triangle_scalar;      ///< one per triangle; colours triangles instead of points
   /// How triangles look: lit, in exactly the map's colours, or in those and more transparent the lower the

@@ -31,6 +31,7 @@ DrawPoints strokes(const DrawList& list, float share, double pixels) {
   out.color = mixed(list.background_bottom, picture::ink_over(list.background_bottom), share);
   out.line_color = out.color;
   out.line_pixels = pixels;
+  out.exact_lines = true;
   return out;
 }
 

@@ -92,6 +92,7 @@ DrawPoints points_of(const World& world, const Frame& frame, size_t p, const Vie
   }
   const bool net = points.lines.size() / 2 > kNet;
   points.line_pixels = net ? 0 : kLinePixels;
+  points.exact_lines = net;  // together they are as visible as a surface: hair stays brown on dark paper
   if (!net && points.radius == 0 && n <= kMarked && points.triangles.empty() && topology.plot.empty())
     points.point_pixels = topology.visuals.empty() ? kMarkPixels : 0;
   return points;

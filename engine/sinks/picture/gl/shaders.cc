@@ -13,6 +13,7 @@ layout(std140) uniform Scene {
   vec4 eye, forward, camera_up, light, up, depth, viewport;
   vec4 ground_centre, ground_side, ground_front, background_top, background_bottom;
 };
+float luminance(vec3 c) { return dot(c, vec3(0.2126, 0.7152, 0.0722)); }
 vec3 linear(vec3 srgb) { return srgb * (srgb * (srgb * 0.305306011 + 0.682171111) + 0.012522878); }
 )";
 
@@ -54,6 +55,10 @@ float lit_softly(vec3 p, vec3 n) {
   float gap = (q.z - sum / blockers) * depth.w;  // in texels
   return filtered(q, 24, clamp(lamp * gap, 1.2, widest));
 }
+// 1 on dark paper, where an unlit side would be lost.
+float night() { return 1.0 - smoothstep(0.03, 0.18, luminance(background_bottom.rgb)); }
+// Black things keep their shape on dark paper.
+vec3 visible(vec3 albedo) { return albedo + night() * max(0.0, 0.085 - max(albedo.r, max(albedo.g, albedo.b))); }
 vec3 shade(vec3 albedo, vec3 n, vec3 v, float share, float gloss, float sharpness) {
   float key = max(dot(n, light.xyz), 0.0) * share;
   vec3 sky = mix(vec3(0.25, 0.235, 0.225), vec3(0.44, 0.47, 0.52), 0.5 + 0.5 * dot(n, up.xyz));
@@ -61,6 +66,13 @@ vec3 shade(vec3 albedo, vec3 n, vec3 v, float share, float gloss, float sharpnes
   vec3 h = normalize(light.xyz + v);
   float shine = gloss * share * pow(max(dot(n, h), 0.0), sharpness);
   return albedo * (sky + fill + vec3(0.80, 0.765, 0.71) * key) + vec3(shine);
+}
+// What is only a few pixels thick shows no shape: on dark paper it has its own colour, bright enough to be told from the
+// paper (3 : 1), whatever light falls on it.
+vec3 seen(vec3 shaded, vec3 albedo, float radius) {
+  float l = luminance(albedo);
+  vec3 own = mix(albedo, vec3(1.0), clamp((0.17 - l) / (1.0 - l), 0.0, 1.0));
+  return mix(shaded, max(shaded, own), night() * (1.0 - smoothstep(2.0, 10.0, radius)));
 }
 )";
 
@@ -102,7 +114,7 @@ float lines(float step, float pixels) {
 }
 void main() {
   vec3 base = background_bottom.rgb * 1.06;
-  float dark = step(dot(base, vec3(0.2126, 0.7152, 0.0722)), 0.18);
+  float dark = step(luminance(base), 0.18);
   float share = lit_softly(v_point, up.xyz);
   base *= mix(0.46, 1.0, share);
   float grid = max(0.45 * lines(ground_side.w, 0.2), lines(ground_front.w, 0.6));
@@ -161,7 +173,8 @@ void main() {
   vec3 n = normalize(off - depth_in * w), hit = (along - depth_in) * w;
   float share = dot(n, light.xyz) > 0.0 ? lit(eye.xyz + hit, n, 4, 1.6) : 0.0;
   float small = clamp(r / pixel / 6.0, 0.0, 1.0);  // highlights of tiny spheres would only sparkle
-  color = vec4(shade(v_albedo, n, -w, share, 0.22 * small, 40.0), min(coverage, 1.0));
+  vec3 shaded = shade(visible(v_albedo), n, -w, share, 0.22 * small, 40.0);
+  color = vec4(seen(shaded, v_albedo, r / pixel), min(coverage, 1.0));
   float z = dot(hit, forward.xyz);
   gl_FragDepth = clamp(0.5 * (depth.x + depth.y / z) + 0.5, 0.0, 1.0);
 }
@@ -206,7 +219,8 @@ void main() {
   float coverage = radius - miss + 0.5;
   q *= min(1.0, radius / miss) / radius;
   vec3 n = v_right * q.x + v_above * q.y + v_toward * sqrt(max(1.0 - dot(q, q), 0.0));
-  color = vec4(shade(v_albedo, n, v_toward, v_pixels.z, 0.03 * radius, 40.0), min(coverage, 1.0));
+  vec3 shaded = shade(visible(v_albedo), n, v_toward, v_pixels.z, 0.03 * radius, 40.0);
+  color = vec4(seen(shaded, v_albedo, radius), min(coverage, 1.0));
 }
 )";
 
@@ -247,7 +261,7 @@ void main() {
   float facing = dot(n, light.xyz);
   float share = lit(v_point, facing < 0.0 ? -n : n, 8, 2.5);
   vec3 through = v_albedo * vec3(0.80, 0.765, 0.71) * (0.33 * max(-facing, 0.0) * share);
-  color = vec4(shade(v_albedo, n, v, share, 0.05, 12.0) + through, 1.0);
+  color = vec4(shade(visible(v_albedo), n, v, share, 0.05, 12.0) + through, 1.0);
 }
 )";
 constexpr const char* kGlassFragment = R"(
@@ -261,7 +275,7 @@ void main() {
   }
   float facing = abs(dot(normalize(v_normal), normalize(eye.xyz - v_point)));
   // A film adds light: on dark paper as much of it would be milk.
-  float paper = dot(background_bottom.rgb, vec3(0.2126, 0.7152, 0.0722));
+  float paper = luminance(background_bottom.rgb);
   color = vec4(v_albedo, mix(0.32, 0.05, pow(facing, 0.6)) * mix(0.15, 1.0, smoothstep(0.0, 0.4, paper)));
 }
 )";
@@ -272,9 +286,11 @@ layout(location = 1) in vec3 a_to;
 layout(location = 2) in float a_radius;
 layout(location = 3) in vec4 a_color;
 out vec3 v_point;
-out float v_across;
+out float v_across, v_pixels;
 flat out vec3 v_albedo, v_along;
+flat out float v_own;  // 0: no brighter on dark paper
 void main() {
+  v_own = a_color.a;
   bool end = (gl_VertexID & 2) != 0;
   v_across = float(gl_VertexID & 1) * 2.0 - 1.0;
   v_albedo = linear(a_color.rgb);
@@ -298,6 +314,7 @@ void main() {
   d = len > 1e-6 ? d / len : vec2(1.0, 0.0);
   vec4 c = end ? b : a;
   float half_width = max(a_radius / (c.w * unit), least);  // pixels
+  v_pixels = half_width;
   vec2 shift = vec2(-d.y, d.x) * v_across + d * (end ? 0.5 : -0.5);
   v_point = end ? a_to : a_from;
   c.xy += shift * (2.0 * half_width * c.w) / size;
@@ -311,8 +328,9 @@ void main() {
 // The quad is lit as the tube it stands for.
 constexpr const char* kLineFragment = R"(
 in vec3 v_point;
-in float v_across;
+in float v_across, v_pixels;
 flat in vec3 v_albedo, v_along;
+flat in float v_own;
 out vec4 color;
 void main() {
   vec3 v = normalize(eye.xyz - v_point);
@@ -320,7 +338,9 @@ void main() {
   float s = clamp(v_across, -1.0, 1.0) * 0.9;
   vec3 n = side * s + normalize(cross(side, v_along)) * sqrt(1.0 - s * s);
   n *= dot(n, v) < 0.0 ? -1.0 : 1.0;
-  color = vec4(shade(v_albedo, n, v, lit(v_point, n, 1, 1.0), 0.08, 40.0), 1.0);
+  vec3 albedo = mix(v_albedo, visible(v_albedo), v_own);
+  vec3 shaded = shade(albedo, n, v, lit(v_point, n, 1, 1.0), 0.08, 40.0);
+  color = vec4(mix(shaded, seen(shaded, v_albedo, v_pixels), v_own), 1.0);
 }
 )";
 

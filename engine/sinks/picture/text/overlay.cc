@@ -73,7 +73,8 @@ void draw_bar(Canvas canvas, const Style& style, const ColorBar& bar) {
     for (int x = w.left; x < w.left + w.width; ++x) {
       const bool edge = y == w.top || y == w.top + w.height - 1 || x == w.left || x == w.left + w.width - 1;
       const Color color = map_color(
-          bar.scale.map, (static_cast<float>(x - w.left) + 0.5f) / static_cast<float>(std::max(1, w.width)));
+          bar.scale.map, (static_cast<float>(x - w.left) + 0.5f) / static_cast<float>(std::max(1, w.width)),
+          paper_of(style.paper));
       blend(canvas.rgba + 4 * (static_cast<size_t>(y) * canvas.width + x), edge ? style.ink : color,
             edge ? 0.6f : 1.0f);
     }

@@ -28,7 +28,7 @@ Liquid::Liquid(const GridFluidDef& def, const BuildContext& context)
   mass_ = def.density * g.cell_volume() / per;
 
   add_columns(places);
-  set_fields();
+  show();
   set_remedies({"a shorter dt", "a larger cfl, which takes fewer substeps", "fewer cells"});
   const auto x = start_.f64(kPosition), v = start_.f64(velocity_);
   const double t = 0;
@@ -100,19 +100,6 @@ void Liquid::add_columns(const std::vector<StartingPlace>& places) {
     std::ranges::fill(start_.f64(phase_), kHalf);
   }
   for_particle_columns([&](State::Column c) { start_.reserve(c, capacity_); });
-}
-
-void Liquid::set_fields() {
-  PartInfo points;
-  points.fields = {{"position", "m", Scalar::f64, 3, Meaning::position},
-                   {"velocity", "m/s", Scalar::f64, 3, Meaning::velocity},
-                   {"speed", "m/s"},
-                   {"pressure", "Pa"},
-                   {"fill", "1"}};
-  if (dye_) points.fields.push_back({"dye", "1"});
-  if (id_column_) points.fields.push_back({"id", "1", Scalar::u64});
-  points.max_rows = capacity_;
-  set_parts({std::move(points)});
 }
 
 LiquidFields Liquid::fields(State& s) const {

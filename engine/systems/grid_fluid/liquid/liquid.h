@@ -3,18 +3,20 @@
 // inflow, and leave through open sides and in kill regions (liquid_come_and_go.cc). Commands: impulse on a
 // particle.
 #pragma once
+#include "engine/core/outputs/tabled.h"
 #include "engine/core/system.h"
 #include "engine/systems/grid_fluid/liquid/liquid_flow.h"
 
 namespace truestep::grid_fluid {
 
-class Liquid final : public StagedSystem {
+struct FluidNumbers;
+
+class Liquid final : public Tabled<Liquid, StagedSystem> {
  public:
   Liquid(const GridFluidDef& def, const BuildContext& context);
 
+  static const OutputTable& outputs();
   State initial_state() const override { return start_; }
-  void observe(const State& state, double t, Observables& out) const override;
-  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   void apply(State& state, const Command& command) const override;
   void warn(const State& state, double h, std::vector<Warning>& out) const override;
@@ -30,7 +32,9 @@ class Liquid final : public StagedSystem {
   LiquidFields fields(State& state) const;
   size_t rows(const State& state) const { return state.rows(kPosition); }
   void add_columns(const std::vector<StartingPlace>& places);
-  void set_fields();
+  FluidNumbers measure(const State& state, double t) const;
+  /// In each particle's cell.
+  void of_cells(const State& state, State::Column column, double scale, double* out) const;
   // Adds and removes particles within a substep of h that starts at t (s).
   void come_and_go(State& state, const StepInput& in, const GivenFlow& given, double t, double h) const;
   void remove_gone(State& state, const StepInput& in) const;

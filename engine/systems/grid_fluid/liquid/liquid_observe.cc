@@ -3,71 +3,92 @@
 
 #include "engine/base/text/short_number.h"
 #include "engine/core/mass_points.h"
+#include "engine/systems/grid_fluid/fluid_rows.h"
 #include "engine/systems/grid_fluid/grid_fluid.h"
 #include "engine/systems/grid_fluid/liquid/liquid.h"
 
 namespace truestep::grid_fluid {
 
-FieldView Liquid::field(const State& s, size_t, size_t field, std::vector<double>& scratch) const {
-  const double* x = s.f64(kPosition).data();
-  const size_t n = rows(s);
-  if (field == 0) return {x, Scalar::f64, n, 3};
-  const double* v = s.f64(velocity_).data();
-  if (field == 1) return {v, Scalar::f64, n, 3};
-  if (field == 5 && dye_) return {s.f64(dye_).data(), Scalar::f64, n, 1};
-  if (field >= 5) return {s.bytes(id_column_).data(), Scalar::u64, n, 1};
-  scratch.resize(n);
+const OutputTable& Liquid::outputs() {
+  using L = Liquid;
+  static const OutputTable kTable =
+      OutputsOf<L>("a particle")
+          .part("", [](const L& l) { return points_part(l.capacity_); })
+          .rows(present_rows(kPosition))
+          .field({"position", "m", Scalar::f64, 3, Meaning::position}, column(kPosition),
+                 "of a liquid's particle")
+          .field({"velocity", "m/s", Scalar::f64, 3, Meaning::velocity}, column(&L::velocity_), "")
+          .field({"speed", "m/s"},
+                 computed_by<L>([](const L& l, const State& s, ShownRows rows, double* out) {
+                   for (size_t i = 0; i < rows.count; ++i) out[i] = norm(load3(s.f64(l.velocity_).data(), i));
+                 }),
+                 "")
+          .field({"pressure", "Pa"}, computed_by<L>([](const L& l, const State& s, ShownRows, double* out) {
+                   l.of_cells(s, l.pressure_, l.model_.def.density, out);
+                 }),
+                 "")
+          .field({"fill", "1"}, computed_by<L>([](const L& l, const State& s, ShownRows, double* out) {
+                   l.of_cells(s, l.fill_, 1, out);
+                 }),
+                 "of a liquid: fraction of the particle's cell that is filled")
+          .field({"dye", "1"}, column(&L::dye_),
+                 "of a liquid's particle, if bodies, emitters or sides set one")
+          .field_when([](const L& l) { return l.dye_ != 0; })
+          .field({"id", "1", Scalar::u64}, column(&L::id_column_),
+                 "of a liquid's particle where they come and go: never reused")
+          .field_when([](const L& l) { return l.id_column_ != 0; })
+          .measured(&L::measure, kFluidRows)
+          .build();
+  return kTable;
+}
+
+void Liquid::of_cells(const State& s, State::Column column, double scale, double* out) const {
   const mac::MacGrid& g = model_.grid;
-  const double* of_cells = s.f64(field == 3 ? pressure_ : fill_).data();
-  const double scale = field == 3 ? model_.def.density : 1;
-  for (size_t i = 0; i < n; ++i) {
-    if (field == 2) {
-      scratch[i] = norm(load3(v, i));
-      continue;
-    }
+  const double *x = s.f64(kPosition).data(), *of_cells = s.f64(column).data();
+  for (size_t i = 0; i < rows(s); ++i) {
     size_t cell[3] = {};
     for (size_t a = 0; a < g.dimensions; ++a) {
       const double place = (x[3 * i + a] - g.origin[a]) / g.spacing[a];
       cell[a] = static_cast<size_t>(std::clamp(place, 0.0, static_cast<double>(g.cells[a] - 1)));
     }
-    scratch[i] = scale * of_cells[g.at(cell[0], cell[1], cell[2])];
+    out[i] = scale * of_cells[g.at(cell[0], cell[1], cell[2])];
   }
-  return {scratch.data(), Scalar::f64, n, 1};
 }
 
-void Liquid::observe(const State& s, double, Observables& out) const {
+FluidNumbers Liquid::measure(const State& s, double) const {
   const double *x = s.f64(kPosition).data(), *v = s.f64(velocity_).data();
   MassPoints all(model_.gravity);
-  const size_t count = rows(s);
-  for (size_t i = 0; i < count; ++i) all.add(mass_, load3(x, i), load3(v, i));
-  const auto n = static_cast<double>(count);
-  all.observe_energy(out);
-  add_vector(out, "momentum", all.momentum, "kg m/s");
-  all.observe_centre(out);
-  all.observe_extent(out);
-  out.add("mass", mass_ * n, "kg");
-  out.add("speed.max", all.speed(), "m/s");
+  const size_t n = rows(s);
+  for (size_t i = 0; i < n; ++i) all.add(mass_, load3(x, i), load3(v, i));
   const auto numbers = s.f64(numbers_);
-  out.add("density.mean_error", numbers[kMeanCompression], "1");
-  out.add("density.max_error", numbers[kMaxCompression], "1");
-  out.add("density.lift", mass_ * numbers[kLifted], "J");
-  out.add("cfl", numbers[kLiquidCfl], "1");
-  out.add("substeps", numbers[kLiquidSubsteps], "1");
-  out.add("pressure.iterations", numbers[kLiquidIterations], "1");
-  out.add("pressure.residual", numbers[kLiquidResidual], "1");
-  out.add("density.iterations", numbers[kDensityIterations], "1");
+  FluidNumbers out{.kinetic = all.kinetic,
+                   .fastest = all.speed(),
+                   .cfl = numbers[kLiquidCfl],
+                   .substeps = numbers[kLiquidSubsteps],
+                   .mass = mass_ * static_cast<double>(n),
+                   .pressure_iterations = numbers[kLiquidIterations],
+                   .pressure_residual = numbers[kLiquidResidual],
+                   .gravity = all.height,
+                   .energy = all.total(),
+                   .momentum = all.momentum,
+                   .centre = all.centre(),
+                   .low = all.lowest(),
+                   .high = all.highest(),
+                   .mean_compression = numbers[kMeanCompression],
+                   .max_compression = numbers[kMaxCompression],
+                   .lifted = mass_ * numbers[kLifted],
+                   .density_iterations = numbers[kDensityIterations]};
   if (dye_) {
     double dye = 0;
     for (const double q : s.f64(dye_)) dye += q;
-    out.add("dye.total", dye * mass_ / model_.def.density, "1");
+    out.dye = dye * mass_ / model_.def.density;
   }
-  if (!counts_) return;
-  const auto c = s.span<uint64_t>(counts_);
-  out.add("count", n, "1");
-  out.add("emitted", static_cast<double>(c[kEmitted]), "1");
-  out.add("killed", static_cast<double>(c[kKilled]), "1");
-  out.add("left", static_cast<double>(c[kLeft]), "1");
-  out.add("refused", static_cast<double>(c[kRefused]), "1");
+  if (!counts_) return out;
+  const auto counted = [c = s.span<uint64_t>(counts_)](Count k) { return static_cast<double>(c[k]); };
+  out.count = static_cast<double>(n);
+  out.emitted = counted(kEmitted), out.killed = counted(kKilled);
+  out.left = counted(kLeft), out.refused = counted(kRefused);
+  return out;
 }
 
 void Liquid::draw(const State&, double t, Wish wishes, Drawing& out) const {

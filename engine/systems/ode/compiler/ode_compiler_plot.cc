@@ -42,7 +42,9 @@ void OdeCompiler::plot() {
   if (axes.size() < 2 || !issues_.empty()) return;
   for (size_t k = 0; k < axes.size(); ++k) {
     model_.axes.push_back(axis(k, axes[k]));
-    if (k < def_.axes.size() && !def_.axes[k].empty()) model_.axes.back().name = def_.axes[k];
+    // Words say their own unit.
+    if (k < def_.axes.size() && !def_.axes[k].empty())
+      model_.axes.back().name = def_.axes[k], model_.axes.back().unit.clear();
   }
   model_.curves = def_.curves.empty() ? curves() : def_.curves;
 }

@@ -65,7 +65,8 @@ class ContactSolver {
   void choose_sprung(const State& s, const JointList& joints, std::span<Contact* const> contacts);
   void kick(T times);
   /// In a first step: the motion that bodies on something that moves have where they rest on it.
-  void find_lifted(const State& s, std::span<Contact* const> contacts, std::span<const BodyNow> now);
+  void find_lifted(const State& s, std::span<Contact* const> contacts, std::span<const BodyNow> now,
+                   double step);
   /// Adds that motion to start_.
   void lift(T times);
   /// Marks in parts_ the bodies of islands in which all bodies rest on one another under the impulses found:

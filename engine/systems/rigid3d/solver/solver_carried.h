@@ -16,4 +16,11 @@ struct CarriedPair {
 };
 carried::Carried carried_velocity(const Contact& c, const CarriedPair& pair, const Vec3& center, double h);
 
+/// m/s^2, at which the velocity of a body that is led changes at this arm (m); zero for others.
+inline Vec3 led_rate(const State& s, size_t body, const Vec3& arm) {
+  if (!is_led(s.f64(columns::sleep_timer).data(), body)) return {};
+  const double* rates = s.f64(columns::sleep_middle).data();
+  return load3(rates, 2 * body) + cross(load3(rates, 2 * body + 1), arm);
+}
+
 }  // namespace truestep::rigid3d

@@ -38,7 +38,8 @@ template <class T>
 void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, const State& s,
                             std::span<const BodyKind> kinds, std::span<const BodyNow> now, double h) {
   const auto kind = s.span<uint32_t>(columns::kind);
-  const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data();
+  const double *v = s.f64(columns::velocity).data(), *w = s.f64(columns::angular_velocity).data(),
+               *rested = s.f64(columns::sleep_timer).data();
   const auto end = static_cast<uint32_t>(body_.size());
   ContactGroup<T>& g = groups_[group];
   ContactLanes<T> in{};
@@ -110,6 +111,7 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
       const Vec3 first = carried.mean - carried.rate * (0.5 * h);
       set3(in.carried, lane, first), set3(in.carried_rate, lane, carried.rate);
       if (carried.lies) {
+        in.lies.set(lane, 1);
         const double lift = dot(first, n), rate = dot(carried.rate, n);
         in.lift.set(lane, T(lift)), in.lift_rate.set(lane, T(rate));
         // What was found ahead was brought back without it.
@@ -118,6 +120,16 @@ void ContactSolver<T>::fill(size_t group, std::span<Contact* const> contacts, co
           in.separation[p].set(lane, T(double(in.separation[p][lane]) - missed));
       }
       set3(in.slide, lane, rotation(free_rotation::turn(carried.turns * h)).apply(c.slide));
+    }
+    if ((slot_[c.a] == kNoBody || slot_[c.b] == kNoBody) && (is_led(rested, c.a) || is_led(rested, c.b))) {
+      g.flags |= ContactGroup<T>::kDrifts | ContactGroup<T>::kTurns;
+      const Vec3 center = pressed_center(c),
+                 rate = led_rate(s, c.b, center - xb) - led_rate(s, c.a, center - xa),
+                 first = rate * (-0.5 * h);  // the velocities are the means of the step
+      set3(in.carried, lane, get3(in.carried, lane) + first);
+      set3(in.carried_rate, lane, get3(in.carried_rate, lane) + rate);
+      in.lift.set(lane, T(in.lift[lane] + dot(first, n)));
+      in.lift_rate.set(lane, T(in.lift_rate[lane] + dot(rate, n)));
     }
     if (surface != Vec3{} || turn != Vec3{}) {
       g.flags |= ContactGroup<T>::kDrifts;

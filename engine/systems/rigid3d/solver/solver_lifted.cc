@@ -8,12 +8,13 @@
 #include "engine/kernels/rigid/record_math.h"
 #include "engine/rigid/islands.h"
 #include "engine/systems/rigid3d/solver/solver.h"
+#include "engine/systems/rigid3d/solver/solver_carried.h"
 
 namespace truestep::rigid3d {
 
 template <class T>
 void ContactSolver<T>::find_lifted(const State& s, std::span<Contact* const> contacts,
-                                   std::span<const BodyNow> now) {
+                                   std::span<const BodyNow> now, double step) {
   lifted_.clear();
   const auto moves = [&](uint32_t i) { return now[i].part == BodyNow::Part::kinematic; };
   if (std::none_of(listed_.begin(), listed_.end(),
@@ -45,7 +46,9 @@ void ContactSolver<T>::find_lifted(const State& s, std::span<Contact* const> con
     if (by == kNoBody || several[island] || !moves(by)) continue;
     const BodyNow& body = now[body_[k]];
     const Vec3 spin = load3(w, by), arm = body.at.position - now[by].at.position, &m = moments_[k];
-    const Vec3 linear = (load3(v, by) + cross(spin, arm)) / scaled_[k].root;
+    // At the start of the step: velocities of what is led are the means of the step.
+    const Vec3 rate = led_rate(s, by, arm),
+               linear = (load3(v, by) + cross(spin, arm) - rate * (0.5 * step)) / scaled_[k].root;
     const Vec3 own = body.at.rotation.apply_inverse(spin);
     lifted_[k] = {{T(linear.x), T(linear.y), T(linear.z), T(own.x * std::sqrt(m.x)),
                    T(own.y * std::sqrt(m.y)), T(own.z * std::sqrt(m.z)), 0, 0}};
@@ -58,9 +61,9 @@ void ContactSolver<T>::lift(T times) {
 }
 
 template void ContactSolver<float>::find_lifted(const State&, std::span<Contact* const>,
-                                                std::span<const BodyNow>);
+                                                std::span<const BodyNow>, double);
 template void ContactSolver<double>::find_lifted(const State&, std::span<Contact* const>,
-                                                 std::span<const BodyNow>);
+                                                 std::span<const BodyNow>, double);
 template void ContactSolver<float>::lift(float);
 template void ContactSolver<double>::lift(double);
 

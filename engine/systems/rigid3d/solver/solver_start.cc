@@ -166,7 +166,7 @@ void ContactSolver<T>::find_loads(const State& s, std::span<const BodyKind> kind
   pass.inverse_h = T(1 / h);
   // As if everything were at rest: velocities are what gravity adds in a substep and contacts remove.
   start_.assign(change_.begin(), change_.end());
-  find_lifted(s, contacts, now), lift(T(1));
+  find_lifted(s, contacts, now, step), lift(T(1));
   hand_down_loads(contacts, now);
   each_colour(contact_lanes_, groups_, team_,
               [&](ContactGroup<T>& g) { apply_contacts(g, start_.data(), end); });

@@ -93,40 +93,6 @@ void lift_3d(Dice& d, Trial& t) {
   lift(d, t, false);
 }
 
-/// A platform that keys drive up and down and to and fro, with up to 0.4 g.
-void driven_lift_3d(Dice& d, Trial& t) {
-  const double size = d.between(0.05, 0.3), half = size * d.between(0.2, 0.6), rate = d.spread(0.5, 6);
-  const double most = d.between(0.05, 0.4) * kWeight / (rate * rate);
-  const double up = most * d.unit(), aside = most * d.between(-0.5, 0.5), phase = d.between(0, 6.28);
-  const double seconds = 5;
-  json::object floor = box(false, {3, 0.1, 3}, {0, -0.1, 0}),
-               load = box(false, {size, half, size}, {0, half, 0});
-  floor["motion"] = "kinematic", floor["friction"] = 1, load["friction"] = 1;
-  // It starts at the turning points of x and y, at rest.
-  load["velocity"] = vec(0, 0, 0);
-  json::array times, points;
-  for (int k = 0; k <= 400; ++k) {
-    const double at = k * (seconds + 0.1) / 400, c = std::cos(rate * at) - 1;
-    times.push_back(at),
-        points.push_back(vec(aside * std::cos(phase) * c, up * c, aside * std::sin(phase) * c));
-  }
-  set_carrier_scene(t, d, false, seconds, {floor, load});
-  json::object keys{{"type", "keyframes"}, {"id", "b"}};
-  keys["paths"] = json::array{json::object{{"name", "way"}, {"times", times}, {"points", points}}};
-  t.scene["systems"].as_array().push_back(keys);
-  t.scene["couplings"] = json::array{
-      json::object{{"type", "drive"}, {"id", "d"}, {"a", "b"}, {"b", "a"}, {"body", 0}, {"path", "way"}}};
-  const std::string c = "(cos(" + exact(rate) + "*t) - 1)";
-  const std::string x = "load.position.x - " + exact(aside * std::cos(phase)) + "*" + c,
-                    z = "load.position.z - " + exact(aside * std::sin(phase)) + "*" + c;
-  // The first step has no load yet that friction could answer.
-  const double dt = t.scene["time"].at("dt").as_double(), first = std::abs(aside) * rate * rate * dt * dt;
-  for (const std::string& q : {x, z}) {
-    expect_range(t, "largest(" + q + ")", 0, 1e-2 * size + first,
-                 "it stays where it is, but for how it settles and leans");
-  }
-}
-
 /// Boxes against the inside of a drum about z in space, without gravity.
 void drum_3d(Dice& d, Trial& t) {
   const double rate = d.sign() * d.spread(0.5, 6), size = d.between(0.1, 0.3), from = d.between(1, 3),

@@ -5,7 +5,7 @@ import type { FieldArray } from "../../client/decode";
 import { shownField } from "../../client/parts";
 import type { Lattice, Part } from "../../client/gen/truestep/v1/stream_pb";
 import type { ViewerSettings } from "../../client/rest";
-import { colorTable, type ColorMap } from "./color_map";
+import { colorTable, inkOn, type ColorMap, type Theme } from "./color_map";
 import { balanced, schemeOf, type Kind } from "./scheme";
 import type { Extent } from "../extent";
 import { WideLines } from "../lines";
@@ -18,7 +18,6 @@ import type { Has, Visibility } from "../system_view";
 import { lightUniforms } from "../upright";
 
 const kColors = 256;
-const ink = new Color("#14171f");
 const kSlices = 9;
 const kCurveShare = 0.3; // a curve's height as a fraction of its length
 
@@ -88,7 +87,9 @@ export class GridView {
   private readonly sheets: Sheet[] = [];
   private curve: { lines: WideLines; base: WideLines; along: GridVertices; up: number; at: number; length: number; pairs: Uint32Array } | undefined;
   private field: FieldArray | undefined;
-  private readonly colors: Float32Array;
+  /** Of the map, on the paper of `theme`. */
+  private colors = new Float32Array(0);
+  private theme: Theme | undefined;
   private readonly map: ColorMap;
   private values = new Float32Array(0);
 
@@ -100,7 +101,6 @@ export class GridView {
     this.id = part.id;
     const shown = shownField(part, settings.color_by ?? "");
     this.map = schemeOf({ ...settings, color_by: shown }, shown ?? "", part.fields.find((one) => one.name === shown)).map;
-    this.colors = Float32Array.from(colorTable(this.map, kColors), linear);
     const lattice = part.lattice!;
     const axes = [0, 1, 2].filter((axis) => lattice.counts[axis]! > 1);
     if (axes.length === 1) this.makeCurve(lattice, axes[0]!);
@@ -138,6 +138,7 @@ export class GridView {
     const field = fields.find((one) => one.field === shown);
     if (!field) return;
     this.field = field;
+    this.tone();
     this.take(field);
     const [least, greatest] = this.settings.range?.length === 2 ? (this.settings.range as [number, number]) : this.map === "balance" ? balanced(extent(this.values)) : extent(this.values);
     const unit = this.part.fields.find((one) => one.name === field.field)?.unit ?? "";
@@ -151,6 +152,7 @@ export class GridView {
   }
 
   apply(show: Visibility): void {
+    if (this.field && this.theme !== scenery.theme) return this.update([this.field], show);
     for (const { mesh, over } of this.sheets) {
       mesh.visible = show.surface;
       if (over) over.object.visible = show.lines;
@@ -167,6 +169,12 @@ export class GridView {
     this.curve?.lines.dispose();
     this.curve?.base.dispose();
     this.group.removeFromParent();
+  }
+
+  private tone(): void {
+    if (this.theme === scenery.theme) return;
+    this.theme = scenery.theme;
+    this.colors = Float32Array.from(colorTable(this.map, kColors, this.theme), linear);
   }
 
   /** One number per row: the value, or the length of a vector. */
@@ -261,7 +269,7 @@ export class GridView {
       this.group.add(sheet.over.object);
     }
     sheet.over.set(ends);
-    sheet.over.colorAll(ink);
+    sheet.over.colorAll(new Color(inkOn(this.map, scenery.theme)));
   }
 
   private spacing(axis: number): number {

@@ -3,6 +3,7 @@ import { Color, SRGBColorSpace } from "three";
 import { uints, type FieldArray } from "../../client/decode";
 import type { Marks, Part } from "../../client/gen/truestep/v1/stream_pb";
 import { colorTable, type ColorMap } from "./color_map";
+import { scenery } from "../shading";
 import { ValueRange } from "../value_range";
 import { sizes } from "../values";
 
@@ -41,7 +42,7 @@ export class JointValues {
   /** A colour per joint of `marks`; undefined where its kind gives the colour. */
   colors(marks: Marks, map: ColorMap, [low, high]: [number, number]): (Color | undefined)[] {
     if (this.values.size === 0) return [];
-    const table = colorTable(map, kColors);
+    const table = colorTable(map, kColors, scenery.theme);
     return Array.from(jointValues(marks, this.values), (value) => {
       if (!Number.isFinite(value)) return undefined;
       const t = high > low ? Math.min(Math.max((value - low) / (high - low), 0), 1) : 0;

@@ -1,4 +1,4 @@
-// Energies, momenta and strains of an xpbd state. Potential energy is that of gravity, of drag springs and of
+// Energies of an xpbd state. Potential energy is that of gravity, of drag springs and of
 // all constraints, 1/2 C^2 / alpha each; projections without compliance (scheme pbd) have none.
 #include <algorithm>
 #include <cmath>
@@ -12,10 +12,6 @@
 namespace truestep::xpbd {
 
 using Columns = XpbdColumns;
-
-double Xpbd::strain(const double* x, const Link& l, const Strand& strand) {
-  return norm(load3(x, strand.b) - load3(x, strand.a)) / l.rest - 1;
-}
 
 double Xpbd::elastic(const State& s) const {
   const double* x = s.f64(Columns::position).data();
@@ -142,6 +138,7 @@ std::optional<Energy> Xpbd::energy(const State& s, double, Workspace&, const Thr
 }
 
 std::optional<double> Xpbd::limit(Limit which, const State&, double) const {
+  if (which == Limit::step_seconds) return step_seconds_;
   return which == Limit::speed ? std::optional(speed_limit_) : std::nullopt;
 }
 
@@ -162,97 +159,6 @@ double Xpbd::pressed_h(double mass) const {
       shortest = std::min(shortest, std::sqrt(m / stiffness[i] * std::max(1.0, m / mass)));
   }
   return shortest;
-}
-
-void Xpbd::observe(const State& s, double, Observables& out) const {
-  const double *x = s.f64(Columns::position).data(), *v = s.f64(Columns::velocity).data();
-  const auto w = s.f64(Columns::inverse_mass), masses = this->masses(s);
-  const Energy e = energies(s);
-  out.add("energy.kinetic", e.kinetic, "J");
-  if (options_.scheme == Scheme::xpbd) {
-    out.add("energy.potential", e.potential, "J");
-    out.add("energy.total", e.kinetic + e.potential, "J");
-  }
-  if (cosserat_) {
-    const Vec3 rods = rod_energies(s);
-    out.add("energy.stretch", rods.x, "J");
-    out.add("energy.bending", rods.y, "J");
-    out.add("energy.twist", rods.z, "J");
-  }
-  Vec3 p, l;
-  size_t pins = 0;
-  for (size_t i = 0; i < w.size(); ++i) {
-    if (!(w[i] > 0)) {
-      ++pins;
-      continue;
-    }
-    const Vec3 mv = masses[i] * load3(v, i);
-    p += mv, l += cross(load3(x, i), mv);
-  }
-  for (size_t f = 0; f < rods_.frames.size(); ++f) {
-    const size_t r = f / (rods_.links + 2), j = f % (rods_.links + 2);
-    if (j == 0 || j > rods_.links) continue;
-    const double* q = s.f64(rods_.orientation).data() + 4 * f;
-    const Vec3 o = load3(s.f64(rods_.spin).data(), f), &i = rods_.inertia[r * rods_.links + j - 1];
-    l += rotation(Quat{q[0], q[1], q[2], q[3]}).apply({i.x * o.x, i.y * o.y, i.z * o.z});
-  }
-  out.add("momentum.x", p.x, "kg m/s");
-  out.add("momentum.y", p.y, "kg m/s");
-  out.add("momentum.z", p.z, "kg m/s");
-  out.add("angular_momentum.x", l.x, "kg m^2/s");
-  out.add("angular_momentum.y", l.y, "kg m^2/s");
-  out.add("angular_momentum.z", l.z, "kg m^2/s");
-  double largest = 0, squares = 0;
-  size_t count = 0;
-  for (size_t k = 0; k < body_.links.size(); ++k) {
-    if (body_.links[k].family != Family::structural) continue;
-    for (size_t i = 0; i < strands(k); ++i) {
-      const Strand strand = this->strand(s, k, i);
-      if (!(strand.share > 0)) continue;
-      const double c = std::abs(strain(x, body_.links[k], strand));
-      largest = std::max(largest, c), squares += c * c, ++count;
-    }
-  }
-  out.add("strain.max", largest, "1");
-  out.add("strain.rms", count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0, "1");
-  if (!body_.tetrahedra.empty()) {
-    double volumes = 0;
-    for (const Tetrahedron& t : body_.tetrahedra) {
-      const auto& q = t.points;
-      volumes += volume(load3(x, q[0]), load3(x, q[1]), load3(x, q[2]), load3(x, q[3]));
-    }
-    out.add("volume", volumes, "m^3");
-  }
-  out.add("pins", static_cast<double>(pins), "1");
-  if (tears_) out.add("splits", static_cast<double>(w.size() - body_.x.size()), "1");
-}
-
-FieldView Xpbd::field(const State& s, size_t part, size_t which, std::vector<double>& scratch) const {
-  const double* x = s.f64(Columns::position).data();
-  const size_t n = s.rows(Columns::position);
-  if (part == 1) {
-    scratch.assign(body_.links.size(), 0);
-    for (size_t k = 0; k < scratch.size(); ++k) {
-      for (size_t i = 0; i < strands(k); ++i) {
-        const Strand strand = this->strand(s, k, i);
-        if (!(strand.share > 0)) continue;
-        const double c = strain(x, body_.links[k], strand);
-        if (std::abs(c) >= std::abs(scratch[k])) scratch[k] = c;
-      }
-    }
-    return {scratch.data(), Scalar::f64, scratch.size(), 1};
-  }
-  if (which < 2) return {s.f64(which == 0 ? Columns::position : Columns::velocity).data(), Scalar::f64, n, 3};
-  scratch.assign(n, 0);
-  for (size_t k = 0; k < body_.links.size(); ++k) {
-    for (size_t i = 0; i < strands(k); ++i) {
-      const Strand strand = this->strand(s, k, i);
-      if (!(strand.share > 0)) continue;
-      const double c = std::abs(strain(x, body_.links[k], strand));
-      for (const uint32_t p : {strand.a, strand.b}) scratch[p] = std::max(scratch[p], c);
-    }
-  }
-  return {scratch.data(), Scalar::f64, n, 1};
 }
 
 }  // namespace truestep::xpbd
