@@ -46,6 +46,19 @@ PartInfo values_part(size_t max_rows, PartInfo::Elements elements) {
   return part;
 }
 
+namespace {
+
+/// "door.<id>.flow" of the member "exit": "door.exit.flow"; "joint.<id>.<axis>" of "hip.x": "joint.hip.x".
+std::string member_name(std::string_view pattern, std::string_view member) {
+  const size_t open = pattern.find('<'), close = pattern.rfind('>');
+  if (open == pattern.npos) return std::string(pattern);
+  std::string out(pattern.substr(0, open));
+  out += member;
+  return out += pattern.substr(close + 1);
+}
+
+}  // namespace
+
 std::vector<PartInfo> ShownFields::choose(const OutputTable& table, const System& system) {
   std::vector<PartInfo> out;
   shown_.clear();
@@ -56,9 +69,13 @@ std::vector<PartInfo> ShownFields::choose(const OutputTable& table, const System
       Shown& shown = shown_.emplace_back(Shown{&row, member++, {}});
       for (const OutputTable::Field& f : row.fields) {
         if (f.when && !f.when(system)) continue;
-        shown.fields.push_back(&f);
-        part.fields.push_back(f.info);
-        if (f.type) part.fields.back().type = f.type(system);
+        const auto names = f.family ? f.family(system, shown.member) : std::vector<std::string>(1);
+        for (size_t k = 0; k < names.size(); ++k) {
+          shown.fields.push_back({&f, k});
+          part.fields.push_back(f.info);
+          if (f.type) part.fields.back().type = f.type(system);
+          if (f.family) part.fields.back().name = member_name(f.info.name, names[k]);
+        }
       }
       out.push_back(std::move(part));
     }
@@ -72,21 +89,10 @@ FieldView ShownFields::field(const System& system, const State& state, size_t pa
   const FieldInfo& info = system.parts()[part].fields[field];
   const ShownRows rows = shown.part->rows ? shown.part->rows(system, state, shown.member)
                                           : ShownRows{0, system.parts()[part].max_rows};
-  return {shown.fields[field]->get(system, state, {info, rows, scratch}), info.type, rows.count, info.width};
+  const auto& [row, member] = shown.fields[field];
+  return {row->get(system, state, {info, rows, scratch, shown.member, member}), info.type, rows.count,
+          info.width};
 }
-
-namespace {
-
-/// "door.<id>.flow" of the member "exit": "door.exit.flow"; "joint.<id>.<axis>" of "hip.x": "joint.hip.x".
-std::string member_name(std::string_view pattern, std::string_view member) {
-  const size_t open = pattern.find('<'), close = pattern.rfind('>');
-  if (open == pattern.npos) return std::string(pattern);
-  std::string out(pattern.substr(0, open));
-  out += member;
-  return out += pattern.substr(close + 1);
-}
-
-}  // namespace
 
 void ShownObservables::choose(const OutputTable& table, const System& system) const {
   for (const OutputTable::Pass& p : table.passes) {

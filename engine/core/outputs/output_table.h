@@ -25,6 +25,7 @@ struct FieldAt {
   const FieldInfo& info;
   ShownRows rows;
   std::vector<double>& scratch;  ///< for values that are computed
+  size_t part = 0, member = 0;   ///< among the parts of its row, and in the family of the field
 };
 
 struct OutputTable {
@@ -34,6 +35,8 @@ struct OutputTable {
     std::string listed;  ///< its name in descriptions; empty: the main part's field of this name is described
     std::function<bool(const System&)> when = {};    ///< null: in every scene
     std::function<Scalar(const System&)> type = {};  ///< null: info.type
+    /// Names that stand for <...> in the k-th part of its row; null: one field.
+    std::function<std::vector<std::string>(const System&, size_t k)> family = {};
     /// The first element: rows.count x info.width of them, of type info.type.
     std::function<const void*(const System&, const State&, const FieldAt&)> get = {};
   };
@@ -90,7 +93,11 @@ class ShownFields {
   struct Shown {
     const OutputTable::Part* part;
     size_t member;  ///< of the parts that its row stands for
-    std::vector<const OutputTable::Field*> fields;
+    struct Shows {
+      const OutputTable::Field* row;
+      size_t member;  ///< of its family
+    };
+    std::vector<Shows> fields;
   };
   std::vector<Shown> shown_;
 };

@@ -166,6 +166,13 @@ class OutputsOf {
     return *this;
   }
 
+  /// The last field is a family: names(system, k) stand for <...> in the k-th part of its row.
+  template <class Names>
+  OutputsOf& field_each(Names names) {
+    table_.parts.back().fields.back().family = [names](const System& s, size_t k) { return names(of(s), k); };
+    return *this;
+  }
+
   /// The type of the last field in this scene.
   template <class Type>
   OutputsOf& field_type(Type type) {

@@ -47,7 +47,11 @@ Ode::Ode(const OdeDef& def, const BuildContext& context)
   } else {
     rows_ = model_.bodies * (1 + trail_);
   }
-  name_parts();
+  sort_states();
+  show();
+  set_remedies(
+      {"a look at the equations: no method continues past a time where the solution blows up or jumps (an "
+       "event can stop before it, or set states)"});
   plan_stages();
 }
 

@@ -8,25 +8,19 @@
 // motion comes to rest at its guard once it moves nothing by more than the tolerance (ode_contacts.h).
 // Command: set_parameter of a parameter or a state ("mu", "m[3]", "x").
 #pragma once
-#include "engine/core/system.h"
+#include "engine/core/outputs/tabled.h"
 #include "engine/integrators/advance.h"
 #include "engine/systems/ode/ode_columns.h"
 #include "engine/systems/ode/ode_equations.h"
 
 namespace truestep::ode {
 
-class Ode final : public StagedSystem {
+class Ode final : public Tabled<Ode, StagedSystem> {
  public:
   Ode(const OdeDef& def, const BuildContext& context);
 
+  static const OutputTable& outputs();
   State initial_state() const override;
-  /// Every number state (arrays of at most 16 elements as well), invariants and their drift relative to the
-  /// start, event counts, work of the integrator.
-  void observe(const State& state, double t, Observables& out) const override;
-  /// position (tracers, or what "plot" draws with its trail), tag (tracers: position along x at the start, 0
-  /// to 1), then every state by name.
-  /// Parts: tracers or trails if there are any, the states that are numbers, and arrays by their lengths.
-  FieldView field(const State& state, size_t part, size_t field, std::vector<double>& scratch) const override;
   void apply(State& state, const Command& command) const override;
   void draw(const State& state, double t, Wish wishes, Drawing& out) const override;
   std::optional<double> limit(Limit which, const State& state, double h) const override;
@@ -38,7 +32,13 @@ class Ode final : public StagedSystem {
   struct Scratch;
   Scratch& scratch(State& state, Workspace& workspace) const;
   void plan_stages();
-  void name_parts();
+  void sort_states();
+  /// Parts of states: those that are numbers, and arrays by their lengths.
+  std::vector<PartInfo> state_parts() const;
+  struct Invariant;
+  Invariant invariant(const State& state, double t, size_t k) const;
+  struct Happened;
+  Happened happened(const State& state, double t, size_t event) const;
   void integrate(State& state, const StepInput& in) const;
   double advance(State& state, Scratch& work, Workspace& workspace, double t, double t_end) const;
   double next_timed_event(double t, double slack) const;
@@ -68,6 +68,12 @@ class Ode final : public StagedSystem {
   std::vector<double> tags_;  ///< per tracer
   /// Per part of states, the states that are its fields.
   std::vector<std::vector<size_t>> groups_;
+  /// What is observed of states: numbers, and elements of short arrays.
+  struct Observed {
+    std::string name;
+    uint32_t place;
+  };
+  std::vector<Observed> numbers_, elements_;
 };
 
 std::unique_ptr<const System> make_ode(const void* def, const BuildContext& context);

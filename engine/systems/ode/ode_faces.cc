@@ -1,4 +1,4 @@
-// Parts, fields, observables, drawing and commands of an ode system.
+// Drawing, limits and commands of an ode system.
 #include <algorithm>
 #include <cmath>
 
@@ -13,122 +13,12 @@ using C = OdeColumns;
 
 namespace {
 
-/// Longer arrays are available only as fields.
-constexpr size_t kObservedElements = 16;
-
 [[noreturn]] void refuse(const char* pointer, const char* code, const std::string& why,
                          const std::string& allowed, const std::string& did_you_mean = "") {
   throw Error("bad_command", why, {pointer, code, why, "", allowed, did_you_mean, ""});
 }
 
 }  // namespace
-
-void Ode::observe(const State& s, double t, Observables& out) const {
-  const auto y = s.f64(C::kStates);
-  for (const OdeModel::Named& n : model_.states) {
-    if (n.places.size() > kObservedElements) continue;
-    for (size_t k = 0; k < n.places.size(); ++k) {
-      const bool one = n.form == NamedNumbers::Form::number;
-      out.add(one ? n.name : n.name + "." + std::to_string(k), y[n.places[k]], "1");
-    }
-  }
-  if (const size_t count = model_.invariants.outputs(); count > 0) {
-    OdeEvaluation evaluate(model_.invariants);
-    evaluate.set_parameters(s.f64(C::kParameters));
-    std::vector<double> now(count);
-    evaluate(t, y.data(), y.size(), model_.parameter_values.size(), now.data());
-    for (size_t k = 0; k < count; ++k) {
-      const double start = s.f64(C::kInvariantsAtStart)[k];
-      out.add(model_.invariant_names[k], now[k], "1");
-      // Relative, but absolute where the invariant starts at 0.
-      out.add(model_.invariant_names[k] + ".drift",
-              std::abs(now[k] - start) / (start != 0 ? std::abs(start) : 1), "1");
-    }
-  }
-  for (size_t k = 0; k < model_.events.size(); ++k) {
-    out.add("events." + model_.events[k].name, static_cast<double>(s.span<uint64_t>(C::kEventCounts)[k]),
-            "1");
-  }
-  size_t guard = 0;
-  for (const OdeModel::Event& e : model_.events) {
-    if (model_.contacts.empty() || e.def.when.empty()) continue;
-    const size_t k = guard++;
-    if (model_.contacts[k].places.empty()) continue;
-    out.add("events." + e.name + ".resting", s.span<int32_t>(C::kResting)[k] != 0 ? 1 : 0, "1");
-  }
-  if (!model_.events.empty()) {
-    const bool stopped = s.f64(C::kStopped)[0] != 0;
-    out.add("stopped", stopped ? 1 : 0, "1");
-    out.add("stopped.time", stopped ? s.f64(C::kStopped)[1] : t, "s");
-  }
-  if (def_.tracers) {
-    // One pass in the order of the points.
-    const auto x = s.f64(C::kTracers);
-    constexpr const char* kAxes[] = {"x", "y", "z"};
-    const size_t tracers = x.size() / 3;
-    out.add("tracers.count", static_cast<double>(tracers), "1");
-    for (size_t axis = 0; axis < 3; ++axis) {
-      double least = HUGE_VAL, greatest = -HUGE_VAL, sum = 0;
-      for (size_t i = axis; i < x.size(); i += 3) {
-        least = std::min(least, x[i]), greatest = std::max(greatest, x[i]);
-        sum += x[i];
-      }
-      const std::string name = std::string("tracers.") + kAxes[axis];
-      out.add(name + ".min", least, "m");
-      out.add(name + ".max", greatest, "m");
-      out.add(name + ".mean", sum / static_cast<double>(tracers), "m");
-    }
-  }
-  if (method_) {
-    constexpr const char* kNames[] = {"integrator.steps", "integrator.rejected", "integrator.rates",
-                                      "integrator.jacobians"};
-    for (size_t k = 0; k < kOdeWorkCounters; ++k) {
-      out.add(kNames[k], static_cast<double>(s.span<uint64_t>(C::kWork)[k]), "1");
-    }
-  }
-}
-
-void Ode::name_parts() {
-  std::vector<PartInfo> parts;
-  if (rows_ > 0) {
-    PartInfo& points = parts.emplace_back();
-    points.fields.push_back({"position", "m", Scalar::f64, 3, Meaning::position});
-    if (!tags_.empty()) points.fields.push_back({"tag", "1"});
-    points.max_rows = rows_;
-    points.trail = trail_;
-  }
-  for (size_t k = 0; k < model_.states.size(); ++k) {
-    const size_t rows = model_.states[k].places.size();
-    const auto alike = [&](const std::vector<size_t>& g) {
-      return model_.states[g[0]].places.size() == rows;
-    };
-    auto at = std::find_if(groups_.begin(), groups_.end(), alike);
-    if (at == groups_.end()) at = groups_.insert(at, std::vector<size_t>{});
-    at->push_back(k);
-  }
-  for (const std::vector<size_t>& group : groups_) {
-    PartInfo& part = parts.emplace_back();
-    part.kind = PartInfo::Kind::values;
-    part.max_rows = model_.states[group[0]].places.size();
-    if (parts.size() > 1) part.name = part.max_rows == 1 ? "states" : model_.states[group[0]].name;
-    for (const size_t k : group) part.fields.push_back({model_.states[k].name, "1"});
-  }
-  set_parts(std::move(parts));
-  set_remedies(
-      {"a look at the equations: no method continues past a time where the solution blows up or jumps (an "
-       "event can stop before it, or set states)"});
-}
-
-FieldView Ode::field(const State& s, size_t part, size_t field, std::vector<double>& scratch) const {
-  if (rows_ > 0 && part-- == 0) {
-    if (field == 1) return {tags_.data(), Scalar::f64, tags_.size(), 1};
-    return {s.f64(def_.tracers ? C::kTracers : C::kTrail).data(), Scalar::f64, rows_, 3};
-  }
-  const OdeModel::Named& n = model_.states[groups_[part][field]];
-  scratch.resize(n.places.size());
-  for (size_t k = 0; k < n.places.size(); ++k) scratch[k] = s.f64(C::kStates)[n.places[k]];
-  return {scratch.data(), Scalar::f64, scratch.size(), 1};
-}
 
 std::optional<double> Ode::limit(Limit which, const State& s, double h) const {
   if (which != Limit::step_seconds || !method_) return std::nullopt;
