@@ -22,7 +22,15 @@ void require_observables(const World& world, const std::vector<std::string>& nam
     if (auto fault = unknown_observable(names[i], "/observe/" + std::to_string(i), known))
       issues.push_back(std::move(*fault));
   }
-  if (!issues.empty()) throw Error("bad_request", "no observable has this name", std::move(issues));
+  if (!issues.empty()) throw Error("invalid", "no observable has this name", std::move(issues));
+}
+
+// Names that this scene does not have are no fault of the request's form.
+std::vector<WireField> known_fields(const World& world, const std::vector<std::string>& fields,
+                                    const std::vector<std::string>& systems, WireEncoding encoding) try {
+  return wire_fields(world, fields, systems, encoding);
+} catch (const Error& e) {
+  throw Error(e.code() == "bad_request" ? "invalid" : e.code(), e.what(), e.issues());
 }
 
 }  // namespace
@@ -35,9 +43,9 @@ Look::Look(const json::object& wish, const World& world, WireEncoding encoding)
   require_observables(world, observe_);
   const std::vector<std::string> systems = names_member(wish, "systems", kMostNames);
   if (has_fields_) {
-    fields_ = wire_fields(world, names_member(wish, "fields", kMostNames), systems, encoding);
+    fields_ = known_fields(world, names_member(wish, "fields", kMostNames), systems, encoding);
   } else if (wish.contains("systems")) {
-    throw Error("bad_request", "the request has faults",
+    throw Error("invalid", "the request has faults",
                 {{"/systems", "inconsistent", "systems says whose fields; none are asked for", "",
                   "with \"fields\"", "", ""}});
   }

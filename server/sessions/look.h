@@ -18,7 +18,7 @@ class Look {
   Look() = default;
   /// {"observe": [names], "fields": [names], "systems": [ids], "queries": [...]}; fields in JSON come as f64,
   /// else as f32. Everything is read here: afterwards nothing of it can be refused. Errors "bad_request",
-  /// "bad_query".
+  /// "invalid", "unknown_system", "bad_query".
   Look(const boost::json::object& wish, const World& world, WireEncoding encoding);
 
   /// What was asked for, of the session's present state: "observables" by name (null when not finite),

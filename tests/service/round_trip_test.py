@@ -91,7 +91,7 @@ class RoundTrip(Case):
                 ({"commands": [PUSH, {"type": "impulse", "system": "w", "index": "nobody", "impulse": [1, 0, 0]}]}, "/commands/1/index"),
                 ({"commands": [PUSH, {"type": "fly"}]}, "/commands/1/type"),
                 ({"commands": [PUSH, {**PUSH, "index": 99}]}, "/commands/1/index"),
-                ({"commands": [PUSH], "observe": ["w.height"]}, "/observe/0"),
+                ({"commands": [PUSH], "observe": ["w.height"]}, "/observe/0"), ({"commands": [PUSH], "fields": [], "systems": ["x"]}, "/system"),
                 ({"commands": [PUSH], "fields": ["speed"]}, "/fields/0"),
                 ({"commands": [PUSH], "queries": [DOWN, {"type": "ray"}]}, "/queries/1/origin"),
                 ({"commands": [PUSH], "queries": [{**DOWN, "systems": ["x"]}]}, "/queries/0/systems/0"),

@@ -108,6 +108,7 @@ constexpr std::string_view kRequests = R"json({
         "description": "of whose parts the fields are; all if absent"},
       "queries": {"type": "array", "maxItems": 100, "items": {"$ref": "#/components/schemas/Query"},
         "description": "answered after the steps"}},
+    "dependentRequired": {"systems": ["fields"]},
     "oneOf": [{"required": ["steps"]}, {"required": ["seconds"]}, {"required": ["until"]},
       {"not": {"anyOf": [{"required": ["steps"]}, {"required": ["seconds"]}, {"required": ["until"]}]}}]},
   "PlayRequest": {"type": "object", "additionalProperties": false,
