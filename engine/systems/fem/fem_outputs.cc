@@ -84,7 +84,7 @@ auto of_elements(Write write) {
 struct Fem::Whole : ForceEnergies {
   double elastic = 0, external = 0, moved = 0, least = HUGE_VAL, pins = 0;
   Vec3 momentum{}, angular_momentum{}, held{};
-  std::optional<double> contact, gap, pairs;  ///< with a barrier
+  std::optional<double> contact{}, gap{}, pairs{};  ///< with a barrier
 };
 
 const OutputTable& Fem::outputs() {

@@ -42,7 +42,8 @@ Extent extent(const Ode&, const State& s, double, size_t axis) {
   double sum = 0;
   for (size_t i = axis; i < x.size(); i += 3)
     out.least = std::min(out.least, x[i]), out.greatest = std::max(out.greatest, x[i]), sum += x[i];
-  out.mean = sum / static_cast<double>(x.size() / 3);
+  const size_t points = x.size() / 3;
+  out.mean = sum / static_cast<double>(points);
   return out;
 }
 
