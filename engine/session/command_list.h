@@ -4,16 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "engine/core/commands/command.h"
 #include "engine/session/session.h"
 
 namespace truestep {
 
-/// Commands as users write them, each for the state that those before it leave, tried on a copy of the
-/// session's. Error "bad_command" with a pointer below `pointer`; the session is as it was.
-std::vector<Command> read_command_list(Session& session, const boost::json::array& documents,
-                                       const std::string& pointer);
-/// Carries them out; the sequence numbers of the session's journal. Under the errors of Session::command.
-std::vector<uint64_t> carry_out(Session& session, const std::vector<Command>& commands);
+/// Carries out commands as users write them, each for the state that those before it leave; their sequence
+/// numbers in the session's journal. Error "bad_command" with a pointer below `pointer`, also for more than
+/// 1,000: the session is as it was. (Several are tried on a copy of its state before.)
+std::vector<uint64_t> carry_out(Session& session, const boost::json::array& documents,
+                                const std::string& pointer);
 
 }  // namespace truestep

@@ -14,7 +14,6 @@ namespace json = boost::json;
 
 namespace {
 
-constexpr size_t kMostCommands = 1000;
 constexpr std::string_view kMembers[] = {"steps",   "seconds", "until",   "from_step", "commands",
                                          "observe", "fields",  "systems", "queries"};
 
@@ -67,8 +66,8 @@ uint64_t StepRequest::begin(SessionEntry& e) {
   Session& session = e.session;
   const uint64_t target = target_of(body_, session);
   look_ = Look(body_, session.world(), form_ == Form::json ? WireEncoding::f64 : WireEncoding::f32);
-  if (const json::array* commands = array_member(body_, "commands", kMostCommands))
-    sequences_ = carry_out(session, read_command_list(session, *commands, "/commands"));
+  if (const json::array* commands = array_member(body_, "commands", SIZE_MAX))
+    sequences_ = carry_out(session, *commands, "/commands");
   return target;
 }
 

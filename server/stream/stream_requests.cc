@@ -72,7 +72,7 @@ void StreamClient::command(const v1::ClientMessage& message) {
   between_steps(message.request_id(), [this, document = parse_json(message.command().json())] {
     Session& session = entry_->session;
     if (const boost::json::array* all = document.if_array())
-      carry_out(session, read_command_list(session, *all, ""));
+      carry_out(session, *all, "");
     else
       session.command(read_command_for(session.world(), session.state(), document));
     if (!entry_->session.playing()) send_current_frame();
@@ -115,7 +115,7 @@ void StreamClient::run(Job::Kind kind, Aim aim) {
   runner_.queue(entry_, job);
 }
 
-// Nobody reads of a step that somebody else's reset or pause ended early, or that failed: the sender is told.
+// A step that fails, or that a reset or pause ends early, is answered by a Problem.
 void StreamClient::step(const std::string& request_id, const std::string& body) {
   const boost::json::value document = parse_json(body);
   if (!document.is_object()) throw Error("bad_request", "a step must be a JSON object");

@@ -118,6 +118,11 @@ class RoundTrip(Case):
         answer = self.service.post(self.url + "/commands", [spawn, {**PUSH, "index": 40}])
         self.assertEqual((answer.status, answer.json()["errors"][0]["pointer"]), (422, "/1/index"), answer.body)
         self.assertEqual(self.get("")["state_hash"], before)
+        # One alone is placed as well; a thousand and one are too many.
+        for commands, pointer in (([{**PUSH, "index": 40}], "/0/index"), ([PUSH] * 1001, "")):
+            answer = self.service.post(self.url + "/commands", commands)
+            self.assertEqual((answer.status, answer.json()["errors"][0]["pointer"]), (422, pointer), answer.body)
+            self.assertEqual(self.get("")["state_hash"], before)
 
     def test_arrays_of_queries(self):
         answer = self.service.post(self.url + "/queries", [DOWN, {**DOWN, "origin": [1, 5, 0]}])

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/base/error_place.h"
+#include "engine/base/interrupt.h"
 #include "engine/scene/params/params.h"
 #include "engine/scene/params/params_text.h"
 
@@ -356,7 +357,10 @@ json::value answer_queries(const Session& session, const json::value& documents)
   }
   Surroundings around(session, queries.size());
   json::array out;
-  for (const PreparedQuery& q : queries) out.push_back(q(around));
+  for (const PreparedQuery& q : queries) {
+    interruption_point();
+    out.push_back(q(around));
+  }
   return out;
 }
 

@@ -19,7 +19,7 @@ class Surroundings {
     Pose pose;
     std::string_view system, part;  ///< ids; system empty, part its own id for a shape that no row carries
     std::optional<size_t> row;
-    FloatBox box;
+    FloatBox box{};
   };
 
   /// For so many queries: several share a tree of boxes, one looks at all of them. Nothing is gathered before

@@ -172,8 +172,10 @@ json::object typed_schema(const Types& types) {
 }
 
 json::object one_or_more(std::string_view schema) {
-  return {{"oneOf", json::array{schema_reference(schema),
-                                json::object{{"type", "array"}, {"items", schema_reference(schema)}}}}};
+  return {{"oneOf",
+           json::array{
+               schema_reference(schema),
+               json::object{{"type", "array"}, {"maxItems", 1000}, {"items", schema_reference(schema)}}}}};
 }
 
 }  // namespace

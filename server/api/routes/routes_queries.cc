@@ -11,17 +11,18 @@ namespace {
 
 // Checked before anything of an array is read.
 boost::json::value answer(const Session& session, const boost::json::value& body) {
-  constexpr size_t kMostQueries = 10'000;
+  constexpr size_t kMostQueries = 1000;
   if (body.is_array() && body.as_array().size() > kMostQueries)
-    throw Error("bad_query", "a request may hold at most 10000 queries");
+    throw Error("bad_query", "a request may hold at most 1000 queries");
   return answer_queries(session, body);
 }
 
 Task<Response> query(App& app, const Request& request) {
   EntryPtr entry = co_await session_of(app, request);
   const boost::json::value body = co_await long_json_body(app, request);
-  co_return co_await with_session_on_worker(
-      app, entry, [&body](SessionEntry& e) { return json_response(answer(e.session, body)); });
+  const AnswerOfSession find = [&body](SessionEntry& e) { return json_response(answer(e.session, body)); };
+  if (!body.is_array()) co_return co_await with_session_on_worker(app, entry, find);
+  co_return co_await with_session_in_long_work(app, entry, find);
 }
 
 }  // namespace

@@ -175,7 +175,7 @@ Task<Response> end(App& app, const Request& request) {
 json::value carry_out_commands(Session& session, const json::value& body) {
   if (body.is_array()) {
     json::array out;
-    for (const uint64_t n : carry_out(session, read_command_list(session, body.as_array(), "")))
+    for (const uint64_t n : carry_out(session, body.as_array(), ""))
       out.push_back(json::object{{"sequence", n}, {"step", session.step_index()}});
     return out;
   }
